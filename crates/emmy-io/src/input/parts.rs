@@ -188,6 +188,9 @@ impl Parts {
             }
         };
         adaptive::check_scale(&body, &self.time)?;
+        if self.output.has_frames() {
+            self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
+        }
         let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
         places.check(&body, &loads, &initial, &self.time.plan)?;

@@ -254,7 +254,7 @@ impl TimePoint {
         forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)
     }
 
-    /// Sets the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
+    /// Sets the reactions of all ranks, and the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
     /// `inertia`: M a.
     pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         let reaction = |dof: usize| inertia[dof] - self.force[dof];
@@ -263,11 +263,6 @@ impl TimePoint {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
         }
-        body.sum_reactions(&mut self.reactions);
-    }
-
-    /// Sums the reactions of all ranks.
-    pub(crate) fn sum_reactions(&mut self, body: &Body) {
         body.sum_reactions(&mut self.reactions);
     }
 
@@ -294,7 +289,6 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
     point.displacement.copy_from_slice(&state.displacement);
     point.evaluate(&mut Forces::new(body), state.time)?;
     point.set_reactions(body, &vec![0.0; body.n_dofs()]);
-    point.sum_reactions(body);
     Ok(point.reactions)
 }
 
