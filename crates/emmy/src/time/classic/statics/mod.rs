@@ -131,7 +131,6 @@ impl Stepper for StaticStepper<'_> {
         let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.
         self.end.set_reactions(body, &self.system.rest);
-        self.end.sum_reactions(body);
         state.displacement.copy_from_slice(&self.end.displacement);
         state.displacement_low.fill(0.0);
         let mut impulses = Impulses { work: strain_state.strain_energy - self.energy, ..Impulses::default() };
