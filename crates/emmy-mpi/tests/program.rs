@@ -146,7 +146,8 @@ fn assert_near(own: &Path, other: &Path, tolerance: f64, name: &str) {
     };
     let mut compared = 0;
     for (column, values) in &own {
-        let vector = ["linear_momentum_", "angular_momentum_", "tip_"].into_iter().find(|own| column.starts_with(own));
+        let vector =
+            ["linear_momentum_", "angular_momentum_", "tip_"].into_iter().find(|own| column.starts_with(own));
         let size = match (column.as_str(), vector) {
             ("kinetic_energy" | "strain_energy" | "total_energy" | "external_work", _) => energy,
             (_, Some(prefix)) if !column.ends_with("residual") => size_of(prefix.trim_end_matches('_')),
@@ -156,7 +157,10 @@ fn assert_near(own: &Path, other: &Path, tolerance: f64, name: &str) {
         assert_eq!(values.len(), other[column].len(), "{name}: steps");
         for (step, (own, other)) in values.iter().zip(&other[column]).enumerate() {
             let difference = (own - other).abs() / size.max(1e-300);
-            assert!(difference <= tolerance, "{name}: {column} of step {step}: {own} and {other}, {difference:e}");
+            assert!(
+                difference <= tolerance,
+                "{name}: {column} of step {step}: {own} and {other}, {difference:e}"
+            );
         }
     }
     assert!(compared >= 10, "{name}: columns are missing");
@@ -213,6 +217,33 @@ fn a_run_moves_between_one_process_and_ranks() {
     assert_near(&there, &alone, 1e-12, "one process, two ranks, one process");
 }
 
+#[test]
+fn ranks_read_their_parts_of_a_mesh_that_was_split() {
+    let temp = TempDir::new().unwrap();
+    let at = temp.path();
+    let file = input("l-block.toml");
+    let parts = at.join("block.parts");
+    emmy(&["split", &file, "--parts", "3", "--output", parts.to_str().unwrap()]);
+    run_well(3, at, &["run", &file, "--quiet", "--output", "sent", "--until", "0.3"]);
+    run_well(
+        3,
+        at,
+        &["run", &file, "--quiet", "--output", "read", "--until", "0.3", "--parts", "block.parts"],
+    );
+    assert!(bits(&at.join("read")) == bits(&at.join("sent")));
+    run_well(3, at, &["resume", "read", "--quiet", "--until", "0.5", "--parts", "block.parts"]);
+    for (size, set, message) in [
+        (2, "title=\"as before\"", "is split into 3 parts, but the team has 2 ranks"),
+        (3, "mesh.l-block.cell_size=0.5", "are of another `[mesh]` than that of the input"),
+    ] {
+        let arguments = ["run", &file, "--output", "none", "--parts", "block.parts", "--set", set];
+        let ended = run(size, at, &arguments);
+        assert_eq!(ended.code, Some(2), "{}", ended.messages);
+        assert_eq!(ended.messages.matches(message).count(), 1, "{}", ended.messages);
+        assert!(!at.join("none").exists());
+    }
+}
+
 /// The history without the time that the run took.
 fn bits(directory: &Path) -> Vec<(String, Vec<u64>)> {
     let mut columns: Vec<(String, Vec<u64>)> = history(directory)
@@ -249,7 +280,8 @@ fn a_signal_the_stop_file_and_a_kill_leave_runs_that_resume_with_the_same_bits()
             "signal" => ranks.signal("-USR1"),
             "file" => fs::write(directory.join("stop"), "").unwrap(),
             _ => {
-                let own = fs::read_to_string(format!("/proc/{0}/task/{0}/children", ranks.child.id())).unwrap();
+                let own =
+                    fs::read_to_string(format!("/proc/{0}/task/{0}/children", ranks.child.id())).unwrap();
                 let rank = own.split_whitespace().last().unwrap();
                 assert!(Command::new("kill").args(["-KILL", rank]).status().unwrap().success());
             }
@@ -291,7 +323,12 @@ fn bad_input_is_one_message_and_nothing_is_written() {
         assert!(!at.join("results").exists(), "{set}");
     }
     let ended = run(2, at, &["run", "missing.toml"]);
-    assert_eq!((ended.code, ended.messages.matches("missing.toml").count()), (Some(2), 1), "{}", ended.messages);
+    assert_eq!(
+        (ended.code, ended.messages.matches("missing.toml").count()),
+        (Some(2), 1),
+        "{}",
+        ended.messages
+    );
     let ended = run(2, at, &["report", "results"]);
     assert_eq!(ended.code, Some(2), "{}", ended.messages);
 }
