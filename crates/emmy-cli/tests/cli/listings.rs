@@ -10,6 +10,7 @@
 //! | `text output` | lines of the last output, except for numbers; `...` stands for any others |
 //! | `rust FILE`, `python FILE`, `geo FILE`, `csv FILE` | lines of FILE, which another test runs |
 //! | `text FILE` | output of the Python program FILE, for `tests/pyvista/frames.py` |
+//! | `bash` | a script of a batch system, which nobody runs |
 //! | `python`, `text python` | a script and its output, for `python/tests/test_book.py` |
 //!
 //! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes the present output into the pages.
@@ -44,6 +45,10 @@ const OTHERS: &[&str] = &[
     "twine",
     "gmsh",
     "mdbook",
+    "module",
+    "mpirun",
+    "pkg-config",
+    "touch",
     "fuzz/run",
     "taplo",
     "EMMY_DRAW=1017",
@@ -141,6 +146,8 @@ impl<'a> Session<'a> {
             // `python/tests/test_book.py` runs these.
             ["python"] | ["text", "python"] => {}
             ["math"] => {}
+            // A batch script needs its system.
+            ["bash"] => {}
             _ => panic!("{}: nobody tests a listing of {words:?}", self.page),
         }
         None
