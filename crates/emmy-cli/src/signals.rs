@@ -4,6 +4,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use emmy::motion::{Observer, View};
 use emmy_io::summary::{self, Status};
@@ -68,21 +69,24 @@ pub(crate) fn is_asked() -> bool {
 /// Name of a file in the directory of a run that stops it at the end of its step.
 const STOP_FILE: &str = "stop";
 
-/// Ends a march when the host asks to stop, or when there is a file `stop` in the directory of the run. On a team one rank is
-/// enough: all end at the same step.
+/// Ends a march when the host asks to stop, when there is a file `stop` in the directory of the run, or when its time is over.
+/// On a team one rank is enough: all end at the same step.
 #[derive(Debug)]
 pub(crate) struct Stop<'h> {
     host: &'h dyn Host,
     /// The file, on the rank that looks for it.
     file: Option<PathBuf>,
+    /// When the time is over.
+    end: Option<Instant>,
 }
 
 impl<'h> Stop<'h> {
-    /// The observer of a run in a directory. A file that an earlier run left is removed.
-    pub(crate) fn new(host: &'h dyn Host, directory: &Path) -> Self {
+    /// The observer of a run in a directory, which may take some seconds. A file that an earlier run left is removed.
+    pub(crate) fn new(host: &'h dyn Host, directory: &Path, seconds: Option<u32>) -> Self {
         let is_first = host.team().is_none_or(|team| team.rank() == 0);
         let file = is_first.then(|| directory.join(STOP_FILE));
-        let stop = Stop { host, file };
+        let end = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds.into()));
+        let stop = Stop { host, file, end };
         stop.has_file();
         stop
     }
@@ -112,7 +116,8 @@ impl Observer for Stop<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let step = view.record.step;
         let time = view.record.time;
-        let mut is_asked = [f64::from(u8::from(self.host.is_interrupted() || self.has_file()))];
+        let is_over = self.end.is_some_and(|end| Instant::now() >= end);
+        let mut is_asked = [f64::from(u8::from(is_over || self.host.is_interrupted() || self.has_file()))];
         if let Some(team) = self.host.team() {
             team.largest("whether to stop", &mut is_asked);
         }

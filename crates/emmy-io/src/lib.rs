@@ -47,7 +47,6 @@ pub mod modes;
 pub mod newton;
 mod picture;
 pub mod properties;
-mod ranks;
 mod recording;
 pub mod report;
 pub mod results;

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use emmy::body::Body;
 use emmy::motion::{Event, Motion, Observer, RunStatistics, State, StepPlan, View};
-use emmy::team::{self, Team};
+use emmy::team::Subdomain;
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
@@ -21,6 +21,7 @@ use crate::newton::NewtonFile;
 use crate::recording::{OtherFields, Recording};
 use crate::report::{self, ReportError};
 use crate::summary::{self, Status, SummaryHeader};
+use crate::team::agreed;
 use crate::vtk::{Format, FrameTime};
 use crate::whole_file::{remove, replace};
 
@@ -48,7 +49,8 @@ pub enum ResumeError {
 /// frames and checkpoints.
 #[derive(Debug)]
 pub struct Results {
-    team: Option<Arc<dyn Team>>,
+    /// The part of the rank, on a team.
+    part: Option<Arc<Subdomain>>,
     output: Output,
     plan: StepPlan,
     columns: HistoryColumns,
@@ -206,7 +208,7 @@ impl Results {
         let extremes = after.map_or_else(Vec::new, |checkpoint| checkpoint.extremes.clone());
         let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
         let mut results = Results {
-            team: problem.body.subdomain().map(|part| part.team().clone()),
+            part: problem.body.subdomain().cloned(),
             limits: problem.limits,
             columns: HistoryColumns::of(problem),
             output,
@@ -238,10 +240,7 @@ impl Results {
 
     /// The same outcome on all ranks.
     fn agree(&self, own: io::Result<()>) -> io::Result<()> {
-        match &self.team {
-            Some(team) => team::agree(&**team, own, io::Error::other),
-            None => own,
-        }
+        agreed(self.part.as_deref(), own)
     }
 
     /// Whether this rank writes the files of the whole run.
@@ -387,8 +386,8 @@ impl Results {
         let frames = self.recording.as_ref().map_or(&[][..], Recording::written);
         // The clock of rank 0 decides.
         let mut is_due = [f64::from(u8::from(self.files.is_some() && checkpoints.is_sync_due()))];
-        if let Some(team) = &self.team {
-            team.largest("whether a sync is due", &mut is_due);
+        if let Some(part) = &self.part {
+            part.largest("whether a sync is due", &mut is_due);
         }
         let is_safe = is_last || is_due[0] > 0.0;
         let synced = match &mut self.files {
@@ -396,10 +395,7 @@ impl Results {
             Some(files) if is_safe => files.history.sync(),
             _ => Ok(()),
         };
-        match &self.team {
-            Some(team) => team::agree(&**team, synced, io::Error::other)?,
-            None => synced?,
-        }
+        agreed(self.part.as_deref(), synced)?;
         let progress = Progress {
             frames,
             history_checksum: self.files.as_ref().map_or(0, |files| files.history.sum()),

@@ -1,11 +1,13 @@
-//! Outcomes of files that all ranks of a team have together.
+//! Work of one rank of a team, and outcomes that all ranks have together.
 
 #[cfg(test)]
 mod tests;
 
-use std::io;
+use std::{fmt, io};
 
 use emmy::team::{self, Subdomain};
+
+use crate::input::Problem;
 
 /// The same outcome on all ranks: the error of the lowest rank that has one. `None`: no team.
 pub(crate) fn agreed<T>(subdomain: Option<&Subdomain>, own: io::Result<T>) -> io::Result<T> {
@@ -22,4 +24,39 @@ pub(crate) fn on_first_rank(
 ) -> io::Result<()> {
     let is_first = subdomain.is_none_or(|subdomain| subdomain.rank() == 0);
     agreed(subdomain, if is_first { work() } else { Ok(()) })
+}
+
+impl Problem {
+    /// Number of the rank of this process; 0 without a team.
+    pub fn rank(&self) -> usize {
+        self.body.subdomain().map_or(0, |part| part.team().rank())
+    }
+
+    /// The same outcome on all ranks of a team; `other` turns the message of another rank into an error.
+    ///
+    /// # Errors
+    /// That of the lowest rank that has one.
+    pub fn agree<T, E: fmt::Display>(
+        &self,
+        own: Result<T, E>,
+        other: impl FnOnce(String) -> E,
+    ) -> Result<T, E> {
+        match self.body.subdomain() {
+            Some(part) => team::agree(&**part.team(), own, other),
+            None => own,
+        }
+    }
+
+    /// Runs a function on rank 0 alone; an error of it is an error of all ranks.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn on_first_rank<T, E: fmt::Display>(
+        &self,
+        work: impl FnOnce() -> Result<T, E>,
+        other: impl FnOnce(String) -> E,
+    ) -> Result<Option<T>, E> {
+        let own = (self.rank() == 0).then(work).transpose();
+        self.agree(own, other)
+    }
 }

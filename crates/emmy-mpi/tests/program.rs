@@ -301,12 +301,16 @@ fn a_signal_the_stop_file_and_a_kill_leave_runs_that_resume_with_the_same_bits()
             assert!(ended.messages.contains(&format!("`emmy-mpi resume {how}` resumes from here")));
         }
         let end = format!("{}", 0.1 * (n_rows(&directory) + 4) as f64);
+        let moved = format!("{how}-moved");
+        assert!(Command::new("cp").args(["-r", how, &moved]).current_dir(at).status().unwrap().success());
         run_well(3, at, &["resume", how, "--quiet", "--until", &end]);
         let whole = format!("{how}-whole");
         let file = input("l-block.toml");
         run_well(3, at, &["run", &file, "--quiet", "--output", &whole, "--until", &end]);
         assert!(bits(&directory) == bits(&at.join(&whole)), "{how}: the resumed run has other bits");
         assert!(!directory.join("stop").exists());
+        run_well(2, at, &["resume", &moved, "--quiet", "--until", &end]);
+        assert_near(&at.join(&moved), &at.join(&whole), 1e-11, &format!("{how}, resumed on two ranks"));
     }
 }
 

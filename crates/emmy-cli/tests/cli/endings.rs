@@ -250,6 +250,17 @@ fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
 }
 
 #[test]
+fn a_run_ends_when_its_time_is_over() {
+    let place = Place::with(&long_box());
+    let outcome = place.emmy(&["run", "box.toml", "--quiet", "--wall-limit", "1", "--until", "1e6"]);
+    assert_eq!(outcome.code, 130, "{}", outcome.stderr);
+    assert_eq!(place.summary("out")["status"], "interrupted");
+    let seconds = place.summary("out")["wall_seconds"].as_f64().unwrap();
+    assert!(seconds >= 1.0, "{seconds}");
+    assert_eq!(place.emmy(&["run", "box.toml", "--wall-limit", "0"]).code, 2);
+}
+
+#[test]
 fn a_file_named_stop_ends_a_run_like_a_signal() {
     let place = Place::with(&long_box());
     let run = start(&place, &["run", "box.toml"]);

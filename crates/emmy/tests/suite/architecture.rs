@@ -78,6 +78,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "input",
             "models",
             "internal_nodes",
+            "entries",
             "regions",
             "nodal",
             "drive",

@@ -42,6 +42,9 @@ pub(super) struct RunOptions {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
+    /// Stop after the step in which this many seconds of the clock have passed, with a checkpoint, as a signal does
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..))]
+    pub wall_limit: Option<u32>,
     /// Estimate the error of the positions at the end by a second motion of the next degree; takes two to three times
     /// as long
     #[arg(long)]
@@ -104,7 +107,7 @@ pub(super) fn march<'a>(
     progress.start_at(motion.state());
     let mut json = JsonLines::new(host, options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
-    let mut stop = Stop::new(host, results.directory());
+    let mut stop = Stop::new(host, results.directory(), options.wall_limit);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
     observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
     observers.push(&mut stop);
