@@ -252,7 +252,12 @@ impl Results {
     /// Each file is tried even if another one fails; a run with the status `done` has then failed.
     pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
         // A run cannot resume from a step that could not be written.
-        let is_sound = status != Status::Failed;
+        let mut failed = [f64::from(u8::from(status == Status::Failed))];
+        if let Some(part) = &self.part {
+            part.largest("whether the run failed", &mut failed);
+        }
+        let is_sound = failed[0] == 0.0;
+        let status = if is_sound { status } else { Status::Failed };
         let mut errors = vec![self.end_frames(motion, is_sound)];
         errors.extend(is_sound.then(|| self.write_checkpoint(motion, true)));
         errors.push(self.files.as_mut().map_or(Ok(()), |files| files.history.verify()));

@@ -24,11 +24,13 @@ const HEADER: &str = "emmy share 1\n";
 /// What a folder of shares has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Index {
+    /// That Emmy wrote the folder, and which version.
+    pub writer: String,
     /// Number of shares.
     pub parts: usize,
     /// Digest of the whole mesh.
     pub digest: String,
-    /// The section `[mesh]` of the input, without the name of a file.
+    /// The section `[mesh]` of the input, without the folder of a file.
     pub source: String,
     /// Number of nodes of the whole mesh.
     pub nodes: usize,
@@ -124,6 +126,7 @@ pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: &str) -> io:
         replace(&file(directory, rank), &bytes)?;
     }
     let index = Index {
+        writer: format!("Written by Emmy {}", env!("CARGO_PKG_VERSION")),
         parts: shares.size(),
         digest: crate::checkpoint::digest(mesh),
         source: source.to_string(),

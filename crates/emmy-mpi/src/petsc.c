@@ -158,9 +158,9 @@ int emmy_petsc_set(Engine **own, int is_multigrid, size_t n_own, size_t first, c
     PCFailedReason reason;
     PetscInt row, column;
     size_t i, at;
-    int is_new = !*own;
+    int failed;
     PetscFunctionBeginUser;
-    if (is_new) {
+    if (!*own) {
         PetscCall(PetscNew(own));
         PetscCall(create_matrix(*own, (PetscInt)n_own, (PetscInt)first, begin, columns));
     }
@@ -174,14 +174,18 @@ int emmy_petsc_set(Engine **own, int is_multigrid, size_t n_own, size_t first, c
     PetscCall(MatAssemblyEnd(engine->matrix, MAT_FINAL_ASSEMBLY));
     if (is_multigrid)
         PetscCall(set_rigid_modes(engine, positions));
-    if (is_new || is_multigrid) {
+    if (!engine->inverse || is_multigrid) {
         /* GAMG keeps the near-null space of its first matrix, even after PCReset. */
         PetscCall(PCDestroy(&engine->inverse));
         PetscCall(create_inverse(engine, is_multigrid));
     }
     PetscCall(PCSetUp(engine->inverse));
     PetscCall(PCGetFailedReason(engine->inverse, &reason));
-    if (reason) {
+    failed = reason != PC_NOERROR;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD));
+    if (failed) {
+        /* The next matrix begins without the failure. */
+        PetscCall(PCDestroy(&engine->inverse));
         snprintf(message, sizeof message, "the factorisation failed (%s)",
                  reason == PC_FACTOR_OUTMEMORY ? "not enough memory" : "a pivot is zero, or another reason");
         PetscFunctionReturn(FAILED);

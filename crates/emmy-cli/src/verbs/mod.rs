@@ -223,7 +223,8 @@ fn with_threads<T: Send>(
     let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
     let pool = if is_team { builder.use_current_thread().build() } else { builder.build() };
-    let pool = pool.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
+    let pool = pool.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")));
+    let pool = agreed(host, pool)?;
     Ok(pool.install(work))
 }
 

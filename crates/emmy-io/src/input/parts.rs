@@ -145,6 +145,8 @@ impl Parts {
     /// The problem, once the mesh is made.
     pub(super) fn problem(mut self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
         let (mesh, digest) = source.mesh(&resolved, || self.checked_mesh())?;
+        // Of the ranks that have not read the mesh.
+        source.agree(self.faults.finish())?;
         let (mesh, mut notes, files, formulations) = match mesh {
             Some(CheckedMesh { file, formulations }) => {
                 (Some(file.mesh), file.notes, file.files, formulations)
@@ -193,7 +195,7 @@ impl Parts {
         }
         let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
-        places.check(&body, &loads, &initial, &self.time.plan)?;
+        source.agree(places.check(&body, &loads, &initial, &self.time.plan).map_err(InputError::from))?;
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());
         }

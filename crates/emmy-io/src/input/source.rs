@@ -92,10 +92,12 @@ fn digest_of_parts(folder: &Path, resolved: &str) -> Result<String, InputError> 
     Ok(index.digest)
 }
 
-/// The section `[mesh]` of a resolved input, without the name of a file, which may move.
+/// The section `[mesh]` of a resolved input, without the folder of a file, which may move.
 pub(super) fn mesh_section(resolved: &str) -> String {
     let table = resolved.parse::<toml::Table>().unwrap_or_default();
     let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return String::new() };
-    mesh.remove("file");
+    if let Some(toml::Value::String(file)) = mesh.get_mut("file") {
+        *file = Path::new(file).file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    }
     mesh.to_string()
 }

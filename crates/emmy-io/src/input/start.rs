@@ -160,10 +160,11 @@ impl Problem {
     /// The last state of another run.
     fn state_of(&self, directory: &Path) -> Result<State, StartError> {
         let own = std::fs::canonicalize(&self.output.directory).ok();
-        if own.is_some() && own == std::fs::canonicalize(directory).ok() {
-            let reason = "it is the output directory of this run, which would replace it; give another `output.directory`";
-            return Err(StartError::Run(reason.to_string()));
-        }
+        let is_other = match own.is_some() && own == std::fs::canonicalize(directory).ok() {
+            true => Err(StartError::Run(OWN_DIRECTORY.to_string())),
+            false => Ok(()),
+        };
+        self.agree(is_other, StartError::Run)?;
         let unusable = |error: CheckpointError| StartError::Run(error.to_string());
         let team: &dyn Team = self.body.subdomain().map_or(&Alone, |part| &**part.team());
         let (checkpoint, damaged) = checkpoint::newest(directory, team).map_err(unusable)?;
@@ -181,6 +182,10 @@ impl Problem {
         Ok(checkpoint.state(&self.body).map_err(unusable)?.transferred(&self.body, self.plan.start())?)
     }
 }
+
+/// Why a run cannot start from itself.
+const OWN_DIRECTORY: &str =
+    "it is the output directory of this run, which would replace it; give another `output.directory`";
 
 /// The directory of `initial.state`, if it is there.
 pub(super) fn read(root: &Table<'_>, directory: &Path) -> Result<Option<PathBuf>, Fault> {

@@ -113,8 +113,8 @@ impl ModeSolvers {
         let number = scale * stiffness_over_mass(body, stiffness);
         self.time_scale = time_scale;
         loop {
-            let done =
-                self.choose(body, number, is_stiff).and_then(|()| self.factorize(body, stiffness, positions));
+            let chosen = self.choose(body, number, is_stiff);
+            let done = body.agree(chosen).and_then(|()| self.factorize(body, stiffness, positions));
             let done = body.agree(done);
             let Err(error) = &done else { return done };
             match self
@@ -340,7 +340,8 @@ impl ModeSolvers {
         // The run may come from another number of ranks, which had other solvers: the next stiffness has one of its own.
         let is_missing = body.shared_part().is_some() && !self.engines.contains(&SolverKind::Direct);
         self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || !is_missing);
-        self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice))
+        let created = self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice));
+        body.agree(created)
     }
 }
 
