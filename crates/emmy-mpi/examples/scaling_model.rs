@@ -1,24 +1,30 @@
 //! A model of many processes from numbers of this machine: where the time of a step goes, and what breaks first.
 //!
-//!     RAYON_NUM_THREADS=1 cargo run --release --example scaling_model [CELLS]
+//!     RAYON_NUM_THREADS=1 cargo run --release -p emmy-mpi --example scaling_model [CELLS]
 //!
 //! Neighbours, guests and cells computed twice come from real partitions of the L-shaped block with CELLS (16) cells a unit
 //! length into 8 to 4,096 parts; sums and exchanges of a step from a motion whose calls are counted; time and memory of a
-//! degree of freedom from a motion of one process. The network is assumed: see `LATENCY` and `BANDWIDTH`. Nothing here is a
-//! measurement of more than one machine.
+//! degree of freedom from a motion of one process; memory of the first rank, which divides the mesh, from this process. The
+//! network is assumed: see `LATENCY` and `BANDWIDTH`. Nothing here is a measurement of more than one machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use emmy::mesh::{self, Share, owners};
+use emmy::mesh::{self, Share, Shares, owners};
 use emmy::motion::Solver;
 use emmy::prelude::*;
-use emmy::team::{Parcel, Team, Threads};
+use emmy::team::{GROUP, Parcel, Team, Threads};
 
 /// Assumed: seconds a message, bytes a second of a rank.
 const LATENCY: f64 = 2e-6;
 const BANDWIDTH: f64 = 1e9;
+
+/// Assumed: bytes of memory of a machine.
+const MACHINE: f64 = 256e9;
+
+/// Bytes of a number of the sums.
+const NUMBER: f64 = 8.0;
 
 /// Ranks of a partition that are looked at.
 const SAMPLES: usize = 12;
@@ -100,12 +106,18 @@ fn calls() -> emmy::Result<[f64; 2]> {
     ranks.swap_remove(0)
 }
 
-/// Largest resident memory of this process so far, in bytes (Linux).
-fn peak_memory() -> f64 {
+/// Resident memory of this process in bytes (Linux): the largest since [`reset_peak`], or the present one.
+fn memory(name: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let line = status.lines().find_map(|line| line.strip_prefix(name));
     let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
     kilobytes.map_or(f64::NAN, |kilobytes| 1024.0 * kilobytes)
+}
+
+/// Forgets the largest memory so far; returns the present one.
+fn reset_peak() -> f64 {
+    _ = std::fs::write("/proc/self/clear_refs", "5");
+    memory("VmRSS:")
 }
 
 /// What the ranks of a partition have, as means over the ranks that were looked at; the largest number of neighbours.
@@ -118,10 +130,10 @@ struct Partition {
 
 fn partition(mesh: &Mesh, size: usize) -> emmy::Result<Partition> {
     let owners = owners(mesh, size)?;
+    let shares = Shares::new(mesh, &owners);
     let ranks: Vec<usize> = (0..size).step_by(size.div_ceil(SAMPLES)).collect();
-    let shares = ranks.iter().map(|&rank| Share::new(mesh, &owners, rank));
     let (mut own, mut guests, mut cells, mut counted, mut neighbours) = (0, 0, 0, 0, 0);
-    for share in shares {
+    for share in ranks.iter().map(|&rank| shares.share(rank)) {
         own += share.n_own();
         guests += share.mesh().n_nodes() - share.n_own();
         cells += share.mesh().n_cells();
@@ -137,19 +149,32 @@ fn partition(mesh: &Mesh, size: usize) -> emmy::Result<Partition> {
     })
 }
 
+/// Seconds of a sum of one number: within groups of ranks, among their first ranks, and back to the groups.
+fn sum_in_groups(ranks: f64) -> f64 {
+    let group = ranks.min(GROUP as f64);
+    let groups = (ranks / group).ceil();
+    let gather = |size: f64| size.log2().ceil() * LATENCY + NUMBER * size / BANDWIDTH;
+    gather(group) + gather(groups) + group.log2().ceil() * LATENCY
+}
+
 fn main() -> emmy::Result<()> {
     let cells: f64 = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(16.0);
-    let before = peak_memory();
+    let before = reset_peak();
     let body = Body::builder(mesh::l_block(0.25)?).region(rubber()?).build()?;
     let (seconds, iterations) = spin(&body, 0.25)?;
     let n = body.n_dofs() as f64;
-    let (per_dof, memory) = (seconds / n, (peak_memory() - before) / n);
+    let (per_dof, memory_of_dof) = (seconds / n, (memory("VmHWM:") - before) / n);
+    drop(body);
     let [sums, exchanges] = calls()?;
     println!("One process, {n} degrees of freedom, DGM of degree 1, Courant number 5:");
-    println!("{:.2} us a degree of freedom and step, {memory:.0} bytes a degree of freedom,", 1e6 * per_dof);
+    println!(
+        "{:.2} us a degree of freedom and step, {memory_of_dof:.0} bytes a degree of freedom,",
+        1e6 * per_dof
+    );
     println!("{:.1} linear iterations a step.", iterations as f64 / (STEPS + 1) as f64);
     println!("Two ranks: {sums:.0} sums and {exchanges:.0} exchanges a step.\n");
 
+    let before = reset_peak();
     let mesh = mesh::l_block(1.0 / cells)?;
     println!(
         "| parts of {} nodes | own nodes | guests | guests/own^(2/3) | cells more | most neighbours |",
@@ -169,6 +194,8 @@ fn main() -> emmy::Result<()> {
         surface = if surface == 0.0 { factor } else { surface.max(factor) };
         most_neighbours = most_neighbours.max(neighbours);
     }
+    let memory_of_node = (memory("VmHWM:") - before) / mesh.n_nodes() as f64;
+    println!("The mesh and its division take {memory_of_node:.0} bytes a node on the first rank.");
 
     println!("\n| 10,000 ranks, degrees of freedom a rank | 100,000 | 10,000 |");
     println!("|---|---|---|");
@@ -178,10 +205,9 @@ fn main() -> emmy::Result<()> {
         let compute = per_dof * dofs;
         // Half of a step is assembly, which computes cells at the border twice: about half a layer of cells.
         let twice = 0.5 * compute * 0.5 * guests / (dofs / 3.0);
-        let exchange = exchanges * (most_neighbours as f64 * LATENCY + 24.0 * guests / BANDWIDTH);
-        let sum = sums * (ranks.log2().ceil() * LATENCY + 8.0 * ranks / BANDWIDTH);
-        let tree = sums * 2.0 * ranks.log2().ceil() * LATENCY;
-        [compute, twice, exchange, sum, tree, compute / (compute + twice + exchange + tree), memory * dofs]
+        let exchange = exchanges * (most_neighbours as f64 * LATENCY + 3.0 * NUMBER * guests / BANDWIDTH);
+        let sum = sums * sum_in_groups(ranks);
+        [compute, twice, exchange, sum, compute / (compute + twice + exchange + sum), memory_of_dof * dofs]
     });
     let row = |name: &str, index: usize, factor: f64, unit: &str| {
         println!(
@@ -193,25 +219,19 @@ fn main() -> emmy::Result<()> {
     row("computing", 0, 1.0, " s");
     row("cells computed twice", 1, 1.0, " s");
     row("exchanges", 2, 1.0, " s");
-    row("sums, gathered in one level as now", 3, 1.0, " s");
-    row("sums in two levels", 4, 1.0, " s");
-    row("efficiency with sums in two levels", 5, 1.0, "");
-    row("memory of a rank", 6, 1e-9, " GB");
+    row("sums, in groups of ranks", 3, 1.0, " s");
+    row("efficiency", 4, 1.0, "");
+    row("memory of a rank", 5, 1e-9, " GB");
 
-    // The whole mesh: coordinates, connectivity of hexahedra, groups, owners, numbers.
-    let nodes = 1e9 / 3.0;
-    println!("\nWhat breaks first, for 1e9 degrees of freedom:");
-    println!(
-        "1. The whole mesh on every rank before its share is taken: {:.0} GB.",
-        nodes * (24.0 + 36.0 + 8.0) * 1e-9
-    );
-    println!(
-        "2. Sums gathered in one level: {:.0} kB a sum and rank, {sums:.0} of them a step.",
-        8.0 * ranks / 1024.0
-    );
-    println!(
-        "3. METIS with 32-bit indices: {:.0} million nodes of hexahedra.",
-        f64::from(i32::MAX) / 26.0 * 1e-6
-    );
+    let mut limits = [
+        ("METIS counts the couplings of nodes, 26 each, in 32 bits", 3.0 * f64::from(i32::MAX) / 26.0),
+        ("the first rank divides the mesh in 256 GB", 3.0 * MACHINE / memory_of_node),
+        ("PETSc of Debian numbers rows in 32 bits", f64::from(i32::MAX)),
+        ("nodes of the mesh are numbered in 32 bits", 3.0 * f64::from(u32::MAX)),
+    ];
+    limits.sort_by(|(_, dofs), (_, others)| dofs.total_cmp(others));
+    println!("\n| what ends first | millions of degrees of freedom |");
+    println!("|---|---|");
+    limits.iter().for_each(|(what, dofs)| println!("| {what} | {:.0} |", 1e-6 * dofs));
     Ok(())
 }

@@ -25,6 +25,10 @@
 //!
 //! All ranks must make the same calls in the same order. Builds with debug assertions compare the calls of all ranks and end
 //! with a message where they differ; others would wait for each other.
+//!
+//! Without the feature `mpi` the crate is empty; the feature `petsc` adds solvers of PETSc.
+
+#![cfg(feature = "mpi")]
 
 #[cfg(feature = "petsc")]
 mod petsc;
@@ -44,6 +48,8 @@ const FAILED: i32 = 101;
 /// thread that calls, and only this thread may use the team, until the function returns. A panic on one rank ends all ranks
 /// with the exit code 101. A rank that returns while others wait for its calls is found in builds with debug assertions; in
 /// others they wait for ever, so return errors of all ranks only ([`emmy::Error`] of a body, a motion or a step is one).
+///
+/// MPI and PETSc end with the function. If the caller has started MPI, they stay, and the function may run again.
 ///
 /// # Panics
 /// As the function, with one process.

@@ -32,9 +32,9 @@ unsafe extern "C" {
     fn emmy_petsc_free(engine: *mut Handle) -> c_int;
 }
 
-/// Codes of failures that PETSc finds on all ranks together: a pivot that is zero, a number that is not finite, an
-/// iteration inside of PETSc that does not converge.
-const OF_ALL_RANKS: [c_int; 6] = [-1, 71, 72, 81, 82, 91];
+/// Codes of failures that all ranks return together: a matrix without a factorisation, an iteration inside PETSc that does
+/// not converge. Every other code ends all ranks, because the others may wait for this one.
+const OF_ALL_RANKS: [c_int; 3] = [-1, 82, 91];
 
 /// An engine, whose PETSc objects are created with its first matrix.
 #[derive(Debug)]

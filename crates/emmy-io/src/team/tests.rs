@@ -14,6 +14,8 @@ use crate::history::{Extreme, HistoryColumns, Row, fixed_names};
 use crate::input::{self, Overrides, Problem};
 use crate::mesh::vtu;
 use crate::recording::Recording;
+use crate::results::{Ending, Results};
+use crate::summary::Status;
 use crate::vtk::{Format, FrameTime, FrameWriter, Precision};
 use crate::whole_file::names;
 
@@ -38,8 +40,10 @@ const INPUT: &str = "\
 
 fn problem(directory: &Path) -> Problem {
     let file = directory.join("box.toml");
-    // All ranks write the same.
-    fs::write(&file, INPUT).unwrap();
+    // Once, before the ranks read it.
+    if !file.exists() {
+        fs::write(&file, INPUT).unwrap();
+    }
     let fields = format!("output.fields={:?}", FieldName::ALL.map(FieldName::name));
     let overrides =
         Overrides { output: Some(directory.join("out")), set: vec![fields], ..Default::default() };
@@ -271,6 +275,39 @@ fn an_error_of_one_rank_is_an_error_of_all_and_lists_nothing() {
     assert!(!directory.join("frames/out_000000.pvtu").exists());
     let collection = fs::read_to_string(directory.join("out.pvd")).unwrap();
     assert!(!collection.contains("DataSet"));
+}
+
+/// A run that fails on one rank has failed on all: else the others would wait for its last checkpoint.
+#[test]
+fn the_status_at_the_end_is_that_of_all_ranks() {
+    let temp = tempfile::tempdir().unwrap();
+    let problem = || problem(temp.path());
+    drop(problem());
+    // A run that fails on rank 1, and one whose summary cannot be written by rank 0.
+    for fails in [true, false] {
+        let endings = Threads::run(3, |team| {
+            let (rank, problem) = (team.rank(), problem());
+            let problem = Problem { body: part_of(&problem.body, team), ..problem };
+            let mut results = Results::create(&problem).unwrap();
+            let start = bent(&problem.body);
+            let motion = Motion::starting(&problem.body, problem.scheme, problem.newton, start).unwrap();
+            let summary = results.directory().join("summary.json");
+            if rank == 0 && !fails {
+                fs::remove_file(&summary).unwrap();
+                fs::create_dir(&summary).unwrap();
+            }
+            let status = if fails && rank == 1 { Status::Failed } else { Status::Done };
+            let Ending { status, error, .. } = results.finish(&motion, status, None);
+            if rank == 0 && !fails {
+                fs::remove_dir(&summary).unwrap();
+            }
+            (status, error.map(|error| error.to_string()))
+        });
+        for (status, error) in endings.unwrap() {
+            assert_eq!((status == Status::Failed, error.is_some()), (fails, !fails), "{error:?}");
+        }
+        fs::remove_dir_all(temp.path().join("out")).unwrap();
+    }
 }
 
 #[test]

@@ -238,3 +238,31 @@ fn an_engine_that_fails_is_named() {
 fn gmres_with_an_engine_is_that_of_the_whole_body() {
     Rod { degree: 2, exact_tangent: true, ..ROD }.assert_equal(2, true, None);
 }
+
+/// An incomplete factor on each rank loses the couplings between ranks: at the Courant number 20, at most half as many
+/// iterations more than with one factor of the whole matrix.
+#[test]
+fn factors_of_ranks_need_few_more_iterations() {
+    let mesh = mesh::l_block(0.25).unwrap();
+    let iterations = |builder: BodyBuilder| -> Result<usize> {
+        let body = builder.region(Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5)).build()?;
+        let gradient = [[1e-6, 2e-6, 0.0], [0.0, -1e-6, 0.0], [3e-6, 0.0, 0.0]];
+        let start = InitialVelocity { gradient, ..Default::default() };
+        let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
+        let state = State::initial(&body, 0.0, &[start])?;
+        // The speed of pressure waves is that of (lambda + 2 mu)/rho = 2000/0.5.
+        let size = 20.0 * 0.25 / 4000.0f64.sqrt();
+        let mut motion = Motion::starting(&body, at(DGM, 1), settings, state)?;
+        Ok(motion.step(size)?.linear_iterations)
+    };
+    let whole = iterations(Body::builder(mesh.clone())).unwrap();
+    for size in [2, 4] {
+        let owners = mesh::owners(&mesh, size).unwrap();
+        let ranks = Threads::run(size, |team| {
+            iterations(Body::shared(Share::new(&mesh, &owners, team.rank()), team))
+        });
+        let ranks: Vec<usize> = ranks.unwrap().into_iter().collect::<Result<_>>().unwrap();
+        let most = 3 * whole / 2;
+        assert!(ranks.iter().all(|n| (whole..=most).contains(n)), "{whole} iterations; {ranks:?} on {size}");
+    }
+}

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
-use super::solver_choice::{Costs, factorization_cost, on_team};
+use super::solver_choice::{Costs, factorization_cost};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
@@ -185,12 +185,13 @@ impl ModeSolvers {
         }
         let choice = match kind {
             Some(kind) => SolverChoice { kind, stiffness: number, limit: None, engine: None },
-            None if is_shared => {
-                on_team(body.n_dofs_of_ranks(), number, (&self.engines, &self.failed), present)
-            }
             None => {
-                let is_usable = |kind| !is_stiff && !self.failed.contains(&kind);
-                Costs::of(body).cheapest(number, is_usable, present)
+                let is_here =
+                    |kind| !is_shared || kind == SolverKind::Iterative || self.engines.contains(&kind);
+                let is_usable = |kind| !is_stiff && is_here(kind) && !self.failed.contains(&kind);
+                let last =
+                    [SolverKind::Direct, SolverKind::Multigrid].into_iter().find(|&kind| is_here(kind));
+                Costs::of(body).cheapest(number, is_usable, last, present)
             }
         };
         if present == Some(choice.kind) {

@@ -19,10 +19,19 @@ pub(super) struct Costs {
 }
 
 impl Costs {
+    /// Of a body; on a team a call of all ranks, and a factorisation is one of MUMPS.
     pub(super) fn of(body: &Body) -> Self {
         let mesh = body.mesh();
-        let is_linear = mesh.cells().all(|cell| cell.kind == cell.kind.linear());
-        Costs::new(mesh.n_dofs(), body.pattern().n_outer_blocks(), is_linear)
+        let n_quadratic = mesh.cells().filter(|cell| cell.kind != cell.kind.linear()).count();
+        let Some(part) = body.shared_part() else {
+            return Costs::new(mesh.n_dofs(), body.pattern().n_outer_blocks(), n_quadratic == 0);
+        };
+        let n_couplings: usize = (0..part.n_own()).map(|row| body.pattern().n_outer_columns(row)).sum();
+        let mut of_ranks = [part.n_own() as f64, n_couplings as f64, n_quadratic as f64];
+        part.sum("nodes, couplings and quadratic cells", &mut of_ranks);
+        let [n_nodes, n_couplings, n_quadratic] = of_ranks;
+        let costs = Costs::new(3 * n_nodes as usize, n_couplings as usize, n_quadratic == 0.0);
+        Costs { direct: MUMPS * costs.direct, ..costs }
     }
 
     fn new(n_dofs: usize, n_couplings: usize, is_linear: bool) -> Self {
@@ -35,8 +44,12 @@ impl Costs {
         }
     }
 
-    /// The cheapest of the usable kinds for a stiffness number; the last resort is a factorisation. The present kind stays
-    /// unless another one is clearly cheaper.
+    fn of_kind(&self, kind: SolverKind) -> f64 {
+        if kind == SolverKind::Multigrid { self.multigrid } else { self.direct }
+    }
+
+    /// The cheapest of the usable kinds for a stiffness number. `last`: the last resort, usable or not; `None`: there is
+    /// no kind but conjugate gradients. The present kind stays unless another one is clearly cheaper.
     ///
     /// The measured times of factorisations and of conjugate gradients with an incomplete factor cross at c = 170
     /// (r = 2) and above 600 (r = 4).
@@ -44,47 +57,26 @@ impl Costs {
         &self,
         stiffness: f64,
         is_usable: impl Fn(SolverKind) -> bool,
+        last: Option<SolverKind>,
         present: Option<SolverKind>,
     ) -> SolverChoice {
-        let is_cheaper = self.multigrid < self.direct || !is_usable(SolverKind::Direct);
-        let (large, cost) = match is_usable(SolverKind::Multigrid) && is_cheaper {
-            true => (SolverKind::Multigrid, self.multigrid),
-            false => (SolverKind::Direct, self.direct),
+        let usable = [SolverKind::Direct, SolverKind::Multigrid].into_iter().filter(|&kind| is_usable(kind));
+        let cheapest = usable.min_by(|&kind, &other| self.of_kind(kind).total_cmp(&self.of_kind(other)));
+        let Some(large) = cheapest.or(last) else {
+            return SolverChoice { kind: SolverKind::Iterative, stiffness, limit: None, engine: None };
         };
         let is_iterative_usable = is_usable(SolverKind::Iterative);
-        let limit = if is_iterative_usable { (cost / (12.0 * self.iteration)).powi(2) } else { 0.0 };
+        let ratio = self.of_kind(large) / (12.0 * self.iteration);
+        let limit = if is_iterative_usable { ratio * ratio } else { 0.0 };
         let kind = if stiffness < limit * inertia(present) { SolverKind::Iterative } else { large };
         SolverChoice { kind, stiffness, limit: Some(limit), engine: None }
     }
 }
 
-/// The solver of a team with engines of some kinds for a body of all ranks: conjugate gradients with an incomplete factor on
-/// each rank where they take fewer iterations than a cycle of multigrid costs; else a factorisation of small bodies, and
-/// multigrid of large ones. Each kind that failed is followed by the next one, a factorisation last.
-pub(super) fn on_team(
-    n_dofs: usize,
-    stiffness: f64,
-    (engines, failed): (&[SolverKind], &[SolverKind]),
-    present: Option<SolverKind>,
-) -> SolverChoice {
-    use SolverKind::{Direct, Iterative, Multigrid};
-    let order = if n_dofs <= LARGEST_FACTOR { [Direct, Multigrid] } else { [Multigrid, Direct] };
-    let is_left = |kind: &SolverKind| engines.contains(kind) && !failed.contains(kind);
-    let last = [Direct, Multigrid].into_iter().find(|kind| engines.contains(kind));
-    let Some(large) = order.into_iter().find(is_left).or(last) else {
-        return SolverChoice { kind: Iterative, stiffness, limit: None, engine: None };
-    };
-    let limit = if failed.contains(&Iterative) { 0.0 } else { TEAM_LIMIT };
-    let kind = if stiffness < limit * inertia(present) { Iterative } else { large };
-    SolverChoice { kind, stiffness, limit: Some(limit), engine: None }
-}
-
-/// Stiffness number from which on a team multigrid pays with a stiffness that is kept over some five steps: Courant number
-/// 120 on the block of `benches`, with PETSc's GAMG.
-const TEAM_LIMIT: f64 = 5e3;
-
-/// Degrees of freedom of all ranks up to which a factorisation takes less time than multigrid, about.
-const LARGEST_FACTOR: usize = 100_000;
+/// Cost of a factorisation by MUMPS in those of [`Costs`]. It and cycles of GAMG, which cost about as much as ours, took on
+/// two ranks: 0.20 and 0.31 s (7 thousand degrees of freedom, tet10), 0.42 and 0.29 s (4 thousand, hex8), 3.7 and 1.1 s (27
+/// thousand, hex8).
+const MUMPS: f64 = 2.5;
 
 /// Factor on the limit of the stiffness number, so that the present kind stays near it.
 fn inertia(present: Option<SolverKind>) -> f64 {
@@ -112,6 +104,7 @@ mod tests {
     /// The L-block with cells of 1/r: its degrees of freedom and about the number of its couplings.
     fn l_block(r: usize) -> Costs {
         let (n_dofs, n_couplings) = match r {
+            1 => (672, 4_000),
             2 => (3_969, 29_000),
             4 => (26_871, 212_000),
             _ => (196_875, 1_640_000),
@@ -125,7 +118,7 @@ mod tests {
         excluded: &[SolverKind],
         present: Option<SolverKind>,
     ) -> SolverKind {
-        costs.cheapest(stiffness, |kind| !excluded.contains(&kind), present).kind
+        costs.cheapest(stiffness, |kind| !excluded.contains(&kind), Some(Direct), present).kind
     }
 
     #[test]
@@ -149,35 +142,34 @@ mod tests {
     }
 
     #[test]
-    fn a_team_takes_engines_for_stiff_bodies() {
-        let (small, large, both) = (50_000, 500_000, [Direct, Multigrid]);
-        let kind = |n_dofs, stiffness, engines: &[SolverKind], failed: &[SolverKind]| {
-            on_team(n_dofs, stiffness, (engines, failed), None).kind
+    fn a_team_takes_its_engines() {
+        let (small, large) = (l_block(1), l_block(8));
+        let kind = |costs: Costs, stiffness, engines: &[SolverKind], failed: &[SolverKind]| {
+            let is_usable = |kind| (kind == Iterative || engines.contains(&kind)) && !failed.contains(&kind);
+            let last = [Direct, Multigrid].into_iter().find(|kind| engines.contains(kind));
+            costs.cheapest(stiffness, is_usable, last, None).kind
         };
-        assert_eq!([small, large].map(|n| kind(n, 4e3, &both, &[])), [Iterative; 2]);
-        assert_eq!([small, large].map(|n| kind(n, 6e3, &both, &[])), [Direct, Multigrid]);
+        let both = [Direct, Multigrid];
+        assert_eq!([small, large].map(|costs| kind(costs, 1e5, &both, &[])), both);
         // Without one of the engines, or both.
-        assert_eq!([small, large].map(|n| kind(n, 6e3, &[Direct], &[])), [Direct; 2]);
-        assert_eq!([small, large].map(|n| kind(n, 6e3, &[Multigrid], &[])), [Multigrid; 2]);
-        assert_eq!([small, large].map(|n| kind(n, 1e9, &[], &[])), [Iterative; 2]);
+        assert_eq!([small, large].map(|costs| kind(costs, 1e5, &[Direct], &[])), [Direct; 2]);
+        assert_eq!([small, large].map(|costs| kind(costs, 1e5, &[Multigrid], &[])), [Multigrid; 2]);
+        assert_eq!([small, large].map(|costs| kind(costs, 1e9, &[], &[])), [Iterative; 2]);
         assert_eq!(kind(small, 1e9, &[], &[Iterative]), Iterative);
         // After failures.
         assert_eq!(kind(small, 1.0, &both, &[Iterative]), Direct);
         assert_eq!(kind(small, 1e5, &both, &[Direct]), Multigrid);
         assert_eq!(kind(large, 1e5, &both, &[Multigrid]), Direct);
-        for n_dofs in [small, large] {
-            assert_eq!(kind(n_dofs, 1e5, &both, &[Direct, Multigrid]), Direct);
-            assert_eq!(kind(n_dofs, 1.0, &[Multigrid], &[Iterative, Multigrid]), Multigrid);
+        for costs in [small, large] {
+            assert_eq!(kind(costs, 1e5, &both, &[Direct, Multigrid]), Direct);
+            assert_eq!(kind(costs, 1.0, &[Multigrid], &[Iterative, Multigrid]), Multigrid);
         }
-        let with = |stiffness, present| on_team(small, stiffness, (&both, &[]), Some(present)).kind;
-        assert_eq!([2e4 - 1.0, 2e4].map(|stiffness| with(stiffness, Iterative)), [Iterative, Direct]);
-        assert_eq!([1250.0 - 1.0, 1250.0].map(|stiffness| with(stiffness, Direct)), [Iterative, Direct]);
     }
 
     #[test]
     fn a_kind_stays_near_the_limit() {
         let costs = l_block(4);
-        let limit = costs.cheapest(1.0, |_| true, None).limit.unwrap();
+        let limit = costs.cheapest(1.0, |_| true, Some(Direct), None).limit.unwrap();
         let large = kind(costs, 1e9, &[], None);
         for (stiffness, from_iterative, from_large) in [
             (limit / 5.0, Iterative, Iterative),
