@@ -42,11 +42,13 @@ struct TeamArguments {
 }
 
 const EXIT_CODES_OF_TEAMS: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
-                                   130 stopped by a signal or the file `stop`, with a checkpoint; 1 any other failure.\n\
+                                   130 stopped by a signal, the file `stop` or --wall-limit, with a checkpoint; 101 an internal \
+                                   error, or a failed call of MPI; 1 any other failure.\n\
                                    Start with `mpirun -n 4 emmy-mpi run l-block.toml`; `emmy` has the other verbs.";
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
-                          130 stopped by a signal, with a checkpoint; 1 any other failure.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
+                          130 stopped by a signal, the file `stop` or --wall-limit, with a checkpoint; 101 an internal error; \
+                          1 any other failure.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
 
 /// Runs a verb in another program. `arguments` are those of the command line after `emmy`, such as `["run", "a.toml"]`;
 /// relative paths count from the working directory of the process.

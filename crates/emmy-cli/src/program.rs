@@ -87,7 +87,7 @@ pub fn main<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -
 
 /// [`main`] with the exit code as a number.
 pub fn exit_code<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
-    install_panic_hook();
+    report_panics(|| std::process::exit(INTERNAL_ERROR.into()));
     let program = Program { team: None, parts: None };
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => program.ended(arguments.verb.run(&program)),
@@ -103,7 +103,8 @@ pub fn exit_code_on_team<A: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
     team: Arc<dyn Team>,
 ) -> u8 {
-    install_panic_hook();
+    // A panic of one rank ends the others, too: where the team has started.
+    report_panics(|| {});
     let mut program = Program { team: Some(team.clone()), parts: None };
     let code = match TeamArguments::try_parse_from(arguments) {
         Ok(arguments) => {
@@ -130,11 +131,12 @@ impl Program {
     }
 }
 
-fn install_panic_hook() {
-    std::panic::set_hook(Box::new(|info| {
+/// Reports panics, and then calls a function.
+fn report_panics(then: impl Fn() + Send + Sync + 'static) {
+    std::panic::set_hook(Box::new(move |info| {
         line(&format!("emmy: internal error: {info}. Please report it."));
         summary::abandon(Status::Failed, &format!("internal error: {info}"));
-        std::process::exit(INTERNAL_ERROR.into());
+        then();
     }));
 }
 

@@ -4,7 +4,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use emmy::motion::{Observer, View};
 use emmy_io::summary::{self, Status};
@@ -81,11 +81,10 @@ pub(crate) struct Stop<'h> {
 }
 
 impl<'h> Stop<'h> {
-    /// The observer of a run in a directory, which may take some seconds. A file that an earlier run left is removed.
-    pub(crate) fn new(host: &'h dyn Host, directory: &Path, seconds: Option<u32>) -> Self {
+    /// The observer of a run in a directory, which has time until `end`. A file that an earlier run left is removed.
+    pub(crate) fn new(host: &'h dyn Host, directory: &Path, end: Option<Instant>) -> Self {
         let is_first = host.team().is_none_or(|team| team.rank() == 0);
         let file = is_first.then(|| directory.join(STOP_FILE));
-        let end = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds.into()));
         let stop = Stop { host, file, end };
         stop.has_file();
         stop

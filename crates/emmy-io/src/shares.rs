@@ -30,12 +30,21 @@ pub struct Index {
     pub parts: usize,
     /// Digest of the whole mesh.
     pub digest: String,
-    /// The section `[mesh]` of the input, without the folder of a file.
-    pub source: String,
+    /// What the mesh was made from.
+    pub source: MeshSource,
     /// Number of nodes of the whole mesh.
     pub nodes: usize,
     /// Number of cells of the whole mesh.
     pub cells: usize,
+}
+
+/// What a mesh was made from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeshSource {
+    /// The section `[mesh]` of the input, without the folder of a file.
+    pub section: String,
+    /// CRC-32 of the mesh file; `None` for a built-in shape.
+    pub checksum: Option<u32>,
 }
 
 /// A folder of shares that cannot be used.
@@ -106,16 +115,15 @@ fn share(words: &[f64]) -> Share {
     rmp_serde::from_slice(&bytes[..words[0] as usize]).expect("the bytes are those that rank 0 has sent")
 }
 
-/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node; `source`: the section `[mesh]` that
-/// describes it. Shares of another mesh in the folder are
-/// replaced.
+/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node. Shares of another mesh in the folder
+/// are replaced.
 ///
 /// # Errors
 /// Errors of the system, with the path.
 ///
 /// # Panics
 /// If there is not one owner for each node, or if a rank owns none.
-pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: &str) -> io::Result<Index> {
+pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: MeshSource) -> io::Result<Index> {
     std::fs::create_dir_all(directory).map_err(named(directory))?;
     // Without an index, the files cannot be used before all are there.
     remove(&directory.join(INDEX)).map_err(named(directory))?;
@@ -129,7 +137,7 @@ pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: &str) -> io:
         writer: format!("Written by Emmy {}", env!("CARGO_PKG_VERSION")),
         parts: shares.size(),
         digest: crate::checkpoint::digest(mesh),
-        source: source.to_string(),
+        source,
         nodes: mesh.n_nodes(),
         cells: mesh.n_cells(),
     };
@@ -212,7 +220,8 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let mesh = l_block(1.0).unwrap();
         let of_ranks = owners(&mesh, 3).unwrap();
-        let index = write(place.path(), &mesh, &of_ranks, "box").unwrap();
+        let source = MeshSource { section: "l-block = { cell_size = 1 }".to_string(), checksum: None };
+        let index = write(place.path(), &mesh, &of_ranks, source).unwrap();
         assert_eq!((index.parts, index.nodes, index.cells), (3, 224, 117));
         for rank in 0..3 {
             let expected = Share::new(&mesh, &of_ranks, rank);

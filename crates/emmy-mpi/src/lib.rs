@@ -24,7 +24,7 @@
 //! ```
 //!
 //! All ranks must make the same calls in the same order. Builds with debug assertions compare the calls of all ranks and end
-//! with a message where they differ; others would wait for each other.
+//! with a message where they differ; in other builds the ranks wait for each other for ever.
 //!
 //! Without the feature `mpi` the crate is empty; the feature `petsc` adds solvers of PETSc.
 

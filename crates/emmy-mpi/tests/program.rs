@@ -249,6 +249,51 @@ fn ranks_read_their_parts_of_a_mesh_that_was_split() {
     }
 }
 
+/// The mesh file may be missing where the parts are, but not have other content.
+#[test]
+fn parts_of_another_mesh_file_are_rejected() {
+    let temp = TempDir::new().unwrap();
+    let at = temp.path();
+    let (file, mesh) = (input("bracket.toml"), at.join("bracket.msh"));
+    let there = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/meshes/bracket.msh");
+    fs::copy(there, &mesh).unwrap();
+    let set = format!("mesh.file={mesh:?}");
+    emmy(&["split", &file, "--parts", "2", "--output", at.join("parts").to_str().unwrap(), "--set", &set]);
+    let run = |output| {
+        let steps = "time.steps=[{until=2e-5,size=2e-5}]";
+        let arguments = ["run", &file, "--quiet", "--output", output, "--parts", "parts"];
+        run(2, at, &[&arguments[..], &["--set", &set, "--set", steps]].concat())
+    };
+    let ended = run("same");
+    assert_eq!(ended.code, Some(0), "{}", ended.messages);
+    fs::write(&mesh, [&fs::read(&mesh).unwrap()[..], b"\n"].concat()).unwrap();
+    let ended = run("other");
+    assert_eq!(ended.code, Some(2), "{}", ended.messages);
+    assert_eq!(ended.messages.matches("are of another content of").count(), 1, "{}", ended.messages);
+    assert!(!at.join("other").exists());
+    fs::remove_file(&mesh).unwrap();
+    let ended = run("without");
+    assert_eq!(ended.code, Some(0), "{}", ended.messages);
+}
+
+/// Launchers that do not know the MPI start processes that would each compute the whole body.
+#[test]
+fn processes_that_are_not_connected_are_rejected() {
+    let temp = TempDir::new().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_emmy-mpi"))
+        .args(["run", &input("l-block.toml"), "--output", "out"])
+        .current_dir(temp.path())
+        .env("SLURM_STEP_NUM_TASKS", "4")
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .output()
+        .unwrap();
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{messages}");
+    assert!(messages.contains("4 processes were started, but MPI does not connect them"), "{messages}");
+    assert!(!temp.path().join("out").exists());
+}
+
 /// The history without the time that the run took.
 fn bits(directory: &Path) -> Vec<(String, Vec<u64>)> {
     let mut columns: Vec<(String, Vec<u64>)> = history(directory)

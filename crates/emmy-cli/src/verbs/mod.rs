@@ -71,7 +71,7 @@ pub(crate) enum Verb {
     Sweep(sweep::Arguments),
     /// Split the mesh of an input into parts for `emmy-mpi run --parts`
     ///
-    /// Each rank then reads its part alone, so no process needs memory for the whole mesh.
+    /// Each rank then reads its part alone, so no rank needs memory for the whole mesh.
     Split(split::Arguments),
     /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),

@@ -15,7 +15,7 @@ use crate::host::{Host, message};
 pub(crate) struct Arguments {
     /// Input file (TOML)
     file: PathBuf,
-    /// Number of parts: that of the ranks which will use them
+    /// Number of parts; must equal the number of ranks of the run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     parts: u32,
     /// Directory of the parts [default: the name of the input with the ending .parts]
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
     let owners = owners(&file.mesh, arguments.parts as usize)?;
     let directory = arguments.output.clone().unwrap_or_else(|| arguments.file.with_extension("parts"));
     emmy_io::directory::prepare_kind(&directory, "mesh in parts", shares::INDEX)?;
-    let written = shares::write(&directory, &file.mesh, &owners, &source);
+    let written = shares::write(&directory, &file.mesh, &owners, source);
     let index = written.map_err(|error| Failure::Other(format!("the parts cannot be written: {error}")))?;
     let (nodes, cells) = (index.nodes, index.cells);
     message!(host, "{nodes} nodes and {cells} cells in {} parts: {}", index.parts, directory.display());

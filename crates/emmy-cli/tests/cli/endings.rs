@@ -7,6 +7,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
 
 use super::resume::{assert_same_rows, even_box, long_box, start, wait_for_rows};
 use super::{BOX, Place};
@@ -252,11 +253,11 @@ fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
 #[test]
 fn a_run_ends_when_its_time_is_over() {
     let place = Place::with(&long_box());
+    let start = Instant::now();
     let outcome = place.emmy(&["run", "box.toml", "--quiet", "--wall-limit", "1", "--until", "1e6"]);
+    assert!(start.elapsed() >= Duration::from_secs(1));
     assert_eq!(outcome.code, 130, "{}", outcome.stderr);
     assert_eq!(place.summary("out")["status"], "interrupted");
-    let seconds = place.summary("out")["wall_seconds"].as_f64().unwrap();
-    assert!(seconds >= 1.0, "{seconds}");
     assert_eq!(place.emmy(&["run", "box.toml", "--wall-limit", "0"]).code, 2);
 }
 

@@ -41,6 +41,7 @@ const OTHERS: &[&str] = &[
     "python3",
     "abi3audit",
     "apt-get",
+    "export",
     "git",
     "twine",
     "gmsh",

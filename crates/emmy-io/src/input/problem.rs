@@ -22,6 +22,7 @@ use super::{
     write,
 };
 use crate::mesh::MeshFile;
+use crate::shares::MeshSource;
 use crate::units::Units;
 
 /// The whole input.
@@ -145,13 +146,13 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     Ok(problem)
 }
 
-/// Reads the mesh of an input, and the section `[mesh]` that describes it, as the shares of a team keep it. No body is built.
+/// Reads the mesh of an input, and what it was made from. No body is built.
 ///
 /// # Errors
 /// [`InputError`] with every fault and its place.
-pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, String), InputError> {
+pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSource), InputError> {
     let Prepared { parts, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
-    Ok((parts.mesh()?, source::mesh_section(&resolved)))
+    Ok((parts.mesh()?, source::mesh_source(&resolved)?))
 }
 
 /// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.

@@ -1,6 +1,8 @@
 //! Where the body of a problem comes from.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use emmy::body::{Body, BodyBuilder};
@@ -11,7 +13,8 @@ use super::fault::{Fault, InputError};
 use super::parts::CheckedMesh;
 use super::problem::Problem;
 use crate::checkpoint::digest;
-use crate::shares;
+use crate::shares::{self, MeshSource};
+use crate::whole_file::named;
 
 /// Where the body of a problem comes from.
 #[derive(Debug, Clone, Copy)]
@@ -52,8 +55,9 @@ impl<'a> Source<'a> {
     ) -> Result<(Option<CheckedMesh>, Option<String>), InputError> {
         let team = match self {
             Source::Alone(_) => return Ok((Some(read()?), None)),
-            Source::Parts(_, folder) => {
-                return self.agree(digest_of_parts(folder, resolved)).map(|digest| (None, Some(digest)));
+            Source::Parts(team, folder) => {
+                let digest = digest_of_parts(folder, resolved, team.rank() == 0);
+                return self.agree(digest).map(|digest| (None, Some(digest)));
             }
             Source::Team(team) => team,
         };
@@ -81,23 +85,50 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The digest of the whole mesh of a folder of shares, if they are those of an input.
-fn digest_of_parts(folder: &Path, resolved: &str) -> Result<String, InputError> {
+/// The digest of the whole mesh of a folder of shares, if they are those of an input. One rank alone compares the mesh file,
+/// which need not be there.
+fn digest_of_parts(folder: &Path, resolved: &str, compares_file: bool) -> Result<String, InputError> {
     let index = shares::read_index(folder).map_err(|error| Fault::new(error.to_string()))?;
-    if index.source != mesh_section(resolved) {
-        let message =
-            format!("the shares in {} are of another `[mesh]` than that of the input", folder.display());
-        return Err(Fault::new(message).help("`emmy split` writes them again").into());
+    let (section, file) = mesh_section(resolved);
+    let rejected = |message: String| Err(Fault::new(message).help("`emmy split` writes them again").into());
+    let shares = format!("the shares in {}", folder.display());
+    if index.source.section != section {
+        return rejected(format!("{shares} are of another `[mesh]` than that of the input"));
+    }
+    if let Some(file) = file.filter(|file| compares_file && file.exists())
+        && index.source.checksum != Some(checksum(&file)?)
+    {
+        return rejected(format!("{shares} are of another content of {}", file.display()));
     }
     Ok(index.digest)
 }
 
-/// The section `[mesh]` of a resolved input, without the folder of a file, which may move.
-pub(super) fn mesh_section(resolved: &str) -> String {
+/// What the mesh of a resolved input is made from.
+pub(super) fn mesh_source(resolved: &str) -> Result<MeshSource, InputError> {
+    let (section, file) = mesh_section(resolved);
+    let checksum = file.map(|file| checksum(&file)).transpose()?;
+    Ok(MeshSource { section, checksum })
+}
+
+/// The section `[mesh]` of a resolved input, without the folder of a file, which may move; and the file.
+fn mesh_section(resolved: &str) -> (String, Option<PathBuf>) {
     let table = resolved.parse::<toml::Table>().unwrap_or_default();
-    let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return String::new() };
-    if let Some(toml::Value::String(file)) = mesh.get_mut("file") {
-        *file = Path::new(file).file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return (String::new(), None) };
+    let Some(toml::Value::String(file)) = mesh.get_mut("file") else { return (mesh.to_string(), None) };
+    let path = PathBuf::from(&*file);
+    *file = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    (mesh.to_string(), Some(path))
+}
+
+/// CRC-32 of a file of any size.
+fn checksum(path: &Path) -> Result<u32, InputError> {
+    let unreadable = |error| Fault::new(named(path)(error).to_string());
+    let mut file = File::open(path).map_err(unreadable)?;
+    let (mut hasher, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 20]);
+    loop {
+        match file.read(&mut bytes).map_err(unreadable)? {
+            0 => return Ok(hasher.finalize()),
+            n => hasher.update(&bytes[..n]),
+        }
     }
-    mesh.to_string()
 }

@@ -132,14 +132,14 @@ impl Body {
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
     /// regions, supports and loads; an error of one is an error of all.
     ///
-    /// Teams compute equilibria, and motions with [`Solver::Iterative`], which [`Solver::Auto`] selects on a team. Other
-    /// solvers, modes and adjoints are rejected, and projected volumes that are so stiff in a step that they need a
-    /// factorisation. All ranks must call a method together if it sums over
-    /// the body, such as [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only
-    /// displacements and velocities are defined.
+    /// Teams compute motions and equilibria; modes and adjoints are rejected. A factorisation is one of the team
+    /// ([`Team::engine`]); a team without one rejects [`Solver::Direct`], and steps in which projected volumes are so stiff
+    /// that they need one. All ranks must call a method together if it sums over the body, such as
+    /// [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only displacements and velocities
+    /// are defined.
     ///
-    /// [`Solver::Iterative`]: crate::motion::Solver::Iterative
-    /// [`Solver::Auto`]: crate::motion::Solver::Auto
+    /// [`Solver::Direct`]: crate::motion::Solver::Direct
+    /// [`Team::engine`]: crate::team::Team::engine
     ///
     /// ```
     /// use emmy::prelude::*;

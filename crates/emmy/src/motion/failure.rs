@@ -24,5 +24,5 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
 
 /// Whether a smaller step may succeed where one has failed.
 pub(super) fn may_shrink_after(error: &Error) -> bool {
-    !matches!(error, Error::NotFiniteAt { .. })
+    !matches!(error, Error::NotFiniteAt { .. } | Error::NotOnTeam { .. })
 }

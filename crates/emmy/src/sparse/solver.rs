@@ -14,7 +14,7 @@ pub enum Solver {
     /// Sparse Cholesky factorisation.
     Direct,
     /// Conjugate gradients, preconditioned by an incomplete Cholesky factor; stiff projected volumes are factorised in any
-    /// case, and rejected on a team.
+    /// case.
     Iterative,
     /// Conjugate gradients, preconditioned by multigrid; stiff projected volumes are factorised in any case.
     Multigrid,

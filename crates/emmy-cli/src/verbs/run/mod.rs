@@ -3,6 +3,8 @@
 mod closing;
 mod json_lines;
 
+use std::time::{Duration, Instant};
+
 use clap::Args;
 use emmy::motion::{GlobalError, MarchError, Motion, Observer, State, StepPlan};
 use emmy::time::MAX_DEGREE;
@@ -33,7 +35,7 @@ pub(crate) struct Arguments {
 /// Options of runs and resumed runs.
 #[derive(Debug, Args)]
 pub(super) struct RunOptions {
-    /// Number of threads; results do not depend on it [default: all cores]
+    /// Number of threads; results do not depend on it [default: all cores; on ranks of `mpirun`, one each]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// No progress and no closing report on standard error
@@ -42,13 +44,23 @@ pub(super) struct RunOptions {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
-    /// Stop after the step in which this many seconds of the clock have passed, with a checkpoint, as a signal does
+    /// Stop after the step in which this many seconds since the start of the program have passed, with a checkpoint, as
+    /// a signal does
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..))]
-    pub wall_limit: Option<u32>,
+    wall_limit: Option<u32>,
+    #[arg(skip = Instant::now())]
+    started: Instant,
     /// Estimate the error of the positions at the end by a second motion of the next degree; takes two to three times
     /// as long
     #[arg(long)]
     pub estimate_error: bool,
+}
+
+impl RunOptions {
+    /// When the time of the run is over.
+    fn end(&self) -> Option<Instant> {
+        self.wall_limit.map(|seconds| self.started + Duration::from_secs(seconds.into()))
+    }
 }
 
 /// Runs the problem.
@@ -107,7 +119,7 @@ pub(super) fn march<'a>(
     progress.start_at(motion.state());
     let mut json = JsonLines::new(host, options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
-    let mut stop = Stop::new(host, results.directory(), options.wall_limit);
+    let mut stop = Stop::new(host, results.directory(), options.end());
     let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
     observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
     observers.push(&mut stop);
