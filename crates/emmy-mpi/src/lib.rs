@@ -7,6 +7,9 @@
 //! use emmy::mesh::{self, Share, owners};
 //! use emmy::prelude::*;
 //!
+//! # #[cfg(not(feature = "mpi"))]
+//! # fn main() {}
+//! # #[cfg(feature = "mpi")]
 //! fn main() -> emmy::Result<()> {
 //!     emmy_mpi::run(|team| {
 //!         let mesh = mesh::l_block(0.5)?;
