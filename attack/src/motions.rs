@@ -10,6 +10,9 @@ use crate::place::Place;
 /// Snapshots of a motion that are resumed.
 const SNAPSHOTS: usize = 3;
 
+/// Steps after which a motion is stopped: an adaptive one took more than a quarter of an hour.
+const MOST_STEPS: usize = 1000;
+
 /// Stops a random motion after some steps and resumes it. Records, events and the last snapshot must be bitwise
 /// identical.
 ///
@@ -74,6 +77,9 @@ struct Watch {
 impl Observer for Watch {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record: &Record = view.record;
+        if record.step >= MOST_STEPS {
+            return Err("a long motion ends here".into());
+        }
         self.snapshots.push((self.seen.len(), view.motion.snapshot()));
         self.seen.push(format!("{record:?} {:?}", view.newton_residuals));
         Ok(())
