@@ -102,16 +102,18 @@ fn heading(problem: &Problem) -> Vec<String> {
     let command: Vec<String> = std::env::args_os().map(|part| part.to_string_lossy().into_owned()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let [nodes, cells] = problem.mesh_size();
-    let ranks = problem.body.subdomain().map_or(String::new(), |part| format!("{} ranks of ", part.size()));
+    let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let ranks = problem.body.subdomain().map(|part| counted(part.size(), "rank") + " of ");
     let mut lines = vec![
         format!("emmy {}", env!("CARGO_PKG_VERSION")),
         format!("command: {}", command.join(" ")),
         format!(
-            "machine: {} {}, {cores} cores, {}{} threads, {}",
+            "machine: {} {}, {}, {}{}, {}",
             std::env::consts::OS,
             std::env::consts::ARCH,
-            ranks,
-            rayon::current_num_threads(),
+            counted(cores, "core"),
+            ranks.unwrap_or_default(),
+            counted(rayon::current_num_threads(), "thread"),
             instruction_set()
         ),
         format!("mesh: {nodes} nodes, {cells} cells; {} degrees of freedom", problem.body.n_dofs_of_ranks()),
