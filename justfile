@@ -26,7 +26,7 @@ paper:
 # Long runs: the paper with its own reference step, 10,000 and a million steps of free flight, 200 kills (many minutes).
 validate:
     cargo run --release -p emmy-validation
-    cargo test --workspace --test suite --test cli --test motions -- --ignored --skip meshes_of_a_folder --nocapture
+    EMMY_MESHES="$PWD/examples/meshes" cargo test --workspace --lib --test suite --test cli --test motions -- --ignored --nocapture
 
 # The licence texts of everything in the program, into THIRD_PARTY_NOTICES.md; run it after every change of the dependencies.
 notices:

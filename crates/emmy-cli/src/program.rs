@@ -103,7 +103,7 @@ pub fn exit_code_on_team<A: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
     team: Arc<dyn Team>,
 ) -> u8 {
-    // A panic of one rank ends the others, too: where the team has started.
+    // Whoever started the team ends all ranks after a panic of one.
     report_panics(|| {});
     let mut program = Program { team: Some(team.clone()), parts: None };
     let code = match TeamArguments::try_parse_from(arguments) {

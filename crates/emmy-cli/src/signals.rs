@@ -101,11 +101,15 @@ impl<'h> Stop<'h> {
 pub(crate) struct Interrupted {
     step: usize,
     time: f64,
+    reason: &'static str,
 }
+
+/// Why a march is stopped, as the end of a sentence: by the host, which has said so, or otherwise.
+const REASONS: [&str; 3] = ["", ", by the file `stop`", ", by --wall-limit"];
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "stopped after step {}, t = {}", self.step, self.time)
+        write!(f, "stopped after step {}, t = {}{}", self.step, self.time, self.reason)
     }
 }
 
@@ -116,10 +120,15 @@ impl Observer for Stop<'_> {
         let step = view.record.step;
         let time = view.record.time;
         let is_over = self.end.is_some_and(|end| Instant::now() >= end);
-        let mut is_asked = [f64::from(u8::from(is_over || self.host.is_interrupted() || self.has_file()))];
+        let asked = [self.host.is_interrupted(), self.has_file(), is_over];
+        // Number of the reason, from one; any other rank may have one.
+        let mut reason = [asked.into_iter().rposition(|asked| asked).map_or(0.0, |index| (index + 1) as f64)];
         if let Some(team) = self.host.team() {
-            team.largest("whether to stop", &mut is_asked);
+            team.largest("whether to stop", &mut reason);
         }
-        if is_asked[0] > 0.0 { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
+        match reason[0] as usize {
+            0 => Ok(()),
+            number => Err(Box::new(Interrupted { step, time, reason: REASONS[number - 1] })),
+        }
     }
 }

@@ -9,6 +9,7 @@ use emmy::internals::sparse::SolverChoice;
 use emmy::motion::{Event, Record};
 
 use crate::input::Problem;
+use crate::message::counted;
 use crate::whole_file::named;
 
 /// The file; every line is written at once.
@@ -102,8 +103,7 @@ fn heading(problem: &Problem) -> Vec<String> {
     let command: Vec<String> = std::env::args_os().map(|part| part.to_string_lossy().into_owned()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let [nodes, cells] = problem.mesh_size();
-    let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    let ranks = problem.body.subdomain().map(|part| counted(part.size(), "rank") + " of ");
+    let ranks = problem.body.subdomain().map(|part| counted(part.size(), "rank", "ranks") + " of ");
     let mut lines = vec![
         format!("emmy {}", env!("CARGO_PKG_VERSION")),
         format!("command: {}", command.join(" ")),
@@ -111,9 +111,9 @@ fn heading(problem: &Problem) -> Vec<String> {
             "machine: {} {}, {}, {}{}, {}",
             std::env::consts::OS,
             std::env::consts::ARCH,
-            counted(cores, "core"),
+            counted(cores, "core", "cores"),
             ranks.unwrap_or_default(),
-            counted(rayon::current_num_threads(), "thread"),
+            counted(rayon::current_num_threads(), "thread", "threads"),
             instruction_set()
         ),
         format!("mesh: {nodes} nodes, {cells} cells; {} degrees of freedom", problem.body.n_dofs_of_ranks()),

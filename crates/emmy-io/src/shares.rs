@@ -12,6 +12,7 @@ use emmy::mesh::{Mesh, Share, Shares};
 use emmy::team::{Parcel, Team};
 use serde::{Deserialize, Serialize};
 
+use crate::message::counted;
 use crate::stored;
 use crate::whole_file::{self, named, remove, replace};
 
@@ -51,7 +52,7 @@ pub struct MeshSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SharesError {
     /// The mesh is split into another number of parts.
-    #[error("the mesh in {path} is split into {parts} parts, but the team has {size} ranks")]
+    #[error("the mesh in {path} is split into {}, but the team has {}", counted(*.parts, "part", "parts"), counted(*.size, "rank", "ranks"))]
     Parts {
         /// The folder.
         path: PathBuf,

@@ -44,6 +44,14 @@ fn worker() {
     }
     emmy_mpi::run(|team| match case.as_str() {
         "panic" if team.rank() == 1 => panic!("a fault of rank 1"),
+        // With the hook of the program.
+        "panic of the program" => {
+            assert_eq!(emmy_cli::exit_code_on_team(["emmy-mpi", "sing"], team.clone()), 2);
+            if team.rank() == 1 {
+                panic!("a fault of rank 1");
+            }
+            team.sum("energy", &mut [0.0]);
+        }
         "abort" if team.rank() == 1 => std::process::abort(),
         "mismatch" if team.rank() == 1 => team.largest("energy", &mut [0.0]),
         "early" if team.rank() == 1 => {}
@@ -191,6 +199,7 @@ fn processes_compute_what_threads_compute() {
 fn a_rank_that_fails_ends_all() {
     for (case, message) in [
         ("panic", "emmy-mpi: rank 1: panicked; all ranks end"),
+        ("panic of the program", "emmy-mpi: rank 1: panicked; all ranks end"),
         ("mismatch", "at the largest \"energy\" of 1; rank 0 is at another call"),
         ("abort", ""),
         ("early", "at the end \"of the program\" of 0; rank 0 is at another call"),

@@ -258,6 +258,7 @@ fn a_run_ends_when_its_time_is_over() {
     assert!(start.elapsed() >= Duration::from_secs(1));
     assert_eq!(outcome.code, 130, "{}", outcome.stderr);
     assert_eq!(place.summary("out")["status"], "interrupted");
+    assert!(place.summary("out")["message"].as_str().unwrap().ends_with(", by --wall-limit"));
     assert_eq!(place.emmy(&["run", "box.toml", "--wall-limit", "0"]).code, 2);
 }
 

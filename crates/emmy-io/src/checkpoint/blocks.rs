@@ -9,7 +9,7 @@
 //! All numbers have the lowest byte first. The numbers of entries do not depend on the ranks, so that any number of ranks reads
 //! what another number of ranks wrote.
 
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
 use crc32fast::Hasher;
 use emmy::body::Body;
@@ -18,136 +18,28 @@ use emmy::motion::Snapshot;
 use emmy::team::Team;
 use serde::{Deserialize, Serialize};
 
+use super::runs::{Run, Runs};
+
 /// Bytes that are read or written at once.
-const CHUNK: usize = 1 << 16;
+pub(super) const CHUNK: usize = 1 << 16;
 
 /// Larger shapes of lists are not plausible.
 const LARGEST_SHAPE: u64 = 1000;
 
 const NOT_FINITE: &str = "has a state that is not finite";
 
-/// Consecutive entries, which have consecutive numbers in the whole body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Run {
-    /// Number of the first one in the whole body.
-    number: u64,
-    /// Place of the first one in a list.
-    place: u64,
-    length: u64,
-}
-
-impl Run {
-    fn end(self) -> u64 {
-        self.number + self.length
-    }
-
-    /// The run without its first entries.
-    fn after(self, n: u64) -> Run {
-        Run { number: self.number + n, place: self.place + n, length: self.length - n }
-    }
-}
-
-/// Runs of nodes and of pressures, by ascending numbers.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Runs([Vec<Run>; 2]);
-
-impl Runs {
-    /// Some entries of a body; `is_chosen(kind, place, counts)`.
-    fn of(body: &Body, is_chosen: impl Fn(Entries, u64, bool) -> bool) -> Self {
-        Runs([Entries::Nodes, Entries::Pressures].map(|kind| {
-            let mut runs: Vec<Run> = Vec::new();
-            for (place, (number, counts)) in (0..).zip(body.entries(kind)) {
-                match runs.last_mut() {
-                    _ if !is_chosen(kind, place, counts) => {}
-                    Some(run) if run.end() == number && run.place + run.length == place => run.length += 1,
-                    _ => runs.push(Run { number, place, length: 1 }),
-                }
-            }
-            runs.sort_unstable_by_key(|run| run.number);
-            runs
-        }))
-    }
-
-    /// The entries of which this rank writes the numbers.
-    pub(super) fn counted(body: &Body) -> Self {
-        Runs::of(body, |_, _, counts| counts)
-    }
-
-    /// The entries of which this rank needs the numbers.
-    pub(super) fn needed(body: &Body) -> Self {
-        Runs::of(body, |_, _, _| true)
-    }
-
-    /// The nodes among them.
-    pub(super) fn needed_of_nodes(body: &Body) -> Self {
-        Runs::of(body, |kind, _, _| kind == Entries::Nodes)
-    }
-
-    /// The nodes of the mesh among them.
-    pub(super) fn needed_of_mesh(body: &Body) -> Self {
-        let n = body.mesh().n_nodes() as u64;
-        Runs::of(body, |kind, place, _| kind == Entries::Nodes && place < n)
-    }
-
-    fn of_kind(&self, kind: Entries) -> &[Run] {
-        &self.0[kind as usize]
-    }
-
-    fn n_entries(&self) -> [u64; 2] {
-        [0, 1].map(|kind| self.0[kind].iter().map(|run| run.length).sum())
-    }
-
-    fn is_empty(&self) -> bool {
-        self.0.iter().all(Vec::is_empty)
-    }
-
-    /// The numbers that a block has, as copies, and the entries that remain.
-    fn split(&self, block: &Runs) -> (Copies, Runs) {
-        let [nodes, pressures] = [0, 1].map(|kind| split(&self.0[kind], &block.0[kind]));
-        (Copies([nodes.0, pressures.0]), Runs([nodes.1, pressures.1]))
-    }
-}
-
-/// Entries to copy from a block to a list: place in the block, place in the list, number of entries.
-struct Copies([Vec<[usize; 3]>; 2]);
-
-/// The numbers that the runs of a block have of those needed, and the runs that remain.
-fn split(needed: &[Run], block: &[Run]) -> (Vec<[usize; 3]>, Vec<Run>) {
-    let (mut copies, mut rest) = (Vec::new(), Vec::new());
-    let mut block = block.iter().copied().peekable();
-    for mut run in needed.iter().copied() {
-        while run.length > 0 {
-            while block.next_if(|given| given.end() <= run.number).is_some() {}
-            let Some(given) = block.peek().filter(|given| given.number < run.end()) else {
-                rest.push(run);
-                break;
-            };
-            let gap = given.number.saturating_sub(run.number);
-            if gap > 0 {
-                rest.push(Run { length: gap, ..run });
-                run = run.after(gap);
-            }
-            let given = given.after(run.number - given.number);
-            let length = given.length.min(run.length);
-            copies.push([given.place, run.place, length].map(|n| n as usize));
-            run = run.after(length);
-        }
-    }
-    (copies, rest)
-}
-
 /// A list of numbers of entries, `[parts][n_entries][width]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct ListShape {
-    name: String,
-    entries: Entries,
-    parts: u64,
-    width: u64,
+pub(super) struct ListShape {
+    pub(super) name: String,
+    pub(super) entries: Entries,
+    pub(super) parts: u64,
+    pub(super) width: u64,
 }
 
 impl ListShape {
     /// The shape of a list of some length with n entries.
-    fn of(name: String, entries: Entries, length: usize, n: u64) -> Self {
+    pub(super) fn of(name: String, entries: Entries, length: usize, n: u64) -> Self {
         let of_entry = length as u64 / n.max(1);
         let [parts, width] = match entries {
             Entries::Nodes => [of_entry / 3, 3],
@@ -169,9 +61,9 @@ impl ListShape {
 
 /// Numbers of runs and entries of a block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct BlockShape {
-    runs: [u64; 2],
-    entries: [u64; 2],
+pub(super) struct BlockShape {
+    pub(super) runs: [u64; 2],
+    pub(super) entries: [u64; 2],
 }
 
 /// The lists and blocks of a checkpoint.
@@ -185,6 +77,10 @@ pub(super) struct Table {
 }
 
 impl Table {
+    pub(super) fn new(lists: Vec<ListShape>, blocks: Vec<BlockShape>) -> Self {
+        Table { lists, blocks, places: Vec::new() }
+    }
+
     /// Bytes of a block; `None`: more than a file can have.
     fn size(&self, block: &BlockShape) -> Option<u64> {
         let runs = block.runs.iter().try_fold(0u64, |sum, n| sum.checked_add(n.checked_mul(16)?))?;
@@ -412,135 +308,16 @@ impl<'a, R: Read + Seek> Block<'a, R> {
     }
 }
 
-/// The lists of a rank.
-pub(super) struct Part {
-    runs: Runs,
-    /// Numbers of entries of the lists, those that do not count included.
-    n_entries: [u64; 2],
-    lists: Vec<(ListShape, Vec<f64>)>,
-}
-
-impl Part {
-    /// Takes the lists out of a snapshot of a body, or of the part of a rank.
-    pub(super) fn take(snapshot: &mut Snapshot, body: &Body) -> Self {
-        let n_entries = [Entries::Nodes, Entries::Pressures].map(|kind| body.entries(kind).count() as u64);
-        Part::new(snapshot, Runs::counted(body), n_entries)
-    }
-
-    /// Takes the lists out of a snapshot with the entries of a whole body.
-    pub(super) fn take_whole(snapshot: &mut Snapshot, runs: &Runs) -> Self {
-        Part::new(snapshot, runs.clone(), runs.n_entries())
-    }
-
-    fn new(snapshot: &mut Snapshot, runs: Runs, n_entries: [u64; 2]) -> Self {
-        let lists = snapshot.lists_mut().map(|(name, entries, list)| {
-            let shape = ListShape::of(name, entries, list.len(), n_entries[entries as usize]);
-            (shape, std::mem::take(list))
-        });
-        Part { lists: lists.collect(), runs, n_entries }
-    }
-
-    /// The lists and blocks of all ranks.
-    pub(super) fn table(&mut self, team: &dyn Team) -> Table {
-        // A rank without pressures does not know their number.
-        let shape = |(shape, _): &(ListShape, Vec<f64>)| [shape.parts as f64, shape.width as f64];
-        let mut shapes: Vec<f64> = self.lists.iter().flat_map(shape).collect();
-        team.largest("shapes of lists", &mut shapes);
-        for ((own, _), shape) in self.lists.iter_mut().zip(shapes.as_chunks::<2>().0) {
-            [own.parts, own.width] = shape.map(|n| n as u64);
-        }
-        let [[r, s], [n, m]] = [[0, 1].map(|kind| self.runs.0[kind].len() as u64), self.runs.n_entries()];
-        let mut blocks = vec![[0.0; 4]; team.size()];
-        blocks[team.rank()] = [r, s, n, m].map(|n| n as f64);
-        team.sum("blocks of a checkpoint", blocks.as_flattened_mut());
-        let block = |block: [f64; 4]| {
-            let [r, s, n, m] = block.map(|n| n as u64);
-            BlockShape { runs: [r, s], entries: [n, m] }
-        };
-        Table {
-            lists: self.lists.iter().map(|(shape, _)| shape.clone()).collect(),
-            blocks: blocks.into_iter().map(block).collect(),
-            places: Vec::new(),
-        }
-    }
-
-    /// Writes the block.
-    ///
-    /// # Errors
-    /// Errors of the system.
-    pub(super) fn write(&self, output: &mut impl Write) -> io::Result<()> {
-        let mut output = Summed { output, sum: Hasher::new(), bytes: Vec::with_capacity(CHUNK + 16) };
-        for run in self.runs.0.iter().flatten() {
-            output.put(run.number.to_le_bytes())?;
-            output.put(run.length.to_le_bytes())?;
-        }
-        for (shape, numbers) in &self.lists {
-            let width = shape.width as usize;
-            let length = self.n_entries[shape.entries as usize] as usize * width;
-            for part in numbers.chunks_exact(length.max(1)) {
-                for run in self.runs.of_kind(shape.entries) {
-                    let first = run.place as usize * width;
-                    let of_run = &part[first..first + run.length as usize * width];
-                    of_run.iter().try_for_each(|number| output.put(number.to_le_bytes()))?;
-                }
-            }
-        }
-        output.finish()
-    }
-}
-
-/// Bytes that are written with their checksum.
-struct Summed<W> {
-    output: W,
-    sum: Hasher,
-    bytes: Vec<u8>,
-}
-
-impl<W: Write> Summed<W> {
-    fn put(&mut self, number: [u8; 8]) -> io::Result<()> {
-        self.bytes.extend(number);
-        if self.bytes.len() < CHUNK { Ok(()) } else { self.flush() }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.sum.update(&self.bytes);
-        self.output.write_all(&self.bytes)?;
-        self.bytes.clear();
-        Ok(())
-    }
-
-    fn finish(mut self) -> io::Result<()> {
-        self.flush()?;
-        self.output.write_all(&self.sum.finalize().to_le_bytes())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn runs(of: &[[u64; 3]]) -> Vec<Run> {
-        of.iter().map(|&[number, place, length]| Run { number, place, length }).collect()
-    }
-
-    #[test]
-    fn numbers_are_found_in_blocks() {
-        // Needed: 2 to 9, and 20 and 21. The block has 0 to 3, 5 and 6, and 21 to 24.
-        let needed = runs(&[[2, 100, 8], [20, 0, 2]]);
-        let block = runs(&[[0, 0, 4], [5, 4, 2], [21, 6, 4]]);
-        let (copies, rest) = split(&needed, &block);
-        assert_eq!(copies, [[2, 100, 2], [4, 103, 2], [6, 1, 1]]);
-        assert_eq!(rest, runs(&[[4, 102, 1], [7, 105, 3], [20, 0, 1]]));
-        assert_eq!(split(&rest, &runs(&[[0, 0, 50]])).1, []);
-        assert_eq!(split(&needed, &[]), (Vec::new(), needed.clone()));
-    }
 
     #[test]
     fn sizes_that_no_file_has_are_rejected() {
         let list = |parts, width| ListShape { name: "u".to_string(), entries: Entries::Nodes, parts, width };
         let end = |list, entries| {
             let blocks = vec![BlockShape { runs: [1, 0], entries: [entries, 0] }];
-            Table { lists: vec![list], blocks, places: Vec::new() }.begin_at(10)
+            Table::new(vec![list], blocks).begin_at(10)
         };
         assert_eq!(end(list(2, 3), 5), Some(10 + 16 + 2 * 3 * 5 * 8 + 4));
         assert_eq!(end(list(2, 3), u64::MAX / 8), None);

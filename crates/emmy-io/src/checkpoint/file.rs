@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::Checkpoint;
-use super::blocks::{Part, Table};
+use super::blocks::Table;
+use super::part::Part;
 use crate::stored;
 use crate::whole_file::{PART, named, put, with_ending};
 

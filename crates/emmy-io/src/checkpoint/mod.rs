@@ -10,6 +10,8 @@
 mod blocks;
 mod file;
 pub(crate) mod identity;
+mod part;
+mod runs;
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, ErrorKind};
@@ -25,9 +27,11 @@ use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::FrameTime;
 use crate::whole_file::{PART, named, names, remove};
-use blocks::{Part, Runs, Table};
+use blocks::Table;
 pub(crate) use identity::digest;
 pub use identity::{Identity, Mismatch};
+use part::Part;
+use runs::Runs;
 
 /// Directory of the checkpoints, in the directory of a run.
 pub const DIRECTORY: &str = "checkpoint";

@@ -10,6 +10,7 @@ pub(crate) mod vtu;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use crate::message::counted;
 use emmy::internals::number::short_vector;
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
@@ -247,9 +248,4 @@ fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
     Some(format!(
         "{have} two corners at one place (aspect ratio inf), the first is {name} ({kind}); is another kind of cell meant?"
     ))
-}
-
-/// `1 node`, `2 nodes`.
-fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }

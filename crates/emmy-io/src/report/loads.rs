@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use toml::Table;
 
 use crate::input::resolved;
+use crate::message::counted;
 
 /// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always
 /// acts; the end of an interval is null if it does not end. Attractions are part of the strain energy and not included.
@@ -46,13 +47,10 @@ fn together(loads: Vec<Load>) -> Vec<Load> {
         loads.into_iter().partition(|load| load.intervals.is_some());
     let (n_timed, n_always) = (timed.len(), always.len());
     let all = joined(timed.into_iter().filter_map(|load| load.intervals).flatten().collect());
-    let timed = (n_timed > 0).then(|| Load { label: counted(n_timed), intervals: Some(all) });
-    let always = (n_always > 0).then(|| Load { label: counted(n_always), intervals: None });
+    let timed =
+        (n_timed > 0).then(|| Load { label: counted(n_timed, "load", "loads"), intervals: Some(all) });
+    let always = (n_always > 0).then(|| Load { label: counted(n_always, "load", "loads"), intervals: None });
     timed.into_iter().chain(always).collect()
-}
-
-fn counted(n: usize) -> String {
-    if n == 1 { "1 load".to_string() } else { format!("{n} loads") }
 }
 
 /// Intervals in ascending order, with overlapping ones merged, up to the largest number.

@@ -100,7 +100,7 @@ fn a_clamped_body_vibrates() {
 
 /// User meshes: `EMMY_MESHES=folder cargo test -p emmy-io --test suite flights:: -- --ignored`.
 #[test]
-#[ignore = "needs a folder of meshes in EMMY_MESHES"]
+#[ignore = "needs a folder of meshes in EMMY_MESHES; `.ci/run` and `just validate` give it `examples/meshes`"]
 fn meshes_of_a_folder_fly_free() {
     let folder = std::env::var("EMMY_MESHES").expect("EMMY_MESHES names a folder");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

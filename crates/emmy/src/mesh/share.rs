@@ -167,7 +167,7 @@ mod tests {
 
     /// Time in proportion to the mesh, whatever the number of ranks.
     #[test]
-    #[ignore = "a measurement: `cargo test --release -p emmy --lib many_shares -- --ignored --nocapture`"]
+    #[ignore = "seconds and a gigabyte; `.ci/run` and `just validate` run it"]
     fn many_shares_of_a_large_mesh() {
         let mesh = crate::mesh::block([1.0; 3], [99; 3]).unwrap();
         for n in [4, 8, 16] {

@@ -6,11 +6,7 @@ use crate::time::State;
 
 /// The error of a step; an inverted cell has its place.
 pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
-    let inner = match &error {
-        Error::StepFailed { cause, .. } => cause,
-        error => error,
-    };
-    let Error::Inverted { cell, det } = *inner else { return error };
+    let Error::Inverted { cell, det } = *cause_of(&error) else { return error };
     let Some((kind, centre)) = body.at_cell(cell, |node| state.position(body, node)) else { return error };
     Error::CellInverted {
         step: state.step + 1,
@@ -24,5 +20,13 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
 
 /// Whether a smaller step may succeed where one has failed.
 pub(super) fn may_shrink_after(error: &Error) -> bool {
-    !matches!(error, Error::NotFiniteAt { .. } | Error::NotOnTeam { .. })
+    !matches!(cause_of(error), Error::NotFiniteAt { .. } | Error::NotOnTeam { .. })
+}
+
+/// What made a step fail.
+fn cause_of(error: &Error) -> &Error {
+    match error {
+        Error::StepFailed { cause, .. } => cause,
+        error => error,
+    }
 }

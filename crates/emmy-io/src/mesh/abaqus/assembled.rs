@@ -5,11 +5,12 @@ use std::path::Path;
 
 use emmy::mesh::{Facet, MeshBuilder};
 
-use super::super::{MeshError, MeshFile, Origin, Result, counted, finished};
+use super::super::{MeshError, MeshFile, Origin, Result, finished};
 use super::body::{Body, Element, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
 use super::element;
 use super::placement::Placement;
+use crate::message::counted;
 
 /// The mesh of all instances and of everything outside of parts.
 pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {

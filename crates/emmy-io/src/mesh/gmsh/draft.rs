@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;
 
-use super::super::{MeshError, MeshFile, Origin, Result, counted, finished};
+use super::super::{MeshError, MeshFile, Origin, Result, finished};
 use super::Version;
 use super::cursor::Cursor;
 use super::shape::Shape;
+use crate::message::counted;
 
 /// No cell: an element of lower dimension than the body.
 const NONE: u32 = u32::MAX;

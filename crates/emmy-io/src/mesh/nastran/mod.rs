@@ -10,7 +10,8 @@ use std::path::Path;
 use emmy::mesh::CellKind;
 
 use super::abaqus::{At, Deck, Element, Of, assembled};
-use super::{MeshError, MeshFile, Place, Result, counted, without_mark};
+use super::{MeshError, MeshFile, Place, Result, without_mark};
+use crate::message::counted;
 use card::Card;
 
 /// The mesh in the bytes of a bulk data file; lines in the groups `links` are cells.

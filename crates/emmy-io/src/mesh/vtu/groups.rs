@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, HashSet};
 
 use emmy::mesh::Facet;
 
-use super::super::{Result, counted};
+use super::super::Result;
 use super::Draft;
 use super::array::Numbers;
 use super::file::{Array, Grid};
+use crate::message::counted;
 use crate::vtk::{FACETS, GROUP};
 
 /// Array of the physical groups of Gmsh, as written by meshio, on cells of any dimension; 0: none.

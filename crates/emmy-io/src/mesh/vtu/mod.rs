@@ -11,10 +11,11 @@ use std::path::Path;
 
 use emmy::mesh::MeshBuilder;
 
-use super::{MeshError, MeshFile, Origin, Place, Result, counted, finished, kinds, without_mark};
+use super::{MeshError, MeshFile, Origin, Place, Result, finished, kinds, without_mark};
 pub(crate) use frame::{Frame, fields, frame};
 pub(crate) use pieces::{are_in as are_pieces_in, joined_fields, joined_frame};
 
+use crate::message::counted;
 use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
 use file::{Grid, Parts, document, no_cells};
 

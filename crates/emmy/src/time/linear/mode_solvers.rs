@@ -32,8 +32,9 @@ pub(super) struct ModeSolvers {
     requested: Solver,
     /// Kinds that failed with [`Solver::Auto`].
     failed: Vec<SolverKind>,
-    /// Kinds for which the team has engines.
-    engines: Vec<SolverKind>,
+    /// Kinds from which [`Solver::Auto`] chooses: all; on a team conjugate gradients and its engines.
+    kinds: Vec<SolverKind>,
+    costs: Costs,
     choice: Option<SolverChoice>,
     n_dofs: usize,
     columns: Vec<f64>,
@@ -46,12 +47,11 @@ impl ModeSolvers {
     /// [`crate::Error::Linear`]; [`crate::Error::NotOnTeam`] for a factorisation by a team without engine.
     pub(super) fn new(body: &Body, coefficients: &StageCoefficients, requested: Solver) -> Result<Self> {
         let (k, n) = (coefficients.rule.degree(), body.n_dofs());
-        let has_engine = |kind: &SolverKind| engine(body, *kind).is_some();
-        let engines: Vec<SolverKind> = SolverKind::ALL.into_iter().filter(has_engine).collect();
-        if requested == Solver::Direct
-            && body.shared_part().is_some()
-            && !engines.contains(&SolverKind::Direct)
-        {
+        let is_alone = body.shared_part().is_none();
+        let is_here =
+            |kind: &SolverKind| is_alone || *kind == SolverKind::Iterative || engine(body, *kind).is_some();
+        let kinds: Vec<SolverKind> = SolverKind::ALL.into_iter().filter(is_here).collect();
+        if requested == Solver::Direct && !kinds.contains(&SolverKind::Direct) {
             return Err(no_factorization());
         }
         Ok(ModeSolvers {
@@ -64,7 +64,8 @@ impl ModeSolvers {
             time_scale: 0.0,
             requested,
             failed: Vec::new(),
-            engines,
+            kinds,
+            costs: Costs::of(body),
             choice: None,
             n_dofs: n,
             columns: vec![0.0; if k > 1 { 2 * n } else { n }],
@@ -168,9 +169,7 @@ impl ModeSolvers {
     /// Creates the requested solvers, or with [`Solver::Auto`] the cheapest ones. Existing solvers are replaced only
     /// when another kind has become clearly cheaper. `is_stiff`: projected volumes need a factorisation.
     fn choose(&mut self, body: &Body, number: f64, is_stiff: bool) -> Result<()> {
-        let is_shared = body.shared_part().is_some();
         let kind = match self.requested {
-            Solver::Auto if is_stiff && is_shared => Some(SolverKind::Direct),
             Solver::Auto => None,
             Solver::Iterative if !is_stiff => Some(SolverKind::Iterative),
             Solver::Multigrid if !is_stiff => Some(SolverKind::Multigrid),
@@ -180,19 +179,13 @@ impl ModeSolvers {
         if kind.is_some() && present.is_some() {
             return Ok(());
         }
-        if is_stiff && is_shared && !self.engines.contains(&SolverKind::Direct) {
+        if is_stiff && !self.kinds.contains(&SolverKind::Direct) {
             body.check_whole("a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)")?;
         }
+        let failed: &[SolverKind] = if is_stiff { &SolverKind::ALL } else { &self.failed };
         let choice = match kind {
             Some(kind) => SolverChoice { kind, stiffness: number, limit: None, engine: None },
-            None => {
-                let is_here =
-                    |kind| !is_shared || kind == SolverKind::Iterative || self.engines.contains(&kind);
-                let is_usable = |kind| !is_stiff && is_here(kind) && !self.failed.contains(&kind);
-                let last =
-                    [SolverKind::Direct, SolverKind::Multigrid].into_iter().find(|&kind| is_here(kind));
-                Costs::of(body).cheapest(number, is_usable, last, present)
-            }
+            None => self.costs.cheapest(number, (&self.kinds, failed), present),
         };
         if present == Some(choice.kind) {
             return Ok(());
@@ -339,8 +332,8 @@ impl ModeSolvers {
         self.solvers.clear();
         let is_ready = memory.flag("solver.is_ready")?;
         // The run may come from another number of ranks, which had other solvers: the next stiffness has one of its own.
-        let is_missing = body.shared_part().is_some() && !self.engines.contains(&SolverKind::Direct);
-        self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || !is_missing);
+        let has_direct = self.kinds.contains(&SolverKind::Direct);
+        self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || has_direct);
         let created = self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice));
         body.agree(created)
     }

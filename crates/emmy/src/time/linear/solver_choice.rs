@@ -30,8 +30,12 @@ impl Costs {
         let mut of_ranks = [part.n_own() as f64, n_couplings as f64, n_quadratic as f64];
         part.sum("nodes, couplings and quadratic cells", &mut of_ranks);
         let [n_nodes, n_couplings, n_quadratic] = of_ranks;
-        let costs = Costs::new(3 * n_nodes as usize, n_couplings as usize, n_quadratic == 0.0);
-        Costs { direct: MUMPS * costs.direct, ..costs }
+        Costs::new(3 * n_nodes as usize, n_couplings as usize, n_quadratic == 0.0).with_mumps()
+    }
+
+    /// The costs where MUMPS factorises.
+    fn with_mumps(self) -> Self {
+        Costs { direct: MUMPS * self.direct, ..self }
     }
 
     fn new(n_dofs: usize, n_couplings: usize, is_linear: bool) -> Self {
@@ -48,26 +52,26 @@ impl Costs {
         if kind == SolverKind::Multigrid { self.multigrid } else { self.direct }
     }
 
-    /// The cheapest of the usable kinds for a stiffness number. `last`: the last resort, usable or not; `None`: there is
-    /// no kind but conjugate gradients. The present kind stays unless another one is clearly cheaper.
+    /// The cheapest of some kinds that have not failed, for a stiffness number; if all have, the last resort: a factorisation,
+    /// or what there is. The present kind stays unless another one is clearly cheaper.
     ///
     /// The measured times of factorisations and of conjugate gradients with an incomplete factor cross at c = 170
     /// (r = 2) and above 600 (r = 4).
     pub(super) fn cheapest(
         &self,
         stiffness: f64,
-        is_usable: impl Fn(SolverKind) -> bool,
-        last: Option<SolverKind>,
+        (kinds, failed): (&[SolverKind], &[SolverKind]),
         present: Option<SolverKind>,
     ) -> SolverChoice {
-        let usable = [SolverKind::Direct, SolverKind::Multigrid].into_iter().filter(|&kind| is_usable(kind));
-        let cheapest = usable.min_by(|&kind, &other| self.of_kind(kind).total_cmp(&self.of_kind(other)));
-        let Some(large) = cheapest.or(last) else {
+        let large =
+            [SolverKind::Direct, SolverKind::Multigrid].into_iter().filter(|kind| kinds.contains(kind));
+        let left = large.clone().filter(|kind| !failed.contains(kind));
+        let cheapest = left.min_by(|&kind, &other| self.of_kind(kind).total_cmp(&self.of_kind(other)));
+        let Some(large) = cheapest.or(large.into_iter().next()) else {
             return SolverChoice { kind: SolverKind::Iterative, stiffness, limit: None, engine: None };
         };
-        let is_iterative_usable = is_usable(SolverKind::Iterative);
         let ratio = self.of_kind(large) / (12.0 * self.iteration);
-        let limit = if is_iterative_usable { ratio * ratio } else { 0.0 };
+        let limit = if failed.contains(&SolverKind::Iterative) { 0.0 } else { ratio * ratio };
         let kind = if stiffness < limit * inertia(present) { SolverKind::Iterative } else { large };
         SolverChoice { kind, stiffness, limit: Some(limit), engine: None }
     }
@@ -118,7 +122,7 @@ mod tests {
         excluded: &[SolverKind],
         present: Option<SolverKind>,
     ) -> SolverKind {
-        costs.cheapest(stiffness, |kind| !excluded.contains(&kind), Some(Direct), present).kind
+        costs.cheapest(stiffness, (&SolverKind::ALL, excluded), present).kind
     }
 
     #[test]
@@ -145,9 +149,7 @@ mod tests {
     fn a_team_takes_its_engines() {
         let (small, large) = (l_block(1), l_block(8));
         let kind = |costs: Costs, stiffness, engines: &[SolverKind], failed: &[SolverKind]| {
-            let is_usable = |kind| (kind == Iterative || engines.contains(&kind)) && !failed.contains(&kind);
-            let last = [Direct, Multigrid].into_iter().find(|kind| engines.contains(kind));
-            costs.cheapest(stiffness, is_usable, last, None).kind
+            costs.cheapest(stiffness, (&[&[Iterative], engines].concat(), failed), None).kind
         };
         let both = [Direct, Multigrid];
         assert_eq!([small, large].map(|costs| kind(costs, 1e5, &both, &[])), both);
@@ -166,10 +168,24 @@ mod tests {
         }
     }
 
+    /// The kind that took less time on two ranks, by MUMPS and GAMG (see [`MUMPS`]), and conjugate gradients below.
+    #[test]
+    fn a_team_takes_what_was_faster() {
+        let kind = |costs: Costs, stiffness| {
+            costs.with_mumps().cheapest(stiffness, (&SolverKind::ALL, &[]), None).kind
+        };
+        // The bracket of `examples`, of tet10.
+        let bracket = Costs::new(6_723, 49_500, false);
+        assert_eq!([280.0, 2.8e4].map(|stiffness| kind(bracket, stiffness)), [Iterative, Direct]);
+        for (costs, below) in [(l_block(2), 50.0), (l_block(4), 210.0)] {
+            assert_eq!([below, 2.1e3].map(|stiffness| kind(costs, stiffness)), [Iterative, Multigrid]);
+        }
+    }
+
     #[test]
     fn a_kind_stays_near_the_limit() {
         let costs = l_block(4);
-        let limit = costs.cheapest(1.0, |_| true, Some(Direct), None).limit.unwrap();
+        let limit = costs.cheapest(1.0, (&SolverKind::ALL, &[]), None).limit.unwrap();
         let large = kind(costs, 1e9, &[], None);
         for (stiffness, from_iterative, from_large) in [
             (limit / 5.0, Iterative, Iterative),

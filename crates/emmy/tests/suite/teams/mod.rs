@@ -13,7 +13,9 @@ use emmy::body::{
 };
 use emmy::material::{CiarletGeymonat, Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
-use emmy::motion::{Adaptivity, EventKind, Motion, NewtonSettings, Phase, Record, Snapshot, Solver};
+use emmy::motion::{
+    Adaptivity, EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, Solver,
+};
 use emmy::motion::{State, StepPlan};
 use emmy::team::{Team, Threads};
 use emmy::time::{Estimator, Scheme};
@@ -777,6 +779,17 @@ fn what_a_team_does_not_compute_is_rejected() {
         outcome => outcome.map(|_| ()),
     };
     assert_eq!(asked(firm, step), stiff);
+    // Smaller steps would need no factorisation, but a thousand times as many of them are no way out.
+    let march = |body: &Body| {
+        let mut motion = Motion::new(body, DGM)?;
+        motion.allow_cuts(None);
+        let plan = StepPlan::new(0.0, vec![Phase { until: 0.1, size: 0.1 }])?;
+        match motion.march(&plan, &mut []) {
+            Err(MarchError::Step(Error::StepFailed { cause, .. })) => Err(*cause),
+            outcome => panic!("{outcome:?}"),
+        }
+    };
+    assert_eq!(asked(firm, march), stiff);
 
     // Shares of two partitions.
     let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();

@@ -1,5 +1,7 @@
 //! All files of a run, written by an observer of the motion.
 
+mod files;
+
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,19 +13,17 @@ use emmy::team::Subdomain;
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
-use crate::directory::{self, DirectoryError, Lock, MARK};
-use crate::events::EventsFile;
-use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Number};
+use crate::directory::{self, DirectoryError, Lock};
+use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
-use crate::log::RunLog;
-use crate::newton::NewtonFile;
 use crate::recording::{OtherFields, Recording};
 use crate::report::{self, ReportError};
 use crate::summary::{self, Status, SummaryHeader};
 use crate::team::agreed;
 use crate::vtk::{Format, FrameTime};
-use crate::whole_file::{remove, replace};
+use crate::whole_file::replace;
+use files::{Files, input};
 
 /// Why the results of a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
@@ -72,55 +72,6 @@ pub struct Results {
     estimated_error: Option<f64>,
     /// Notes to the user on the files.
     notes: Vec<String>,
-}
-
-/// Files that one rank writes.
-#[derive(Debug)]
-struct Files {
-    history: HistoryFile,
-    newton: NewtonFile,
-    events: EventsFile,
-    log: RunLog,
-    _lock: Lock,
-}
-
-impl Files {
-    /// Creates the files of a run in a directory, or opens those of a run that resumes after a step and a time.
-    fn open(
-        problem: &Problem,
-        lock: Lock,
-        history: HistoryFile,
-        start: Option<(usize, f64)>,
-    ) -> io::Result<Self> {
-        let directory = problem.output.directory.as_path();
-        let (events, newton) = (directory.join("events.csv"), directory.join("newton.csv"));
-        write_units(&directory.join("columns.json"), problem)?;
-        let log = RunLog::open(&directory.join("run.log"), problem, start)?;
-        let (events, newton) = match start {
-            Some((step, _)) => (EventsFile::resume(&events, step)?, NewtonFile::resume(&newton, step)?),
-            None => (EventsFile::create(&events)?, NewtonFile::create(&newton)?),
-        };
-        Ok(Files { history, newton, events, log, _lock: lock })
-    }
-
-    /// Writes the lines of a step, and its iteration if it `is_logged`.
-    fn write(&mut self, view: View<'_>, numbers: &[Number], is_logged: bool) -> io::Result<()> {
-        self.history.write(numbers)?;
-        self.log.solver(view.record)?;
-        if is_logged {
-            self.newton.write(view)?;
-            self.log.step(view.record)?;
-        }
-        Ok(())
-    }
-
-    fn write_lost_frames(&mut self, (step, time): (usize, f64), notes: &[String]) -> io::Result<()> {
-        for note in notes {
-            self.events.write_lost_frames(step, time, note)?;
-            self.log.line(&format!("note: {note}"))?;
-        }
-        Ok(())
-    }
 }
 
 /// Least time between two reports of a run, in seconds.
@@ -474,24 +425,4 @@ impl Observer for Results {
         files.log.event(event)?;
         Ok(files.events.write(event)?)
     }
-}
-
-/// Writes the units of the columns of the history, if the input has units.
-fn write_units(path: &Path, problem: &Problem) -> io::Result<()> {
-    match problem.units.system() {
-        Some(_) => {
-            let columns = HistoryColumns::of(problem).with_units(problem.units);
-            replace(path, format!("{columns:#}\n").as_bytes())
-        }
-        None => remove(path),
-    }
-}
-
-/// The resolved input with its mark.
-fn input(problem: &Problem) -> String {
-    format!(
-        "{MARK} {}: the input of this run with all defaults.\n\n{}",
-        env!("CARGO_PKG_VERSION"),
-        problem.resolved
-    )
 }
