@@ -32,7 +32,7 @@ from ._errors import (
     ResultsError,
     UnknownGroupError,
 )
-from ._history import Event
+from ._history import Event, History, Peak
 from ._links import Attraction, Bar, Spring
 from ._lists import (
     Named,
@@ -64,9 +64,9 @@ __version__ = _emmy.version()
 __all__ = [
     "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
     "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
-    "GoalError", "Gradient", "Hencky", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded", "Load", "Mass",
+    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded", "Load", "Mass",
     "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke", "NeoHookeIsochoric",
-    "Ogden", "Orthotropic", "Parameter", "Problem", "Region", "ResultsError", "Run", "SaintVenantKirchhoff", "Snapshot",
+    "Ogden", "Orthotropic", "Parameter", "Peak", "Problem", "Region", "ResultsError", "Run", "SaintVenantKirchhoff", "Snapshot",
     "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check",
     "compare", "converge", "elements", "equilibrium", "examples", "fields", "load", "materials",
     "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes", "set_threads", "solvers", "sweep",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._errors import fault
 
 #: Columns of whole numbers in the files of a run.
 WHOLE = {"step", "newton_iterations", "degree", "cuts", "iteration", "run", "mode"}
@@ -36,6 +39,83 @@ class Event(NamedTuple):
     time: float
     kind: str
     message: str
+
+
+class Peak(NamedTuple):
+    """Last, smallest and largest number of a column of a history, with times. NaN is neither smallest nor largest.
+
+    Attributes
+    ----------
+    last : float
+        Number in the last row.
+    smallest, smallest_time : float
+        The smallest number, the first of several, and its time.
+    largest, largest_time : float
+        The largest number, the first of several, and its time.
+
+    Examples
+    --------
+    >>> emmy.Peak(last=0.2, smallest=-1.0, smallest_time=0.3, largest=1.0, largest_time=0.1).largest
+    1.0
+    """
+
+    last: float
+    smallest: float
+    smallest_time: float
+    largest: float
+    largest_time: float
+
+
+class History(np.ndarray[Any, np.dtype[Any]]):
+    """A history: a structured array with a row for the start and one for each step. A column is a plain array.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+    >>> history = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1))).run()
+    >>> len(history), history["time"].tolist()
+    (3, [0.0, 0.5, 1.0])
+    """
+
+    def __getitem__(self, key: Any) -> Any:
+        own = super().__getitem__(key)
+        return np.asarray(own) if isinstance(key, str) else own
+
+    def peak(self, name: str) -> Peak:
+        """Last, smallest and largest number of a column, with times. Of some rows alone: ``history[9:].peak(name)``.
+
+        Parameters
+        ----------
+        name : str
+            Name of the column.
+
+        Returns
+        -------
+        Peak
+
+        Raises
+        ------
+        InputError
+            If there is no such column.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, -1)), probes={"o": (0, 0, 0)})
+        >>> [round(number, 9) for number in motion.run().peak("o_z")]
+        [-1.0, -1.0, 1.0, 0.0, 0.0]
+        """
+        known = self.dtype.names or ()
+        if name not in known:
+            raise fault("name", f"{name!r} is not a column; there is {', '.join(known)}")
+        numbers, times = self[name], self["time"]
+        last = float(numbers[-1]) if len(numbers) else math.nan
+        if np.isnan(numbers).all():
+            return Peak(last, math.nan, math.nan, math.nan, math.nan)
+        low, high = int(np.nanargmin(numbers)), int(np.nanargmax(numbers))
+        return Peak(last, float(numbers[low]), float(times[low]), float(numbers[high]), float(times[high]))
 
 
 def structured(rows: NDArray[np.float64], columns: Iterable[tuple[str, bool]]) -> NDArray[Any]:

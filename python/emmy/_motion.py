@@ -17,6 +17,7 @@ from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body
 from ._emmy import Step
 from ._errors import ConvergenceError, LimitExceeded, ResultsError, fault, of_whole_input, warn
+from ._history import History
 from ._march import march
 from ._parts import Adaptive, Initial
 from ._state import Snapshot, State
@@ -240,7 +241,7 @@ class Motion(MotionView):
         precision: Literal["double", "single"] | None = None,
         checkpoint_every: int | None = None,
         log_every: int | None = None,
-    ) -> NDArray[Any]:
+    ) -> History:
         """Does the steps of the plan to its end.
 
         Ctrl-C stops after a good step with `KeyboardInterrupt`; the motion can go on.
@@ -261,8 +262,7 @@ class Motion(MotionView):
 
         Returns
         -------
-        structured array
-            The history.
+        History
 
         Raises
         ------

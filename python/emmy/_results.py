@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import _notebook
 from ._errors import ResultsError, missing
-from ._history import WHOLE, Event, structured
+from ._history import WHOLE, Event, History, structured
 
 
 class Frame:
@@ -146,9 +146,9 @@ class Run:
         return self._directory
 
     @property
-    def history(self) -> NDArray[Any]:
-        """`history.csv` as a structured array."""
-        return read_table(self._directory / "history.csv")
+    def history(self) -> History:
+        """`history.csv` as a structured array with `History.peak`."""
+        return read_table(self._directory / "history.csv").view(History)
 
     @property
     def newton(self) -> NDArray[Any]:

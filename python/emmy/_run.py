@@ -253,14 +253,14 @@ def report(directory: StrPath) -> Path:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Several runs side by side.
+    """Several runs, or the rows of sweeps, side by side.
 
     Attributes
     ----------
     report : pathlib.Path
-        The page.
+        The page; of sweeps the table `compare.csv`.
     summaries : list of dict
-        Summary of each run.
+        Summary of each run; of sweeps their rows.
 
     Examples
     --------
@@ -274,12 +274,12 @@ class Comparison:
 
 
 def compare(directories: Sequence[StrPath], *, output: StrPath = "compare") -> Comparison:
-    """Shows several runs side by side, as `emmy compare`.
+    """Shows several runs, or the rows of sweeps, side by side, as `emmy compare`.
 
     Parameters
     ----------
     directories : list of str or path
-        Output directories of runs.
+        Output directories of runs, or of sweeps over the same keys.
     output : str or path, optional
         Directory of the page and its charts.
 
@@ -290,7 +290,7 @@ def compare(directories: Sequence[StrPath], *, output: StrPath = "compare") -> C
     Raises
     ------
     ResultsError
-        If a directory holds no run.
+        If a directory holds neither a run nor a sweep, or if both are given.
 
     Examples
     --------
@@ -301,4 +301,6 @@ def compare(directories: Sequence[StrPath], *, output: StrPath = "compare") -> C
     ['DGM', 'AS(5)']
     """
     text = call("compare", *directories, output=output, quiet=True, json=True)
-    return Comparison(Path(output) / "report.html", [json.loads(line)["summary"] for line in text.splitlines()])
+    lines = [json.loads(line) for line in text.splitlines()]
+    page = "report.html" if all("summary" in line for line in lines) else "compare.csv"
+    return Comparison(Path(output) / page, [line.get("summary", line) for line in lines])

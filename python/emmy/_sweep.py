@@ -40,7 +40,9 @@ class Sweep:
         Names of the results.
     table : structured array
         A row for each run, with its parameters and its results; the last parameter changes fastest. The results of a
-        failed run are those of its last good step, or NaN if there is none.
+        failed run are those up to its last good step, or NaN if there is none. For each column X that a probe, reaction,
+        extreme or value has in the history there are the last number ``X``, the smallest ``X_min`` at the time
+        ``X_min_time`` and the largest ``X_max`` at ``X_max_time``.
     failures : dict of int to str
         Message of each failed run by its row in `table`, counted from 0.
     path : pathlib.Path or None
@@ -79,6 +81,8 @@ def sweep(
     output: StrPath | None = None,
     progress: bool = False,
     resume: bool = False,
+    keep: bool = False,
+    modes: int | None = None,
     measure: Callable[[Motion], Mapping[str, float]] | None = None,
 ) -> Sweep:
     """Runs a motion with every combination of values of some parameters, several at a time.
@@ -103,6 +107,12 @@ def sweep(
     resume : bool, optional
         Whether to continue the interrupted sweep in `output`: only runs without a row, so that failed ones stay. Give
         the same `until` and `measure`.
+    keep : bool, optional
+        Of a file: whether to keep input, history and summary of run N, counted from 1, in the folder ``runs/N`` of the
+        directory, for `Run` and `compare`.
+    modes : int, optional
+        Of a file: number of natural modes of each run, in place of its motion; the columns are ``frequency_1`` and so on,
+        ``effective_mass_x_1`` and so on.
     measure : function, optional
         Further results of a motion at its end, as a dict of numbers with names of their own; with a function as
         `problem` only.
@@ -145,11 +155,15 @@ def sweep(
     if not values:
         raise fault("parameters", "there is no parameter")
     if callable(problem):
+        if keep:
+            raise TypeError("keep: only with an input file; a function may keep the histories of its motions itself")
+        if modes is not None:
+            raise TypeError("modes: only with an input file; `emmy.modes` computes those of a body")
         path = None if output is None else Path(output)
         return _of_function(problem, values, workers, until, path, progress, resume, measure)
     if measure is not None:
         raise TypeError("measure: only with a function that makes the motion")
-    return _of_file(problem, values, workers, until, output, progress, resume)
+    return _of_file(problem, values, workers, until, output, progress, resume, keep, modes)
 
 
 def _values(given: Any, place: str) -> list[Any]:
@@ -171,11 +185,13 @@ def _of_file(
     output: StrPath | None,
     progress: bool,
     resume: bool,
+    keep: bool,
+    modes: int | None,
 ) -> Sweep:
     """A sweep of the library."""
     path = problem.path if isinstance(problem, Problem) else Path(problem)
     changes = problem._changes if isinstance(problem, Problem) else {}
-    end = problem._until if until is None and isinstance(problem, Problem) else until
+    end = problem._until if until is None and modes is None and isinstance(problem, Problem) else until
     runs = _runs(values)
     directory = Path(f"{directory_of(path, changes | runs[0])}-sweep" if output is None else output)
     rows = directory / "sweep.csv"
@@ -191,6 +207,8 @@ def _of_file(
         "until": end,
         "output": directory,
         "resume": resume,
+        "keep": keep,
+        "modes": modes,
         "quiet": not progress,
     }
     try:
@@ -282,7 +300,7 @@ def _run(
     stop: threading.Event,
     measure: Callable[[Motion], Mapping[str, float]] | None,
 ) -> Row:
-    """A run: the last row of its history, and what was measured."""
+    """A run: the last row of its history, peaks of the columns asked for, and what was measured."""
     motion: Motion | None = None
     message: str | None = None
     try:
@@ -300,8 +318,13 @@ def _run(
         message = str(error)
     if motion is None:
         return {}, message
-    last = motion.history[-1]
+    history = motion.history
+    last = history[-1]
     row = {name: last[name].item() for name in last.dtype.names}
+    for name in motion._native.asked:
+        peak = history.peak(name)
+        row |= {f"{name}_min": peak.smallest, f"{name}_min_time": peak.smallest_time}
+        row |= {f"{name}_max": peak.largest, f"{name}_max_time": peak.largest_time}
     if measure is not None and message is None:
         row |= _measured(measure(motion), {*parameters, *row, "run", "until", "message"})
     return row, message

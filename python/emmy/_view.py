@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from . import _emmy, _notebook
 from ._body import Body
 from ._emmy import Step
-from ._history import Event, structured
+from ._history import Event, History, Peak, structured
 from ._state import Snapshot, State
 
 
@@ -78,13 +78,42 @@ class MotionView:
         return State(*self._native.state())
 
     @property
-    def history(self) -> NDArray[Any]:
+    def history(self) -> History:
         """The columns of `history.csv`, a structured array with a row for the start and one a step."""
         # Another thread may ask for the history too.
         rows = self._rows
         rows = np.concatenate([rows, self._native.rows(len(rows))])
         self._rows = rows
-        return structured(rows, [(name, is_whole) for name, _, _, is_whole in self._native.columns])
+        return structured(rows, [(name, is_whole) for name, _, _, is_whole in self._native.columns]).view(History)
+
+    def peak(self, name: str) -> Peak:
+        """Last, smallest and largest number of a column of the history, with times.
+
+        Parameters
+        ----------
+        name : str
+            Name of the column; `columns` lists them.
+
+        Returns
+        -------
+        Peak
+
+        Raises
+        ------
+        InputError
+            If there is no such column.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)), probes={"o": (0, 0, 0)})
+        >>> history = motion.run()
+        >>> peak = motion.peak("o_z")
+        >>> round(peak.largest, 9), peak.largest_time
+        (1.0, 1.0)
+        """
+        return self.history.peak(name)
 
     @property
     def columns(self) -> dict[str, tuple[str, str]]:

@@ -168,6 +168,13 @@ impl Motion {
         Ok(columns.described().map(tuple).collect())
     }
 
+    /// Names of the columns that probes, reactions, extremes and values have.
+    #[getter]
+    fn asked(&self) -> PyResult<Vec<String>> {
+        let columns = self.lock()?.running.problem().quantities.columns();
+        Ok(columns.into_iter().map(|column| column.name).collect())
+    }
+
     /// Rows of the history from one on.
     fn rows<'py>(&self, py: Python<'py>, first: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let work = self.lock()?;

@@ -53,6 +53,63 @@ def test_bad_parameters_are_failures_and_bugs_are_not():
         emmy.sweep(lambda x: None, {"x": [1.0]})
 
 
+def bounced(speed, size=0.01):
+    """A mass of 1 on a spring of stiffness 4 pi^2 along x: its deflection is v/(2 pi) sin(2 pi t)."""
+    ends = {"foot": [0], "mass": [1]}
+    mesh = emmy.Mesh([(0, 0, 0), (1, 0, 0)], {"line2": [(0, 1)]}, node_groups=ends)
+    body = emmy.Body(
+        mesh,
+        emmy.Region(emmy.Spring(stiffness=4 * np.pi**2)),
+        masses=emmy.Mass(group="mass", mass=1.0),
+        supports=emmy.Support("foot", fix=("x", "y", "z")),
+    )
+    return emmy.Motion(
+        body,
+        degree=3,
+        steps=(0.9, size),
+        initial=emmy.Initial(group="mass", velocity=(speed, 0, 0)),
+        tolerance=1e-13,
+        probes={"mass": {"point": (1, 0, 0), "quantities": ["displacement"]}},
+        reactions=["foot"],
+    )
+
+
+def test_peaks_are_amplitudes_and_their_times():
+    speeds = [0.1, 0.2]
+    sweep = emmy.sweep(bounced, {"speed": speeds}, output="sweep.csv")
+    amplitudes = np.array(speeds) / (2 * np.pi)
+    table = sweep.table
+    assert table["mass_displacement_x_max"] == pytest.approx(amplitudes, abs=1e-10)
+    assert table["mass_displacement_x_min"] == pytest.approx(-amplitudes, abs=1e-10)
+    assert table["mass_displacement_x_max_time"] == pytest.approx(0.25, abs=1e-12)
+    assert table["mass_displacement_x_min_time"] == pytest.approx(0.75, abs=1e-12)
+    assert table["mass_displacement_x"] == pytest.approx(amplitudes * np.sin(1.8 * np.pi), abs=1e-10)
+    # The mean of k A sin(omega t) over the step before the quarter of the period, or after it; the start has no reaction.
+    force = 4 * np.pi**2 * amplitudes * np.sin(0.02 * np.pi) / (0.02 * np.pi)
+    assert table["foot_force_x_max"] == pytest.approx(force, abs=1e-9)
+    again = emmy.sweep(bounced, {"speed": speeds}, output="sweep.csv", resume=True)
+    assert again.table["mass_displacement_x_max"].tolist() == table["mass_displacement_x_max"].tolist()
+
+
+def test_peaks_of_motions_histories_and_runs():
+    motion = bounced(0.1)
+    history = motion.run(output="spring", every=0)
+    peak = motion.peak("mass_displacement_x")
+    assert isinstance(history, emmy.History) and type(history["time"]) is np.ndarray
+    assert peak == history.peak("mass_displacement_x") == emmy.Run("spring").history.peak("mass_displacement_x")
+    assert peak.largest == pytest.approx(0.05 / np.pi, abs=1e-10) and peak.smallest_time == pytest.approx(0.75)
+    summary = emmy.Run("spring").summary
+    names = ["mass_displacement_x" + end for end in ("", "_min", "_min_time", "_max", "_max_time")]
+    assert [summary[name] for name in names] == list(peak)
+    # Of the second half alone; of the columns of the whole body, too.
+    assert history[50:].peak("mass_displacement_x").largest < 1e-10
+    assert motion.peak("kinetic_energy").largest == pytest.approx(0.005, rel=1e-12)
+    empty = history[:1].peak("foot_force_x")
+    assert all(np.isnan(number) for number in empty)
+    with pytest.raises(emmy.InputError, match="'mass_x' is not a column; there is step, time"):
+        motion.peak("mass_x")
+
+
 def test_measures_and_ends():
     sweep = emmy.sweep(
         make, {"speed": [1.0, 2.0]}, until=0.5, measure=lambda motion: {"way": motion.displacement[0, 0]}
@@ -173,7 +230,25 @@ def test_a_file_with_failures():
     path = emmy.new("spinning-block")
     sweep = emmy.sweep(path, {"newton.max_iterations": [1, 20]}, until=0.2, output="sweep")
     assert list(sweep.failures) == [0] and "step" in sweep.failures[0]
-    assert sweep.table["status"].tolist() == ["failed", "completed"]
+    assert sweep.table["status"].tolist() == ["failed", "done"]
+
+
+def test_kept_runs_and_comparisons_of_sweeps():
+    path = emmy.new("spinning-block")
+    for scheme in ("DGM", "AS(5)"):
+        problem = emmy.load(path, set={"time.scheme": scheme})
+        emmy.sweep(problem, {"region.0.density": [1.0, 2.0]}, until=0.2, output=scheme, keep=True)
+    runs = [emmy.Run(f"DGM/runs/{number}") for number in (1, 2)]
+    assert [run.status for run in runs] == ["done", "done"]
+    assert runs[1].history["time"][-1] == 0.2
+    comparison = emmy.compare(["DGM", "AS(5)"])
+    assert comparison.report.name == "compare.csv" and comparison.report.exists()
+    assert [row["sweep"] for row in comparison.summaries] == ["DGM", "DGM", "AS(5)", "AS(5)"]
+    assert len(emmy.compare(["DGM/runs/1", "DGM/runs/2"], output="runs").summaries) == 2
+    with pytest.raises(emmy.ResultsError, match="holds a sweep"):
+        emmy.compare(["DGM", "DGM/runs/1"])
+    with pytest.raises(TypeError, match="keep: only with an input file"):
+        emmy.sweep(make, {"speed": [1.0]}, keep=True)
 
 
 def test_an_error_is_not_hidden_by_an_older_sweep():

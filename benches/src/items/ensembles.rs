@@ -49,7 +49,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
         let folder = scratch.file("sweep");
         directory::check_kind(&folder, SWEEP_KIND, SWEEP_WITNESS).map_err(|error| error.to_string())?;
         let mut file = SweepFile::create(&sweep, &folder).map_err(|error| error.to_string())?;
-        let rows = emmy_io::sweep(&sweep, &sweep.all(), || false, |row| file.write(row));
+        let rows = emmy_io::sweep(&sweep, &sweep.all(), |_, _| false, |row| file.write(row));
         let rows =
             rows.and_then(|rows| file.finish(&rows).map(|()| rows)).map_err(|error| error.to_string())?;
         rates[0].push(rows.len() as f64 / started.elapsed().as_secs_f64());

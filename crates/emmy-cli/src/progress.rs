@@ -1,5 +1,8 @@
 //! Progress: a bar on a terminal, otherwise a line for every tenth of the run.
 
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use emmy::time::Scheme;
 use emmy_io::message::shown;
@@ -105,7 +108,14 @@ pub(crate) struct RunsProgress<'h> {
     n_runs: usize,
     n_done: usize,
     n_failed: usize,
+    /// Runs that have begun, with the part of their time that is done.
+    begun: BTreeMap<usize, f64>,
+    /// When something was shown.
+    shown: Instant,
 }
+
+/// Time between two messages on runs that have not ended.
+const BETWEEN_PARTS: Duration = Duration::from_secs(5);
 
 const RUNS_STYLE: &str = "{bar:24} {pos}/{len} runs  {msg}  {eta} left";
 
@@ -117,11 +127,33 @@ impl<'h> RunsProgress<'h> {
             (false, false) => Form::Lines { shown: 0 },
             (false, true) => Form::Bar(bar(n_runs, RUNS_STYLE)),
         };
-        RunsProgress { host, form, n_runs, n_done: 0, n_failed: 0 }
+        let begun = BTreeMap::new();
+        RunsProgress { host, form, n_runs, n_done: 0, n_failed: 0, begun, shown: Instant::now() }
+    }
+
+    /// Shows the parts of the runs that have begun, by their indices, if nothing was shown for some seconds.
+    pub(crate) fn within(&mut self, run: usize, part: f64) {
+        self.begun.insert(run, part);
+        if self.shown.elapsed() < BETWEEN_PARTS {
+            return;
+        }
+        self.shown = Instant::now();
+        let part = |(run, part): (&usize, &f64)| format!("run {}: {:.0} %", run + 1, 100.0 * part);
+        let text = self.begun.iter().map(part).collect::<Vec<_>>().join(", ");
+        let done = self.n_done as f64 + self.begun.values().sum::<f64>();
+        let host = self.host;
+        host.progress(&ProgressUpdate { what: "runs", done, total: self.n_runs as f64, text: &text });
+        match &self.form {
+            Form::Nothing => {}
+            Form::Bar(bar) => bar.set_message(text),
+            Form::Lines { .. } => message!(host, "{text}"),
+        }
     }
 
     /// Counts a finished run, and shows why it failed.
-    pub(crate) fn add(&mut self, failure: Option<String>) {
+    pub(crate) fn add(&mut self, run: usize, failure: Option<String>) {
+        self.begun.remove(&run);
+        self.shown = Instant::now();
         self.n_done += 1;
         self.n_failed += usize::from(failure.is_some());
         let count = if self.n_failed > 0 { format!("{} failed", self.n_failed) } else { String::new() };

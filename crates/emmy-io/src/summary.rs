@@ -10,7 +10,7 @@ use emmy::motion::RunStatistics;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::history::Extreme;
+use crate::history::{Extreme, Peaks};
 use crate::input::Problem;
 use crate::units::Units;
 use crate::whole_file::replace;
@@ -140,6 +140,16 @@ impl SummaryHeader {
         insert_fields(&mut summary, "", &end);
         summary.extend(self.units.json().map(|units| ("units".to_string(), units)));
         Value::Object(summary)
+    }
+}
+
+/// Adds the numbers of the columns that `[output]` asks for: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field that
+/// is there already stays.
+pub(crate) fn add_peaks(summary: &mut Value, peaks: &Peaks) {
+    if let Value::Object(fields) = summary {
+        for (name, number) in peaks.numbers() {
+            fields.entry(name).or_insert(number.into());
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! `emmy compare DIR...`: several runs side by side, in a page, charts and a table.
+//! `emmy compare DIR...`: several runs side by side, in a page, charts and a table; or the rows of sweeps.
 
 use std::path::PathBuf;
 
@@ -6,8 +6,11 @@ use clap::Args;
 use emmy_io::comparison::{self, Run, RunError};
 use emmy_io::directory;
 use emmy_io::report;
-use serde_json::{Value, json};
+use emmy_io::sweep::table::{self, is_sweep};
+use emmy_io::sweep::{SweepTable, TableRow};
+use serde_json::{Map, Value, json};
 
+use super::sweep::{shown_columns, shown_number};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print;
@@ -15,7 +18,7 @@ use crate::print;
 /// Arguments of the verb.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Output directories of runs
+    /// Output directories of runs, or of sweeps over the same keys
     #[arg(required = true, value_name = "DIR")]
     directories: Vec<PathBuf>,
     /// Directory of the charts
@@ -24,13 +27,117 @@ pub(crate) struct Arguments {
     /// No message on standard error
     #[arg(long)]
     quiet: bool,
-    /// One JSON object a run on standard output in place of the table
+    /// One JSON object a run, or a row, on standard output in place of the table
     #[arg(long)]
     json: bool,
 }
 
 /// Reads the runs, writes the charts, prints the table.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let directories = &arguments.directories;
+    match directories.iter().filter(|directory| is_sweep(directory)).count() {
+        0 => runs(arguments, host),
+        n if n == directories.len() => sweeps(arguments, host),
+        _ => {
+            let of = |is: bool| directories.iter().find(|directory| is_sweep(directory) == is);
+            let [sweep, run] =
+                [of(true), of(false)].map(|own| own.map_or("".into(), |own| own.display().to_string()));
+            let message = format!("{sweep} holds a sweep, and {run} does not");
+            let help =
+                "compare sweeps with sweeps; `emmy sweep --keep` keeps its runs in `runs/1`, `runs/2`, ...";
+            Err(Failure::Files { message, help: Some(help.to_string()) })
+        }
+    }
+}
+
+/// The rows of sweeps side by side.
+fn sweeps(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let sweeps = arguments.directories.iter().map(|directory| SweepTable::read(directory));
+    let mut sweeps = sweeps.collect::<Result<Vec<_>, _>>()?;
+    table::name_apart(&mut sweeps, &arguments.directories);
+    if let [first, others @ ..] = &sweeps[..]
+        && let Some(other) = others.iter().find(|other| other.keys != first.keys)
+    {
+        let [a, b] = [first, other].map(|own| format!("{} ({})", own.name, own.keys.join(", ")));
+        let message = format!("the sweeps have other keys: {a} and {b}");
+        return Err(Failure::Files { message, help: None });
+    }
+    directory::prepare_kind(&arguments.output, "comparison", "compare.svg")?;
+    table::write(&arguments.output, &sweeps).map_err(|error| {
+        Failure::Other(format!("cannot write to {}: {error}", arguments.output.display()))
+    })?;
+    let text = if arguments.json { sweep_lines(&sweeps) } else { sweep_table(&sweeps) };
+    print::result(host, &text)?;
+    if !arguments.quiet {
+        message!(host, "written: {0}.csv, {0}.svg, {0}.png", arguments.output.join("compare").display());
+    }
+    Ok(())
+}
+
+/// For each combination of values the row of each sweep; then the largest differences from the first sweep.
+fn sweep_table(sweeps: &[SweepTable]) -> String {
+    let named = table::named_columns(sweeps);
+    let columns = shown_columns(&named, |column| {
+        sweeps.iter().flat_map(|own| own.rows.iter().map(|row| own.number(row, column))).collect()
+    });
+    let keys = sweeps.first().map_or(&[][..], |sweep| &sweep.keys);
+    let words = |words: &[&str]| words.iter().map(|word| word.to_string()).collect::<Vec<_>>();
+    let heads = columns.iter().map(|(_, head)| head.clone()).collect::<Vec<_>>();
+    let mut lines = vec![[keys, &words(&["sweep", "run", "status"]), &heads].concat()];
+    let rows = table::rows_side_by_side(sweeps);
+    for own in &rows {
+        for (sweep, row) in sweeps.iter().zip(own).filter_map(|(sweep, row)| Some((sweep, (*row)?))) {
+            let numbers: Vec<String> =
+                columns.iter().map(|(column, _)| shown_number(column, sweep.number(row, column))).collect();
+            let middle = [sweep.name.clone(), row.run.to_string(), row.status.clone()];
+            lines.push([&row.values[..], &middle, &numbers].concat());
+        }
+    }
+    let mut text = print::columns(lines);
+    let [first, others @ ..] = sweeps else { return text };
+    if others.is_empty() {
+        return text;
+    }
+    let head = words(&["largest difference"]).into_iter().chain(others.iter().map(|own| own.name.clone()));
+    let mut lines = vec![head.collect::<Vec<_>>()];
+    for (column, head) in columns.iter().filter(|(column, _)| column != "wall_seconds") {
+        let of = |place: usize| {
+            let pairs = rows.iter().filter_map(|own| Some((own[0]?, own[place]?)));
+            let pairs = pairs.map(|(a, b)| [first.number(a, column), sweeps[place].number(b, column)]);
+            pairs
+                .map(|[a, b]| if a == b { 0.0 } else { (b - a).abs() / a.abs().max(b.abs()) })
+                .fold(f64::NAN, f64::max)
+        };
+        let cells = (1..sweeps.len()).map(|place| match of(place) {
+            part if part.is_nan() => "-".to_string(),
+            part => format!("{:.2} %", 100.0 * part),
+        });
+        lines.push(std::iter::once(head.clone()).chain(cells).collect());
+    }
+    text += &format!("\n{}", print::columns(lines));
+    text
+}
+
+/// An object for each row.
+fn sweep_lines(sweeps: &[SweepTable]) -> String {
+    let line = |(sweep, row): (&SweepTable, &TableRow)| {
+        let mut object = Map::new();
+        object.insert("sweep".into(), sweep.name.clone().into());
+        object.insert("run".into(), row.run.into());
+        object.extend(
+            sweep.keys.iter().cloned().zip(row.values.iter().map(|value| Value::from(value.clone()))),
+        );
+        object.insert("status".into(), row.status.clone().into());
+        object
+            .extend(sweep.columns.iter().cloned().zip(row.numbers.iter().map(|number| Value::from(*number))));
+        object.insert("message".into(), row.message.clone().into());
+        format!("{}\n", Value::Object(object))
+    };
+    sweeps.iter().flat_map(|sweep| sweep.rows.iter().map(move |row| (sweep, row))).map(line).collect()
+}
+
+/// The runs side by side.
+fn runs(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let runs = arguments.directories.iter().map(|directory| Run::read(directory));
     let mut runs = runs.collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, &arguments.directories);

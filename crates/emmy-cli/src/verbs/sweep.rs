@@ -1,11 +1,14 @@
 //! `emmy sweep FILE --set KEY=A,B,C`: a run for every combination of values.
 
 use std::collections::HashSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use emmy_io::directory;
-use emmy_io::sweep::{SWEEP_KIND, SWEEP_WITNESS, Sweep, SweepError, SweepFile, SweepRow};
+use emmy_io::history::Number;
+use emmy_io::sweep::{KEPT, SWEEP_KIND, SWEEP_WITNESS, Sweep, SweepError, SweepFile, SweepRow};
+use serde_json::{Map, Value};
 
 use super::with_threads;
 use crate::failure::Failure;
@@ -25,6 +28,9 @@ pub(crate) struct Arguments {
     /// End of the runs: later steps are dropped, or the last phase is extended
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     until: Option<f64>,
+    /// Compute N natural modes of each run, rigid ones included, in place of its motion
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["until", "keep"])]
+    modes: Option<u32>,
     /// Output directory [default: the directory of the input, with `-sweep` added]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -34,9 +40,15 @@ pub(crate) struct Arguments {
     /// Number of threads, and of runs side by side; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    /// Keep input, history and summary of each run, as a run in the folder `runs/N` of the directory
+    #[arg(long)]
+    keep: bool,
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
+    /// One JSON object a run on standard output in place of the table
+    #[arg(long)]
+    json: bool,
 }
 
 /// Rows of the table on standard output at most.
@@ -62,10 +74,17 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
 
 /// Runs the sweep in the calling thread.
 fn sweep(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    let sweep = Sweep::read(&arguments.file, &arguments.set, arguments.until)?;
+    let Arguments { file, set, until, modes, .. } = arguments;
+    let mut sweep = match modes {
+        Some(count) => Sweep::read_for_modes(file, set, *count as usize)?,
+        None => Sweep::read(file, set, *until)?,
+    };
     sweep.notes().iter().for_each(|note| message!(host, "note: {note}"));
     let directory = arguments.output.clone().unwrap_or_else(|| sweep.directory());
     directory::check_kind(&directory, SWEEP_KIND, SWEEP_WITNESS)?;
+    if arguments.keep {
+        sweep.keep_in(&directory);
+    }
     let (mut file, mut rows) = match arguments.resume {
         true => SweepFile::resume(&sweep, &directory)?,
         false => (SweepFile::create(&sweep, &directory)?, Vec::new()),
@@ -76,29 +95,50 @@ fn sweep(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if arguments.resume && !arguments.quiet {
         message!(host, "resuming: {} of {} runs have a row", rows.len(), sweep.n_runs());
     }
+    if arguments.keep {
+        note_runs_without_history(&directory, &rows, host);
+    }
     host.prepare()?;
-    let mut progress = RunsProgress::new(host, missing.len(), arguments.quiet);
+    let progress = Mutex::new(RunsProgress::new(host, missing.len(), arguments.quiet));
+    let locked = || progress.lock().unwrap_or_else(PoisonError::into_inner);
     let outcome = emmy_io::sweep(
         &sweep,
         &missing,
-        || host.is_interrupted(),
+        |run, part| {
+            // A thread does not wait to show its progress.
+            if let Ok(mut progress) = progress.try_lock() {
+                progress.within(run, part);
+            }
+            host.is_interrupted()
+        },
         |row| {
             file.write(row)?;
-            progress.add(row.failure.as_ref().map(|failure| format!("{}: {failure}", sweep.name(row.run))));
+            let failure = row.failure.as_ref().map(|failure| format!("{}: {failure}", sweep.name(row.run)));
+            locked().add(row.run, failure);
             Ok(())
         },
     );
-    progress.end();
+    locked().end();
     rows.extend(outcome.map_err(not_written)?);
     rows.sort_by_key(|row| row.run);
     let path = file.path().to_path_buf();
     file.finish(&rows).map_err(not_written)?;
-    print::result(host, &table(&sweep, &rows))?;
+    let text = if arguments.json { lines(&sweep, &rows) } else { table(&sweep, &rows) };
+    print::result(host, &text)?;
     if !arguments.quiet {
         message!(host, "written: {}", path.display());
     }
     warn_of_loads(&sweep, &rows, host);
     ending(&sweep, &rows)
+}
+
+/// Says which rows of a resumed sweep have no kept history.
+fn note_runs_without_history(directory: &Path, rows: &[SweepRow], host: &dyn Host) {
+    let history = |row: &SweepRow| directory.join(KEPT).join((row.run + 1).to_string()).join("history.csv");
+    let without = rows.iter().filter(|row| row.failure.is_none() && !history(row).is_file()).count();
+    if without > 0 {
+        message!(host, "note: {without} of the earlier runs have no history: they were not kept");
+    }
 }
 
 fn not_written(error: std::io::Error) -> Failure {
@@ -116,6 +156,7 @@ impl From<SweepError> for Failure {
             SweepError::Damaged { .. } => {
                 Some("remove this line, or leave --resume out to replace the sweep")
             }
+            SweepError::Unreadable { .. } => None,
             SweepError::System(_) => return Failure::Other(error.to_string()),
         };
         Failure::Files { message: error.to_string(), help: help.map(String::from) }
@@ -125,31 +166,64 @@ impl From<SweepError> for Failure {
 /// The first rows.
 fn table(sweep: &Sweep, rows: &[SweepRow]) -> String {
     let text = |words: &[&str]| words.iter().map(|word| word.to_string()).collect::<Vec<_>>();
-    let names = SHOWN.map(|(_, name)| name);
-    let head = [&text(&["run"])[..], &text(&sweep.keys()), &text(&["status"]), &text(&names)].concat();
-    let line = |row: &SweepRow| {
-        let status = if row.failure.is_some() { "failed" } else { "completed" };
-        let numbers = SHOWN.map(|(column, _)| shown(sweep, row, column));
-        [&[(row.run + 1).to_string()][..], &text(&sweep.values(row.run)), &text(&[status]), &numbers].concat()
-    };
     // If more do not fit, the last line says so.
     let n_shown = if rows.len() > MAX_SHOWN { MAX_SHOWN - 1 } else { rows.len() };
-    let lines = std::iter::once(head).chain(rows[..n_shown].iter().map(line)).collect();
+    let shown = &rows[..n_shown];
+    let numbers = |column: &str| shown.iter().map(|row| of(sweep, row, column)).collect();
+    let (names, heads): (Vec<String>, Vec<String>) =
+        shown_columns(sweep.named_columns(), numbers).into_iter().unzip();
+    let head = [&text(&["run"])[..], &text(&sweep.keys()), &text(&["status"]), &heads].concat();
+    let line = |row: &SweepRow| {
+        let numbers: Vec<String> =
+            names.iter().map(|column| shown_number(column, of(sweep, row, column))).collect();
+        let status = text(&[row.status().name()]);
+        [&[(row.run + 1).to_string()][..], &text(&sweep.values(row.run)), &status, &numbers].concat()
+    };
+    let lines = std::iter::once(head).chain(shown.iter().map(line)).collect();
     match rows.len() - n_shown {
         0 => columns(lines),
         more => format!("{}... and {more} more runs in sweep.csv\n", columns(lines)),
     }
 }
 
+/// The columns of a table for reading, with their heads: those of every sweep of motions, and for each named column X that is
+/// not 0 in all rows `X`, `X_min` and `X_max`; without empty columns. `numbers`: of a column in all rows.
+pub(super) fn shown_columns(named: &[String], numbers: impl Fn(&str) -> Vec<f64>) -> Vec<(String, String)> {
+    let peaks = named.iter().map(|name| ["", "_min", "_max"].map(|ending| format!("{name}{ending}")));
+    let is_zero = |number: &f64| *number == 0.0 || number.is_nan();
+    let peaks = peaks.filter(|own| !own.iter().all(|name| numbers(name).iter().all(is_zero)));
+    let always = SHOWN.map(|(name, head)| (name.to_string(), head.to_string()));
+    let all = always.into_iter().chain(peaks.flatten().map(|name| (name.clone(), name)));
+    all.filter(|(name, _)| !numbers(name).iter().all(|number| number.is_nan())).collect()
+}
+
 /// The number of a column, for reading.
-fn shown(sweep: &Sweep, row: &SweepRow, column: &str) -> String {
-    let value = of(sweep, row, column);
+pub(super) fn shown_number(column: &str, value: f64) -> String {
     match column {
         _ if value.is_nan() => String::new(),
         "wall_seconds" => format!("{value:.2}"),
         "energy_drift" => format!("{value:.0e}"),
         _ => number(value),
     }
+}
+
+/// An object for each row.
+fn lines(sweep: &Sweep, rows: &[SweepRow]) -> String {
+    let line = |row: &SweepRow| {
+        let keys = sweep.keys().into_iter().zip(sweep.values(row.run));
+        let mut object = Map::new();
+        object.insert("run".into(), (row.run + 1).into());
+        object.extend(keys.map(|(key, value)| (key.to_string(), value.into())));
+        object.insert("status".into(), row.status().name().into());
+        let numbers = row.numbers.iter().map(|number| match *number {
+            Number::Whole(value) => Value::from(value),
+            number => Value::from(number.value()),
+        });
+        object.extend(sweep.columns().iter().cloned().zip(numbers));
+        object.insert("message".into(), row.failure.clone().into());
+        format!("{}\n", Value::Object(object))
+    };
+    rows.iter().map(line).collect()
 }
 
 /// The number of a column; NaN if it is missing.

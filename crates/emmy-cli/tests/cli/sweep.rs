@@ -94,7 +94,7 @@ fn an_oscillator_is_where_theory_puts_it_for_every_stiffness_and_velocity() {
     let columns = table(&place, "out-sweep");
     assert_eq!(columns["run"], ["1", "2", "3", "4", "5", "6", "7", "8"]);
     assert_eq!(columns["initial.velocity.0"], ["0.1", "-0.3"].repeat(4));
-    assert!(!columns.contains_key("mass.mass") && columns["status"].iter().all(|cell| cell == "completed"));
+    assert!(!columns.contains_key("mass.mass") && columns["status"].iter().all(|cell| cell == "done"));
     let of = |name: &str| numbers(&columns, name);
     let runs = omegas.iter().flat_map(|omega| speeds.map(|speed| (*omega, speed)));
     for (row, (omega, speed)) in runs.enumerate() {
@@ -105,6 +105,240 @@ fn an_oscillator_is_where_theory_puts_it_for_every_stiffness_and_velocity() {
         close(of("total_energy")[row], 0.5 * speed * speed, 1e-14, &what);
         assert_eq!((of("end_time")[row], of("steps")[row]), (1.0, 100.0));
         assert!(of("newton_iterations_per_step")[row] >= 1.0 && of("energy_drift")[row] < 1e-12);
+    }
+}
+
+/// Endings of the names of a column's last, smallest and largest number.
+const PEAK: [&str; 5] = ["", "_min", "_min_time", "_max", "_max_time"];
+
+/// The oscillator with the quantities whose peaks are known.
+fn asking(stiffness: f64) -> String {
+    OSCILLATOR
+        .replace("stiffness = 1.0", &format!("stiffness = {stiffness:?}"))
+        .replace("until = 1.0", "until = 0.9")
+        .replace("[1, 0, 0] }]", "[1, 0, 0], quantities = [\"displacement\"] }]")
+        + "extremes = [\"displacement\"]\nreactions = [\"foot\"]\n"
+}
+
+/// Last, smallest and largest number of a column of a history with their times, by sorting.
+fn peak_in(history: &BTreeMap<String, Vec<f64>>, name: &str) -> [f64; 5] {
+    let pairs = history[name].iter().copied().zip(history["time"].iter().copied());
+    let mut sorted: Vec<(f64, f64)> = pairs.filter(|(number, _)| !number.is_nan()).collect();
+    sorted.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    let (smallest, largest) = (sorted[0], sorted[sorted.len() - 1].0);
+    let largest = *sorted.iter().find(|(number, _)| *number == largest).unwrap();
+    [*history[name].last().unwrap(), smallest.0, smallest.1, largest.0, largest.1]
+}
+
+/// With A = v/omega the deflection is A sin(omega t), and the reaction of the foot, a mean over a step of size h, is
+/// -k A (cos(omega (t - h)) - cos(omega t))/(omega h).
+#[test]
+fn peaks_of_an_oscillator_are_its_amplitude_and_its_largest_force() {
+    let place = Place::with(&asking(1.0));
+    let omegas = [PI, 2.0 * PI];
+    let stiffnesses = omegas.map(|omega| format!("{:?}", omega * omega)).join(",");
+    let flag = format!("region.material.spring.stiffness={stiffnesses}");
+    let outcome = place.succeed(&["sweep", "box.toml", "--set", &flag, "--keep"]);
+    let columns = table(&place, "out-sweep");
+    let (speed, h) = (0.1, 0.01);
+    for (row, omega) in omegas.into_iter().enumerate() {
+        let of = |name: &str| numbers(&columns, name)[row];
+        let (amplitude, stiffness) = (speed / omega, omega * omega);
+        let quarter = 0.5 * PI / omega;
+        close(of("mass_displacement_x"), amplitude * (0.9 * omega).sin(), 1e-10, "last deflection");
+        close(of("mass_displacement_x_max"), amplitude, 1e-10, "largest deflection");
+        close(of("mass_displacement_x_max_time"), quarter, 1e-12, "time of the largest deflection");
+        close(of("max_displacement_max"), amplitude, 1e-10, "largest displacement");
+        close(of("max_displacement_max_time"), quarter, 1e-12, "time of the largest displacement");
+        // Two steps around a quarter of the period have the same mean.
+        let largest_force = stiffness * amplitude * (omega * h).sin() / (omega * h);
+        close(of("foot_force_x_min"), -largest_force, 1e-9, "largest reaction");
+        close(of("foot_force_x_min_time"), quarter + 0.5 * h, 0.51 * h, "time of the largest reaction");
+        // The half period of the first run is beyond the end: its reaction never vanishes, except in the empty first cell.
+        let (smallest, force) = match row {
+            0 => (0.0, -stiffness * amplitude * (1.0 - (omega * h).cos()) / (omega * h)),
+            _ => (-amplitude, largest_force),
+        };
+        close(of("mass_displacement_x_min"), smallest, 1e-10, "smallest deflection");
+        close(of("foot_force_x_max"), force, 1e-9, "smallest reaction");
+        let time = if row == 0 { 0.0 } else { 3.0 * quarter };
+        close(of("mass_displacement_x_min_time"), time, 1e-12, "time of the smallest deflection");
+        // The kept run.
+        let run = format!("out-sweep/runs/{}", row + 1);
+        let (history, summary) = (place.history(&run), place.summary(&run));
+        assert_eq!((history["time"].len(), summary["status"].as_str()), (91, Some("done")));
+        for name in [
+            "mass_displacement_x",
+            "mass_displacement_y",
+            "foot_force_x",
+            "foot_moment_z",
+            "max_displacement",
+        ] {
+            for (ending, number) in PEAK.iter().zip(peak_in(&history, name)) {
+                let name = format!("{name}{ending}");
+                assert_eq!((of(&name), summary[&name].as_f64()), (number, Some(number)), "{name}");
+            }
+        }
+    }
+    // What the input asks for, unless it is always 0.
+    let head = outcome.stdout.lines().next().unwrap();
+    for name in ["mass_displacement_x_max", "foot_force_x", "foot_force_x_min", "max_displacement_max"] {
+        assert!(head.split("  ").any(|own| own.trim() == name), "{name}\n{head}");
+    }
+    assert!(!head.contains("mass_displacement_y") && !head.contains("foot_moment"), "{head}");
+    // A new sweep without --keep has no histories of the old one; one on standard output as JSON.
+    let flags = ["--set", "initial.velocity.0=0.2", "--quiet", "--json"];
+    let outcome = place.succeed(&[&["sweep", "box.toml"], &flags[..]].concat());
+    let row: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(
+        (row["run"].as_u64(), row["status"].as_str(), row["end_time"].as_f64()),
+        (Some(1), Some("done"), Some(0.9))
+    );
+    close(
+        row["mass_displacement_x_max"].as_f64().unwrap(),
+        0.2 * 0.9_f64.sin(),
+        1e-9,
+        "a part of the first quarter",
+    );
+    assert_eq!(place.names("out-sweep"), [".lock", "sweep.csv", "sweep.toml"]);
+}
+
+#[test]
+fn peaks_of_a_resumed_run_are_those_of_the_whole_run() {
+    let place = Place::with(&asking(4.0 * PI * PI));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.4"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.6"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.9"]);
+    let (whole, parts) = (place.summary("whole"), place.summary("parts"));
+    // The largest deflection before the first stop, the smallest after the last one.
+    for (name, exact) in [("max", 0.05 / PI), ("max_time", 0.25), ("min", -0.05 / PI), ("min_time", 0.75)] {
+        close(parts[format!("mass_displacement_x_{name}")].as_f64().unwrap(), exact, 1e-10, name);
+    }
+    let history = place.history("parts");
+    for name in ["mass_displacement_x", "foot_force_x", "foot_moment_z", "max_displacement"] {
+        for (ending, number) in PEAK.iter().zip(peak_in(&history, name)) {
+            let name = format!("{name}{ending}");
+            assert_eq!(
+                (parts[&name].as_f64(), whole[&name].as_f64()),
+                (Some(number), Some(number)),
+                "{name}"
+            );
+        }
+    }
+    for name in ["", "_time"] {
+        let [peak, largest] = [format!("max_displacement_max{name}"), format!("largest_displacement{name}")];
+        assert_eq!(parts[&peak], parts[&largest], "{peak}");
+    }
+}
+
+#[test]
+fn rows_of_two_sweeps_stand_side_by_side() {
+    let place = Place::with(&asking(4.0 * PI * PI));
+    let sweep = |speeds: &str, mass: &str, output: &str| {
+        let flags = [format!("initial.velocity.0={speeds}"), format!("mass.mass={mass}")];
+        place.succeed(&[
+            "sweep", "box.toml", "--set", &flags[0], "--set", &flags[1], "--output", output, "--keep",
+        ]);
+    };
+    sweep("0.1,0.2", "1.0", "light");
+    sweep("0.2,0.1,0.30", "4.0", "heavy");
+    let table = place.succeed(&["compare", "light", "heavy"]).stdout;
+    let cells = |line: &str| line.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let lines: Vec<Vec<String>> = table.lines().map(cells).collect();
+    assert_eq!(lines[0][..4], ["initial.velocity.0", "sweep", "run", "status"]);
+    let first: Vec<String> = lines[1..6].iter().map(|line| line[..3].join(" ")).collect();
+    assert_eq!(first, ["0.1 light 1", "0.1 heavy 2", "0.2 light 2", "0.2 heavy 1", "0.30 heavy 3"]);
+    // Four times the mass has four times the energy, half the frequency and twice the amplitude.
+    let difference =
+        |name: &str| table.lines().find(|line| line.starts_with(&format!("{name} "))).map(cells).unwrap();
+    assert_eq!(difference("total energy")[2..], ["75.00", "%"]);
+    assert_eq!(difference("mass_displacement_x_max")[1..], ["50.00", "%"]);
+    let text = place.read("compare/compare.csv");
+    assert!(text.starts_with("sweep,run,initial.velocity.0,status,end_time,"), "{text}");
+    assert_eq!(text.lines().count(), 6);
+    assert!(place.read("compare/compare.svg").contains("heavy: largest"));
+    let lines = place.succeed(&["compare", "light", "heavy", "--json", "--quiet"]).stdout;
+    let last: serde_json::Value = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+    assert_eq!((last["sweep"].as_str(), last["initial.velocity.0"].as_str()), (Some("heavy"), Some("0.30")));
+    close(last["mass_displacement_x_max"].as_f64().unwrap(), 0.3 / PI, 1e-10, "amplitude");
+    // The kept runs, too.
+    let runs = place.succeed(&["compare", "light/runs/1", "heavy/runs/2", "--output", "runs"]).stdout;
+    assert_eq!(runs.lines().count(), 3, "{runs}");
+    place.succeed(&["sweep", "box.toml", "--set", "time.degree=1,2", "--output", "degrees", "--quiet"]);
+    for (others, part) in [
+        (&["light", "light/runs/1"][..], "light holds a sweep, and light/runs/1 does not"),
+        (&["light", "degrees"], "other keys: light (initial.velocity.0) and degrees (time.degree)"),
+    ] {
+        let outcome = place.emmy(&[&["compare"], others].concat());
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""));
+        assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
+    }
+}
+
+/// A mass on a spring has the frequency sqrt(k/m)/(2 pi), and all its mass moves.
+#[test]
+fn a_sweep_of_natural_modes_has_their_frequencies() {
+    let input = asking(1.0) + "[[support]]\ngroup = \"mass\"\nfix = [\"y\", \"z\"]\n";
+    let place = Place::with(&input);
+    let stiffnesses = [1.0, 4.0, 9.0].map(|root| format!("{:?}", (root * PI).powi(2))).join(",");
+    let flags =
+        ["--set", &format!("region.material.spring.stiffness={stiffnesses}"), "--set", "mass.mass=1.0,4.0"];
+    let sweep = [&["sweep", "box.toml", "--modes", "1"], &flags[..]].concat();
+    let outcome = place.succeed(&sweep);
+    let columns = table(&place, "out-sweep");
+    for (row, (root, mass)) in
+        [(1.0, 1.0), (1.0, 4.0), (4.0, 1.0), (4.0, 4.0), (9.0, 1.0), (9.0, 4.0)].iter().enumerate()
+    {
+        close(numbers(&columns, "frequency_1")[row], 0.5 * root / f64::sqrt(*mass), 1e-12, "frequency");
+        close(numbers(&columns, "effective_mass_x_1")[row], *mass, 1e-12, "effective mass");
+    }
+    let head = outcome.stdout.lines().next().unwrap();
+    assert!(head.contains("frequency_1") && !head.contains("end time"), "{head}");
+    let motions = [&["sweep", "box.toml", "--resume"], &flags[..]].concat();
+    let outcome = place.emmy(&motions);
+    assert!(
+        outcome.code == 2 && outcome.stderr.contains("`--modes 1` there, `no --until` now"),
+        "{}",
+        outcome.stderr
+    );
+    rejected(
+        &place,
+        &["--modes", "2", "--set", "mass.mass=1,2"],
+        &["--modes 2: these are more natural modes than the body has, 1", "take at most 1"],
+    );
+    rejected(
+        &place,
+        &["--modes", "1", "--keep", "--set", "mass.mass=1,2"],
+        &["--keep", "cannot be used with"],
+    );
+    let table = place.succeed(&["compare", "out-sweep", "--quiet"]).stdout;
+    assert!(table.lines().next().unwrap().contains("frequency_1"), "{table}");
+}
+
+/// A value of the name of a peak, and lists of values for one run.
+#[test]
+fn names_of_peaks_are_reserved_and_a_run_takes_one_value() {
+    let value = |name: &str| {
+        format!("values = [{{ name = \"{name}\", quantity = \"velocity\", measure = \"max\" }}]\n")
+    };
+    for name in ["foot_force_x_max", "max_displacement_min_time", "mass_displacement_x_min"] {
+        let place = Place::with(&(asking(1.0) + &value(name)));
+        let outcome = place.emmy(&["check", "box.toml"]);
+        let column = name.rsplit_once("_m").unwrap().0;
+        let message = format!("`{name}` is also the name of a peak of `{column}` over the run");
+        assert!(outcome.code == 2 && outcome.stderr.contains(&message), "{}", outcome.stderr);
+    }
+    let place = Place::with(&(asking(1.0) + &value("foot_max") + "every = 0\n"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    close(place.summary("out")["foot_max_max"].as_f64().unwrap(), 0.1, 1e-12, "the speed at the start");
+    for verb in ["run", "check"] {
+        let outcome = place.emmy(&[verb, "box.toml", "--set", "mass.mass=1,2"]);
+        assert!(
+            outcome.code == 2 && outcome.stderr.contains("`emmy sweep` runs each value"),
+            "{}",
+            outcome.stderr
+        );
     }
 }
 
@@ -165,7 +399,7 @@ fn a_run_that_fails_is_a_row_with_its_message_and_the_others_go_on() {
         "{}",
         rows[0]
     );
-    assert!(rows[1].starts_with("2,10,1.0,completed,5.0") && rows[1].ends_with(','), "{}", rows[1]);
+    assert!(rows[1].starts_with("2,10,1.0,done,5.0") && rows[1].ends_with(','), "{}", rows[1]);
     assert!(
         rows[3].starts_with("4,1e9,1.0,failed,") && rows[3].contains("is turned inside out"),
         "{}",
@@ -184,9 +418,13 @@ fn columns_are_those_of_all_runs_and_lists_stay_whole() {
     assert_eq!(outcome.code, 0, "{}", outcome.stderr);
     let text = place.read("out-sweep/sweep.csv");
     let rows: Vec<&str> = text.lines().collect();
-    assert!(rows[0].ends_with(",wall_seconds,y-min_force_x,y-min_force_y,y-min_force_z,y-min_moment_x,y-min_moment_y,y-min_moment_z,mid_x,mid_y,mid_z,message"), "{}", rows[0]);
-    assert!(rows[1].starts_with("1,[],completed,") && rows[1].ends_with(",,,,"), "{}", rows[1]);
-    let cell = r#"2,"[{ name = ""mid"", point = [0, 1, 0] }]",completed,"#;
+    let asked =
+        ["force", "moment"].iter().flat_map(|own| ["x", "y", "z"].map(|axis| format!("y-min_{own}_{axis}")));
+    let asked = asked.chain(["mid_x", "mid_y", "mid_z"].map(String::from));
+    let columns: String = asked.flat_map(|own| PEAK.map(|ending| format!(",{own}{ending}"))).collect();
+    assert!(rows[0].ends_with(&format!(",wall_seconds{columns},message")), "{}", rows[0]);
+    assert!(rows[1].starts_with("1,[],done,") && rows[1].ends_with(&",".repeat(16)), "{}", rows[1]);
+    let cell = r#"2,"[{ name = ""mid"", point = [0, 1, 0] }]",done,"#;
     assert!(rows[2].starts_with(cell) && !rows[2].ends_with(",,"), "{}", rows[2]);
 }
 
@@ -233,7 +471,7 @@ fn a_killed_sweep_is_resumed_with_the_missing_runs() {
     // As if the kill had come inside a row.
     let text = place.read("out-sweep/sweep.csv");
     let complete = &text[..=text.rfind('\n').unwrap()];
-    place.write("out-sweep/sweep.csv", &format!("{complete}17,9,1,comp"));
+    place.write("out-sweep/sweep.csv", &format!("{complete}17,9,1,do"));
     let before: Vec<&str> = complete.lines().skip(1).collect();
     assert!(before.len() >= 4 && before.len() < 40, "{}", before.len());
     let resumed = sweep(&place, &[&MANY[..], &["--resume", "--threads", "1"]].concat());
@@ -277,6 +515,8 @@ fn another_sweep_is_not_resumed() {
     assert_eq!(sweep(&place, &flags).code, 0);
     let text = place.read("out-sweep/sweep.csv");
     let resume = ["--resume", "--output", "out-sweep"];
+    let longer = [&flags[..], &resume, &["--until", "0.75"]].concat();
+    rejected(&place, &longer, &["has another input: `no --until` there, `--until 0.75` now"]);
     let other = ["--set", "region.density=1,3"];
     rejected(
         &place,
@@ -284,13 +524,17 @@ fn another_sweep_is_not_resumed() {
         &["has another input", "`--set region.density=1,2` there"],
     );
     place.write("box.toml", &BOX.replace("mu = 500.0", "mu = 501.0"));
-    rejected(&place, &[&flags[..], &resume].concat(), &["has another input: `data of all runs"]);
+    rejected(
+        &place,
+        &[&flags[..], &resume].concat(),
+        &["has another input: `material = ", "mu = 500.0 } }` there", "mu = 501.0 } }` now"],
+    );
     assert_eq!(place.read("out-sweep/sweep.csv"), text);
     place.write("box.toml", BOX);
     for (from, to, message) in [
         ("\n2,2,", "\n2,1,", "sweep.csv:3: this is no row of the sweep"),
         ("\n2,2,", "\n1,1,", "sweep.csv:3: the run is there twice"),
-        ("completed", "done", "sweep.csv:2: this is no row of the sweep"),
+        ("done", "completed", "sweep.csv:2: this is no row of the sweep"),
         ("steps", "step", "sweep.csv:1: the table has other columns"),
     ] {
         let changed = text.replacen(from, to, 1);

@@ -26,7 +26,7 @@ use emmy::mesh::Mesh;
 
 use crate::input::{MESH_FILE, Problem};
 use crate::vtk::{self, MESH_MARK};
-use crate::whole_file::{names, replace};
+use crate::whole_file::{names, remove, replace};
 
 /// Checks that a run may write into a directory. Nothing is changed.
 ///
@@ -100,6 +100,24 @@ pub fn prepare(path: &Path) -> Result<(), DirectoryError> {
     check(path)?;
     fs::create_dir_all(path).map_err(|error| system(path, error))?;
     remove_run(path).map_err(|error| system(path, error))
+}
+
+/// Removes the runs in the subdirectories of a directory whose names are numbers. Files of others stay.
+pub(crate) fn remove_numbered_runs(path: &Path) -> io::Result<()> {
+    if !path.is_dir() {
+        return Ok(());
+    }
+    for name in names(path)?.into_iter().filter(|name| name.parse::<usize>().is_ok()) {
+        let run = path.join(name);
+        if is_run(&run) {
+            remove_run(&run)?;
+            remove(&run.join("input.toml"))?;
+        }
+        if run.is_dir() && names(&run)?.is_empty() {
+            fs::remove_dir(&run)?;
+        }
+    }
+    if names(path)?.is_empty() { fs::remove_dir(path) } else { Ok(()) }
 }
 
 /// Writes a mesh that no other file holds.

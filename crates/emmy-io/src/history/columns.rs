@@ -196,6 +196,11 @@ impl HistoryColumns {
         self.measures.has_extreme(field)
     }
 
+    /// Number of the columns that `[output]` asks for, which are the last ones.
+    pub(super) fn n_asked(&self) -> usize {
+        self.measures.columns().len()
+    }
+
     /// All columns.
     pub fn described(&self) -> impl Iterator<Item = ColumnInfo> {
         let own = COLUMNS.iter().filter(|column| (column.is_in)(self)).map(ColumnInfo::from);
@@ -228,7 +233,7 @@ impl HistoryColumns {
     }
 
     /// The numbers of a step for the whole body.
-    pub(super) fn numbers(&self, record: &Record, wall_seconds: f64) -> Vec<Number> {
+    pub(crate) fn numbers(&self, record: &Record, wall_seconds: f64) -> Vec<Number> {
         let step = Step { record, wall_seconds };
         COLUMNS.iter().filter(|column| (column.is_in)(self)).map(|column| (column.number)(&step)).collect()
     }

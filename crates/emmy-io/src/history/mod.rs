@@ -4,6 +4,7 @@ mod columns;
 mod file;
 mod header;
 mod measures;
+mod peaks;
 mod reader;
 
 use std::fmt;
@@ -15,6 +16,8 @@ pub use columns::{ColumnInfo, HistoryColumns, Row, required};
 pub use file::HistoryFile;
 pub(crate) use header::{line as csv_line, names as csv_cells};
 pub use measures::Extreme;
+pub(crate) use peaks::column_of_peak;
+pub use peaks::{Peak, Peaks};
 pub use reader::{History, HistoryError, Rows};
 
 /// A number of a row.

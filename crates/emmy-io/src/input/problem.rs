@@ -173,8 +173,11 @@ pub(super) fn of_tree(
     overrides: &Overrides,
     source: Source<'_>,
 ) -> Result<Problem, InputError> {
-    let prepared = source.agree(tree.and_then(|tree| Prepared::new(tree, path, overrides)))?;
-    let mut problem = source.agree(prepared.parts.problem(prepared.resolved, source))?;
+    let advised = |error| set::of_one_run(error, &overrides.set);
+    let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
+    let prepared = source.agree(prepared)?;
+    let problem = prepared.parts.problem(prepared.resolved, source).map_err(advised);
+    let mut problem = source.agree(problem)?;
     problem.files.extend(prepared.histories);
     problem.notes.extend(prepared.notes);
     Ok(problem)

@@ -39,6 +39,22 @@ pub(crate) fn alternatives(flag: &str) -> Result<Vec<String>, InputError> {
     Ok(values.into_iter().map(|value| format!("{key}={}", flag[offset..][value].trim())).collect())
 }
 
+/// Says of faulty values with commas that a sweep takes them one by one.
+pub(super) fn of_one_run(error: InputError, flags: &[String]) -> InputError {
+    let has_many = |place: &Place| {
+        let text = place.text();
+        flags.iter().any(|flag| flag == text) && alternatives(text).is_ok_and(|all| all.len() > 1)
+    };
+    let advised = |fault: &Fault| match fault.place().is_some_and(has_many) {
+        true => fault
+            .clone()
+            .help("a run has one value: `emmy sweep` runs each value between commas; a list is [1, 2, 3]"),
+        false => fault.clone(),
+    };
+    let faults = error.faults().iter().map(advised).collect();
+    InputError::unless_empty(faults).err().unwrap_or(error)
+}
+
 /// Parts of a text between commas, except those inside brackets and quotes.
 fn split(text: &str) -> Vec<Range<usize>> {
     let mut parts = Vec::new();

@@ -135,6 +135,19 @@ impl Problem {
         }
     }
 
+    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from which
+    /// the motion starts; `None` for the undeformed body.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn state_of_vibration(&self) -> Result<Option<State>, StartError> {
+        match (self.equilibrium()?, &self.start) {
+            (Some(equilibrium), _) => Ok(Some(equilibrium.start(self.newton, &[], &mut [])?)),
+            (None, Start::Run(directory)) => self.state_of(directory).map(Some),
+            (None, _) => Ok(None),
+        }
+    }
+
     /// Numbers of nodes and cells of the whole mesh.
     pub fn mesh_size(&self) -> [usize; 2] {
         let mesh = self.body.mesh();

@@ -7,7 +7,7 @@ use emmy::motion::View;
 
 use crate::directory::{Lock, MARK};
 use crate::events::EventsFile;
-use crate::history::{HistoryColumns, HistoryFile, Number};
+use crate::history::{HistoryColumns, HistoryFile, Number, Peaks};
 use crate::input::Problem;
 use crate::log::RunLog;
 use crate::newton::NewtonFile;
@@ -17,6 +17,8 @@ use crate::whole_file::{remove, replace};
 #[derive(Debug)]
 pub(super) struct Files {
     pub(super) history: HistoryFile,
+    /// Peaks of the rows of the history.
+    pub(super) peaks: Peaks,
     newton: NewtonFile,
     pub(super) events: EventsFile,
     pub(super) log: RunLog,
@@ -28,7 +30,7 @@ impl Files {
     pub(super) fn open(
         problem: &Problem,
         lock: Lock,
-        history: HistoryFile,
+        (history, peaks): (HistoryFile, Peaks),
         start: Option<(usize, f64)>,
     ) -> io::Result<Self> {
         let directory = problem.output.directory.as_path();
@@ -39,12 +41,13 @@ impl Files {
             Some((step, _)) => (EventsFile::resume(&events, step)?, NewtonFile::resume(&newton, step)?),
             None => (EventsFile::create(&events)?, NewtonFile::create(&newton)?),
         };
-        Ok(Files { history, newton, events, log, _lock: lock })
+        Ok(Files { history, peaks, newton, events, log, _lock: lock })
     }
 
     /// Writes the lines of a step, and its iteration if it `is_logged`.
     pub(super) fn write(&mut self, view: View<'_>, numbers: &[Number], is_logged: bool) -> io::Result<()> {
         self.history.write(numbers)?;
+        self.peaks.add(numbers);
         self.log.solver(view.record)?;
         if is_logged {
             self.newton.write(view)?;
@@ -67,7 +70,7 @@ impl Files {
 }
 
 /// Writes the units of the columns of the history, if the input has units.
-fn write_units(path: &Path, problem: &Problem) -> io::Result<()> {
+pub(crate) fn write_units(path: &Path, problem: &Problem) -> io::Result<()> {
     match problem.units.system() {
         Some(_) => {
             let columns = HistoryColumns::of(problem).with_units(problem.units);
@@ -78,7 +81,7 @@ fn write_units(path: &Path, problem: &Problem) -> io::Result<()> {
 }
 
 /// The resolved input with its mark.
-pub(super) fn input(problem: &Problem) -> String {
+pub(crate) fn input(problem: &Problem) -> String {
     format!(
         "{MARK} {}: the input of this run with all defaults.\n\n{}",
         env!("CARGO_PKG_VERSION"),

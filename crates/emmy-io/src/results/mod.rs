@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock};
-use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile};
+use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Peaks};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::recording::{OtherFields, Recording};
@@ -23,7 +23,8 @@ use crate::summary::{self, Status, SummaryHeader};
 use crate::team::agreed;
 use crate::vtk::{Format, FrameTime};
 use crate::whole_file::replace;
-use files::{Files, input};
+use files::Files;
+pub(crate) use files::{input, write_units};
 
 /// Why the results of a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
@@ -98,9 +99,10 @@ impl Results {
                     directory::write_mesh(directory, mesh)?;
                 }
                 replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
+                let columns = HistoryColumns::of(problem);
                 let history =
-                    HistoryFile::create(&directory.join("history.csv"), &HistoryColumns::of(problem));
-                Files::open(problem, lock, history.map_err(system)?, None).map_err(system)
+                    HistoryFile::create(&directory.join("history.csv"), &columns).map_err(system)?;
+                Files::open(problem, lock, (history, Peaks::of(&columns)), None).map_err(system)
             },
             |message| system(io::Error::other(message)),
         )?;
@@ -129,7 +131,8 @@ impl Results {
             let history =
                 HistoryFile::resume(&path, &columns, state.step, state.time, checkpoint.history_checksum)?;
             replace(&directory.join("input.toml"), input(problem).as_bytes())?;
-            Ok(Files::open(problem, lock, history, Some((state.step, state.time)))?)
+            let peaks = Peaks::read(&columns, &path)?;
+            Ok(Files::open(problem, lock, (history, peaks), Some((state.step, state.time)))?)
         });
         let files = problem.agree(files.transpose(), |message| io::Error::other(message).into())?;
         Ok(Results::open(problem, files, Some(checkpoint))?)
@@ -176,14 +179,7 @@ impl Results {
             estimated_error: None,
             notes,
         };
-        let summary = results.header.summary(
-            &results.statistics,
-            &results.extremes,
-            Status::Running,
-            None,
-            seconds_before,
-        );
-        let written = results.write_summary(&summary);
+        let written = results.write_summary(&results.summary(Status::Running, None));
         results.agree(written)?;
         results.started = Instant::now();
         Ok(results)
@@ -256,7 +252,12 @@ impl Results {
     }
 
     fn summary(&self, status: Status, message: Option<&str>) -> Value {
-        self.header.summary(&self.statistics, &self.extremes, status, message, self.wall_seconds())
+        let mut summary =
+            self.header.summary(&self.statistics, &self.extremes, status, message, self.wall_seconds());
+        if let Some(files) = &self.files {
+            summary::add_peaks(&mut summary, &files.peaks);
+        }
+        summary
     }
 
     /// Largest values of fields so far: of those that the input asks for in every step, of the von Mises stress

@@ -9,6 +9,7 @@ use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::history::{Number, csv_cells, csv_line};
 use crate::message::escaped;
 use crate::rows::RowFile;
+use crate::summary::Status;
 use crate::whole_file::{remove, replace};
 
 /// The kind of results, for messages.
@@ -17,7 +18,10 @@ pub const SWEEP_KIND: &str = "sweep";
 /// The file by which the directory of a sweep is recognized.
 pub const SWEEP_WITNESS: &str = "sweep.toml";
 
-const ROWS: &str = "sweep.csv";
+pub(super) const ROWS: &str = "sweep.csv";
+
+/// Folder of the kept files of runs, in the directory of a sweep.
+pub const KEPT: &str = "runs";
 
 /// Why a sweep cannot be written or continued.
 #[derive(Debug, thiserror::Error)]
@@ -38,6 +42,15 @@ pub enum SweepError {
         path: PathBuf,
         /// The first difference.
         difference: String,
+    },
+    /// The table cannot be read.
+    #[error("cannot read {path}: {error}; `emmy sweep` writes it")]
+    Unreadable {
+        /// The table.
+        path: PathBuf,
+        /// The message of the system.
+        #[source]
+        error: io::Error,
     },
     /// The table is damaged.
     #[error("{path}:{line}: {reason}")]
@@ -73,6 +86,7 @@ impl<'a> SweepFile<'a> {
         let path = directory.join(ROWS);
         // Without its rows, a killed sweep cannot be resumed as another one.
         remove(&path)?;
+        directory::remove_numbered_runs(&directory.join(KEPT))?;
         replace(&directory.join(SWEEP_WITNESS), sweep.description().as_bytes())?;
         let rows = RowFile::create(&path, &sweep.header())?;
         Ok(SweepFile { sweep, path, rows, _lock: lock })
@@ -134,6 +148,12 @@ impl<'a> SweepFile<'a> {
     }
 }
 
+/// Begin of the line with the columns that the inputs name.
+pub(super) const NAMED: &str = "# columns that the input names: ";
+
+/// Begin of the line with the checksum of all runs: a sweep whose first run agrees may differ in a file that it reads.
+const CHECKSUM: &str = "# data of all runs: ";
+
 /// Creates and locks the directory.
 fn prepare(sweep: &Sweep, directory: &Path) -> Result<Lock, DirectoryError> {
     let place = |path: &Path| path.canonicalize().ok();
@@ -153,6 +173,10 @@ fn difference(before: &str, now: &str) -> Option<String> {
         match (old.next(), new.next()) {
             (None, None) => return None,
             (old, new) if old == new => {}
+            // The inputs of the first runs agree.
+            (Some(old), Some(new)) if [old, new].iter().all(|line| line.starts_with(CHECKSUM)) => {
+                return Some("its mesh, or another file that it reads, has changed".to_string());
+            }
             (old, new) => {
                 let [old, new] = [old, new].map(|line| line.unwrap_or("").trim_start_matches("# "));
                 return Some(format!("`{old}` there, `{new}` now"));
@@ -170,9 +194,16 @@ impl Sweep {
             format!("# --set {}\n", one_line(&format!("{}={}", key_of(&flags[0]), values(flags))))
         };
         let flags: String = self.flags.iter().map(line).collect();
+        let until = match (self.modes, self.until) {
+            (Some(count), _) => format!("--modes {count}"),
+            (None, Some(until)) => format!("--until {until:?}"),
+            (None, None) => "no --until".to_string(),
+        };
         format!(
-            "{MARK} {version}: the input of the first run of this sweep.\n{flags}# data of all runs: {:016x}\n\n{}",
-            self.checksum, self.first
+            "{MARK} {version}: the input of the first run of this sweep.\n{flags}# {until}\n{NAMED}{}\n\n{}\n{CHECKSUM}{:016x}\n",
+            csv_line(&self.named),
+            self.first,
+            self.checksum
         )
     }
 
@@ -187,8 +218,7 @@ impl Sweep {
 
     /// The line of a row.
     fn line(&self, row: &SweepRow) -> String {
-        let status = if row.failure.is_some() { FAILED } else { COMPLETED };
-        let cells = self.cells_before(row.run).into_iter().chain([status.to_string()]);
+        let cells = self.cells_before(row.run).into_iter().chain([row.status().name().to_string()]);
         let cells = cells.chain(row.numbers.iter().map(Number::to_string));
         let message = one_line(row.failure.as_deref().unwrap_or_default());
         csv_line(&cells.chain([message]).collect::<Vec<_>>())
@@ -234,18 +264,36 @@ impl Sweep {
         };
         let numbers: Vec<Number> = numbers.iter().map(number).collect::<Option<_>>()?;
         let failure = match status.as_str() {
-            COMPLETED => None,
-            FAILED => Some(message.clone()),
+            status if status == Status::Done.name() => None,
+            status if status == Status::Failed.name() => Some(message.clone()),
             _ => return None,
         };
         (numbers.len() == self.columns.len()).then_some(SweepRow { run, failure, numbers })
     }
 }
 
-const COMPLETED: &str = "completed";
-const FAILED: &str = "failed";
-
 /// A text in one line, without control characters.
 fn one_line(text: &str) -> String {
     escaped(&text.split_whitespace().collect::<Vec<_>>().join(" ")).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_line_that_differs_says_what_has_changed() {
+        let sweep = |until: &str, mu: &str, sum: &str| format!("# {until}\n\nmu = {mu}\n\n{CHECKSUM}{sum}\n");
+        let old = sweep("no --until", "1.0", "0f");
+        let with = |new: String| difference(&old, &new);
+        assert_eq!(with(old.clone()), None);
+        let other = with(sweep("--until 0.5", "2.0", "1f"));
+        assert_eq!(other.as_deref(), Some("`no --until` there, `--until 0.5` now"));
+        assert_eq!(
+            with(sweep("no --until", "2.0", "1f")).as_deref(),
+            Some("`mu = 1.0` there, `mu = 2.0` now")
+        );
+        let of_file = with(sweep("no --until", "1.0", "1f"));
+        assert_eq!(of_file.as_deref(), Some("its mesh, or another file that it reads, has changed"));
+    }
 }

@@ -1,21 +1,25 @@
 //! Sweeps: one file with every combination of values of some keys, and a row of numbers for each run.
 //!
 //! [`Sweep::read`] reads and checks every combination, so a mistake is found before the first run. [`fn@sweep`] runs them
-//! side by side, each on one thread, and [`SweepFile`] keeps their rows as `sweep.csv`.
+//! side by side, each on one thread, and [`SweepFile`] keeps their rows as `sweep.csv`. [`SweepTable`] reads such a file.
 
 mod file;
 mod runs;
+pub mod table;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-pub use file::{SWEEP_KIND, SWEEP_WITNESS, SweepError, SweepFile};
+use emmy::modes::n_modes;
+
+pub use file::{KEPT, SWEEP_KIND, SWEEP_WITNESS, SweepError, SweepFile};
 pub use runs::{SweepRow, sweep};
+pub use table::{SweepTable, TableRow};
 
 use crate::checkpoint::identity::Identity;
 use crate::convergence::kept::{checksum, state_sum};
-use crate::history::fixed_names;
-use crate::input::{self, Fault, InputError, Overrides, Problem};
+use crate::history::{Number, Peak};
+use crate::input::{self, Fault, InputError, Overrides, Problem, Quantities};
 use crate::message::with_causes;
 use crate::side_by_side::{on_one_thread, side_by_side};
 
@@ -61,7 +65,7 @@ const COLUMNS: [&str; 20] = [
 /// let sweep = Sweep::read(&path, &flags.map(String::from), None)?;
 /// assert_eq!((sweep.n_runs(), sweep.keys().len()), (4, 2));
 /// assert_eq!(sweep.values(2), ["[3,0,0]", "2"]); // the last key changes fastest
-/// let rows = emmy_io::sweep(&sweep, &sweep.all(), || false, |_| Ok(()))?;
+/// let rows = emmy_io::sweep(&sweep, &sweep.all(), |_, _| false, |_| Ok(()))?;
 /// let energy = sweep.columns().iter().position(|name| name == "total_energy").unwrap();
 /// let energies = rows.iter().map(|row| row.numbers[energy].value()); // 1/2 m v^2
 /// assert!(energies.zip([1.0, 2.0, 9.0, 18.0]).all(|(e, exact)| (e - exact).abs() < 1e-13));
@@ -72,10 +76,16 @@ const COLUMNS: [&str; 20] = [
 pub struct Sweep {
     file: PathBuf,
     until: Option<f64>,
+    /// Number of natural modes of each run, in place of its motion.
+    modes: Option<usize>,
     /// Of each `--set`, a flag for each value.
     flags: Vec<Vec<String>>,
     /// Names of the numbers in a row.
     columns: Vec<String>,
+    /// Columns of the histories that the input names.
+    named: Vec<String>,
+    /// Directory of the kept files of the runs.
+    kept: Option<PathBuf>,
     /// Output directory of the input.
     directory: PathBuf,
     /// Files that the runs read.
@@ -93,6 +103,23 @@ impl Sweep {
     /// # Errors
     /// [`InputError`] with the faults of all combinations; a fault of only some of them names the first one.
     pub fn read(file: &Path, set: &[String], until: Option<f64>) -> Result<Self, InputError> {
+        Sweep::read_for(file, set, until, None)
+    }
+
+    /// As [`Sweep::read`], for the lowest natural modes in place of the motions.
+    ///
+    /// # Errors
+    /// As [`Sweep::read`]; also if a body has fewer modes.
+    pub fn read_for_modes(file: &Path, set: &[String], count: usize) -> Result<Self, InputError> {
+        Sweep::read_for(file, set, None, Some(count))
+    }
+
+    fn read_for(
+        file: &Path,
+        set: &[String],
+        until: Option<f64>,
+        modes: Option<usize>,
+    ) -> Result<Self, InputError> {
         let mut flags = Vec::new();
         for flag in set {
             flags.push(input::alternatives(flag)?);
@@ -100,8 +127,11 @@ impl Sweep {
         let mut sweep = Sweep {
             file: file.to_path_buf(),
             until,
+            modes,
             flags,
-            columns: COLUMNS.map(String::from).to_vec(),
+            columns: modes.map_or_else(|| COLUMNS.map(String::from).to_vec(), columns_of_modes),
+            named: modes.map_or_else(Vec::new, |count| names_of_modes("frequency", count)),
+            kept: None,
             directory: PathBuf::new(),
             files: Vec::new(),
             notes: Vec::new(),
@@ -136,12 +166,18 @@ impl Sweep {
         let checked = on_one_thread(|| {
             let problem = self.problem(run)?;
             let start = problem.check_start().map_err(|error| Fault::new(with_causes(&error)))?;
-            problem.critical_step(start.as_ref())?;
+            match self.modes {
+                Some(count) => check_modes(&problem, count)?,
+                None => drop(problem.critical_step(start.as_ref())?),
+            }
             let Identity { input, mesh, tables } = Identity::new(&problem);
             let state = start.as_ref().map_or(0, state_sum);
+            let none = Quantities::default();
+            let quantities = if self.modes.is_some() { &none } else { &problem.quantities };
             Ok(Checked {
                 checksum: checksum(format!("{input}{mesh}{tables}{state}").as_bytes()),
-                columns: problem.quantities.columns().into_iter().map(|column| column.name).collect(),
+                columns: quantities.columns().into_iter().map(|column| column.name).collect(),
+                named: quantities.named_columns(),
                 first: if run == 0 { input } else { String::new() },
                 directory: problem.output.directory,
                 files: problem.files,
@@ -173,8 +209,9 @@ impl Sweep {
                 }
                 _ => {}
             }
-            let fixed = |name: &String| fixed_names().chain(COLUMNS).any(|fixed| fixed == name);
-            add_new(&mut self.columns, own.columns.into_iter().filter(|name| !fixed(name)));
+            // Of a value with the name of a column of the whole body there are the peaks alone.
+            add_new(&mut self.columns, own.columns.iter().flat_map(|name| Peak::names(name)));
+            add_new(&mut self.named, own.named);
             add_new(&mut self.files, own.files);
             add_new(&mut self.notes, own.notes);
         }
@@ -261,12 +298,39 @@ impl Sweep {
     /// [`InputError`].
     pub fn problem(&self, run: usize) -> Result<Problem, InputError> {
         let set = self.flags_of(run).map(String::from).collect();
-        input::read(&self.file, &Overrides { set, until: self.until, ..Default::default() })
+        let output = self.kept.as_ref().map(|kept| kept.join((run + 1).to_string()));
+        input::read(&self.file, &Overrides { set, until: self.until, output, ..Default::default() })
     }
 
-    /// Names of the numbers in a row: of the whole body, and of everything that `[output]` asks for in a run.
+    /// Names of the numbers in a row: of the whole body, and for each column X of a history that `[output]` asks for `X`,
+    /// `X_min`, `X_min_time`, `X_max` and `X_max_time`.
     pub fn columns(&self) -> &[String] {
         &self.columns
+    }
+
+    /// The columns X that the input names: all but the reactions of an input that lists none.
+    pub fn named_columns(&self) -> &[String] {
+        &self.named
+    }
+
+    /// Keeps input, history and summary of each run from now on: of run N, counted from 1, in `runs/N` of a directory.
+    pub fn keep_in(&mut self, directory: &Path) {
+        self.kept = Some(directory.join(KEPT));
+    }
+
+    /// Whether the files of runs are kept.
+    pub(crate) fn is_kept(&self) -> bool {
+        self.kept.is_some()
+    }
+
+    /// Number of natural modes of each run, in place of its motion.
+    pub(crate) fn n_modes(&self) -> Option<usize> {
+        self.modes
+    }
+
+    /// The numbers of a run without any.
+    fn nothing(&self) -> Vec<Number> {
+        vec![Number::Missing; self.columns.len()]
     }
 
     /// Remarks of the reader, each once.
@@ -282,10 +346,35 @@ impl Sweep {
     }
 }
 
+/// Columns of the natural modes of a run.
+fn columns_of_modes(count: usize) -> Vec<String> {
+    let masses = ["x", "y", "z"].map(|axis| format!("effective_mass_{axis}"));
+    let names = ["frequency"].into_iter().chain(masses.iter().map(String::as_str));
+    let names = names.flat_map(|name| names_of_modes(name, count));
+    names.chain(["wall_seconds".to_string()]).collect()
+}
+
+/// Names of a number of each mode, counted from 1.
+fn names_of_modes(name: &str, count: usize) -> Vec<String> {
+    (1..=count).map(|mode| format!("{name}_{mode}")).collect()
+}
+
+/// Checks that a body has so many modes.
+fn check_modes(problem: &Problem, count: usize) -> Result<(), Fault> {
+    let most = n_modes(&problem.body);
+    if count <= most {
+        return Ok(());
+    }
+    let fault =
+        Fault::new(format!("--modes {count}: these are more natural modes than the body has, {most}"));
+    Err(if most > 0 { fault.help(format!("take at most {most}")) } else { fault.help("all nodes are held") })
+}
+
 /// What is kept of a combination.
 struct Checked {
     checksum: u64,
     columns: Vec<String>,
+    named: Vec<String>,
     first: String,
     directory: PathBuf,
     files: Vec<PathBuf>,

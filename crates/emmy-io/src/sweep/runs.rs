@@ -1,20 +1,26 @@
 //! The runs of a sweep, side by side.
 
+use std::collections::HashMap;
 use std::io;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use emmy::modes::{Mode, modes, modes_about};
 use emmy::motion::{MarchError, Motion, Observer, View};
 use serde_json::Value;
 
-use super::Sweep;
-use crate::history::{HistoryColumns, Number};
-use crate::input::{Limits, Problem};
+use super::{COLUMNS, Sweep};
+use crate::directory;
+use crate::history::{HistoryColumns, HistoryFile, Number, Peaks};
+use crate::input::Problem;
 use crate::limits;
 use crate::message::with_causes;
+use crate::results::{input, write_units};
 use crate::side_by_side::{on_one_thread, side_by_side};
-use crate::summary::{Status, SummaryHeader};
+use crate::summary::{Status, SummaryHeader, add_peaks};
+use crate::whole_file::replace;
 
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,102 +33,203 @@ pub struct SweepRow {
     pub numbers: Vec<Number>,
 }
 
+impl SweepRow {
+    /// The status of the run, as in its summary.
+    pub fn status(&self) -> Status {
+        status(self.failure.as_deref())
+    }
+}
+
+fn status(failure: Option<&str>) -> Status {
+    if failure.is_some() { Status::Failed } else { Status::Done }
+}
+
 /// Runs some of the combinations, each on one thread, on as many threads as the pool of the caller has, and returns
-/// their rows in the given order. A row is reported as soon as its run has ended. Once `is_stopped`, running ones end
-/// after their step without a row, and no others start.
+/// their rows in the given order. A row is reported as soon as its run has ended.
+///
+/// `watch` sees the index of a run and the part of its time that is done, from 0 to 1, before the run and after each step.
+/// Once its answer is true, running ones end after their step without a row, and no others start.
 ///
 /// The numbers do not depend on the number of threads, except `wall_seconds`.
 ///
 /// # Errors
-/// The first error of `report`; the sweep stops then.
+/// The first error of `report` or of a kept file; the sweep stops then.
 pub fn sweep(
     sweep: &Sweep,
     runs: &[usize],
-    is_stopped: impl Fn() -> bool + Sync,
+    watch: impl Fn(usize, f64) -> bool + Sync,
     report: impl FnMut(&SweepRow) -> io::Result<()> + Send,
 ) -> io::Result<Vec<SweepRow>> {
     let is_broken = AtomicBool::new(false);
-    let is_stopped = || is_broken.load(Ordering::Relaxed) || is_stopped();
+    let watch = |run: usize, part: f64| watch(run, part) || is_broken.load(Ordering::Relaxed);
     let report = Mutex::new(report);
     let rows = side_by_side(runs.len(), |place| {
-        let row = row(sweep, runs[place], &is_stopped)?;
-        let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
-        let reported = report(&row).inspect_err(|_| is_broken.store(true, Ordering::Relaxed));
-        Some(reported.map(|()| row))
+        let reported = row(sweep, runs[place], &watch).and_then(|row| {
+            let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
+            row.as_ref().map_or(Ok(()), |row| report(row)).map(|()| row)
+        });
+        reported.inspect_err(|_| is_broken.store(true, Ordering::Relaxed)).transpose()
     });
     rows.into_iter().flatten().collect()
 }
 
+/// Whether to stop, asked with a run and its part that is done.
+type Watch<'a> = dyn Fn(usize, f64) -> bool + Sync + 'a;
+
 /// The row of a run; `None` if it was stopped.
-fn row(sweep: &Sweep, run: usize, is_stopped: &(dyn Fn() -> bool + Sync)) -> Option<SweepRow> {
-    if is_stopped() {
-        return None;
+fn row(sweep: &Sweep, run: usize, watch: &Watch<'_>) -> io::Result<Option<SweepRow>> {
+    if watch(run, 0.0) {
+        return Ok(None);
     }
-    let ended = on_one_thread(|| {
-        let started = Instant::now();
-        let problem = sweep.problem(run).map_err(|error| error.to_string())?;
-        let mut motion = problem.motion(&mut []).map_err(|error| with_causes(&error))?;
-        let mut watch = Watch { limits: &problem.limits, is_stopped };
-        let failure = match motion.march(&problem.plan, &mut [&mut watch]) {
-            Ok(()) => None,
-            Err(MarchError::Observer(error)) if error.is::<Stopped>() => return Ok(None),
-            Err(MarchError::Observer(error)) => Some(error.to_string()),
-            Err(MarchError::Step(error)) => Some(with_causes(&error)),
-        };
-        let seconds = started.elapsed().as_secs_f64();
-        Ok(Some((numbers(sweep.columns(), &problem, &motion, seconds), failure)))
-    });
-    let nothing = || vec![Number::Missing; sweep.columns().len()];
-    let (numbers, failure) = match ended.and_then(|ended| ended) {
+    let ended = match on_one_thread(|| ended(sweep, run, watch)) {
         Ok(ended) => ended?,
-        Err(failure) => (nothing(), Some(failure)),
+        Err(message) => Some((sweep.nothing(), Some(message))),
     };
-    let failure = failure.map(|failure| failure.lines().collect::<Vec<_>>().join("; "));
-    Some(SweepRow { run, failure, numbers })
+    let row = |(numbers, failure): Ended| {
+        let failure = failure.map(|failure| failure.lines().collect::<Vec<_>>().join("; "));
+        SweepRow { run, failure, numbers }
+    };
+    Ok(ended.map(row))
 }
 
-/// The numbers of the columns, from the summary and from the last row of the history.
-fn numbers(columns: &[String], problem: &Problem, motion: &Motion<'_>, seconds: f64) -> Vec<Number> {
-    let statistics = motion.statistics();
-    let summary = SummaryHeader::new(problem).summary(statistics, &[], Status::Done, None, seconds);
-    let history = HistoryColumns::of(problem);
-    let last = history.row(motion.view(), seconds);
-    let last: Vec<(String, Number)> = history.names().into_iter().zip(last.numbers).collect();
-    let in_summary = |name: &str| match &summary[name] {
-        Value::Number(number) => match number.as_u64() {
-            Some(whole) => Number::Whole(whole as usize),
-            None => number.as_f64().map_or(Number::Missing, Number::Real),
+/// The numbers of a run, and why it failed.
+type Ended = (Vec<Number>, Option<String>);
+
+/// Computes a run; `None` if it was stopped.
+fn ended(sweep: &Sweep, run: usize, watch: &Watch<'_>) -> io::Result<Option<Ended>> {
+    let started = Instant::now();
+    let failed = |message: String| Ok(Some((sweep.nothing(), Some(message))));
+    let problem = match sweep.problem(run) {
+        Ok(problem) => problem,
+        Err(error) => return failed(error.to_string()),
+    };
+    if let Some(count) = sweep.n_modes() {
+        return Ok(Some(match modes_of(&problem, count) {
+            Ok(modes) => (numbers_of_modes(&modes, started), None),
+            Err(message) => (sweep.nothing(), Some(message)),
+        }));
+    }
+    let mut motion = match problem.motion(&mut []) {
+        Ok(motion) => motion,
+        Err(error) => return failed(with_causes(&error)),
+    };
+    let columns = HistoryColumns::of(&problem);
+    let kept = if sweep.is_kept() { Some(Kept::create(&problem, &columns)?) } else { None };
+    let is_stopped = |part| watch(run, part);
+    let peaks = Peaks::of(&columns);
+    let mut recorder = Recorder { problem: &problem, columns, peaks, kept, started, is_stopped: &is_stopped };
+    let failure = match motion.march(&problem.plan, &mut [&mut recorder]) {
+        Ok(()) => None,
+        Err(MarchError::Step(error)) => Some(with_causes(&error)),
+        Err(MarchError::Observer(error)) => match error.downcast::<io::Error>() {
+            Ok(error) => return Err(*error),
+            Err(error) if error.is::<Stopped>() => return Ok(None),
+            Err(error) => Some(error.to_string()),
         },
-        _ => Number::Missing,
     };
-    let number = |name: &String| match name.as_str() {
-        "end_time" => in_summary("time"),
-        "newton_iterations_per_step" if statistics.steps == 0 => Number::Missing,
-        "newton_iterations_per_step" => {
-            Number::Real(statistics.newton_iterations as f64 / statistics.steps as f64)
-        }
-        name => {
-            last.iter().find(|(own, _)| own == name).map_or_else(|| in_summary(name), |(_, number)| *number)
-        }
-    };
-    columns.iter().map(number).collect()
+    recorder.end(sweep.columns(), &motion, failure).map(Some)
 }
 
-/// Checks the limits, and ends a run that is stopped.
-struct Watch<'a> {
-    limits: &'a Limits,
-    is_stopped: &'a (dyn Fn() -> bool + Sync),
+/// The lowest natural modes of a problem; an error is its message.
+fn modes_of(problem: &Problem, count: usize) -> Result<Vec<Mode>, String> {
+    let state = problem.state_of_vibration().map_err(|error| with_causes(&error))?;
+    let found = match state {
+        Some(state) => modes_about(&problem.body, &state, count),
+        None => modes(&problem.body, count),
+    };
+    found.map_err(|error| with_causes(&error))
+}
+
+/// Frequencies, effective masses in x, y and z, and the duration in seconds.
+fn numbers_of_modes(modes: &[Mode], started: Instant) -> Vec<Number> {
+    let frequencies = modes.iter().map(Mode::frequency);
+    let masses = (0..3).flat_map(|axis| modes.iter().map(move |mode| mode.effective_mass[axis]));
+    frequencies.chain(masses).chain([started.elapsed().as_secs_f64()]).map(Number::Real).collect()
+}
+
+/// The files of a run that are kept.
+struct Kept {
+    history: HistoryFile,
+    summary: PathBuf,
+}
+
+impl Kept {
+    fn create(problem: &Problem, columns: &HistoryColumns) -> io::Result<Self> {
+        let directory = problem.output.directory.as_path();
+        directory::prepare(directory).map_err(io::Error::other)?;
+        replace(&directory.join("input.toml"), input(problem).as_bytes())?;
+        write_units(&directory.join("columns.json"), problem)?;
+        let history = HistoryFile::create(&directory.join("history.csv"), columns)?;
+        Ok(Kept { history, summary: directory.join("summary.json") })
+    }
+}
+
+/// Sees the steps of a run: peaks, the kept history, the limits, and whether to stop.
+struct Recorder<'a> {
+    problem: &'a Problem,
+    columns: HistoryColumns,
+    peaks: Peaks,
+    kept: Option<Kept>,
+    started: Instant,
+    is_stopped: &'a dyn Fn(f64) -> bool,
 }
 
 #[derive(Debug, thiserror::Error)]
 #[error("stopped")]
 struct Stopped;
 
-impl Observer for Watch<'_> {
+impl Observer for Recorder<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        if (self.is_stopped)() {
+        let [start, end] = [self.problem.plan.start(), self.problem.plan.end()];
+        if (self.is_stopped)((view.record.time - start) / (end - start)) {
             return Err(Box::new(Stopped));
         }
-        Ok(limits::check(self.limits, view.motion.statistics())?)
+        if self.kept.is_some() || !self.peaks.is_empty() {
+            let row = self.columns.row(view, self.started.elapsed().as_secs_f64());
+            self.peaks.add(&row.numbers);
+            if let Some(kept) = &mut self.kept {
+                kept.history.write(&row.numbers)?;
+            }
+        }
+        Ok(limits::check(&self.problem.limits, view.motion.statistics())?)
+    }
+}
+
+impl Recorder<'_> {
+    /// Writes the kept summary, and returns the numbers of some columns: of the whole body from the summary or the last step,
+    /// others from the peaks.
+    fn end(self, columns: &[String], motion: &Motion<'_>, failure: Option<String>) -> io::Result<Ended> {
+        let seconds = self.started.elapsed().as_secs_f64();
+        let statistics = motion.statistics();
+        let header = SummaryHeader::new(self.problem);
+        let mut summary =
+            header.summary(statistics, &[], status(failure.as_deref()), failure.as_deref(), seconds);
+        let last = self.columns.numbers(motion.view().record, seconds);
+        let last: HashMap<String, Number> = self.columns.names().into_iter().zip(last).collect();
+        let in_summary = |name: &str| match &summary[name] {
+            Value::Number(number) => match number.as_u64() {
+                Some(whole) => Number::Whole(whole as usize),
+                None => number.as_f64().map_or(Number::Missing, Number::Real),
+            },
+            _ => Number::Missing,
+        };
+        let peaks: HashMap<String, f64> = self.peaks.numbers().collect();
+        let peak = |name: &str| peaks.get(name).copied().filter(|number| !number.is_nan());
+        let number = |name: &String| match name.as_str() {
+            "end_time" => in_summary("time"),
+            "newton_iterations_per_step" if statistics.steps == 0 => Number::Missing,
+            "newton_iterations_per_step" => {
+                Number::Real(statistics.newton_iterations as f64 / statistics.steps as f64)
+            }
+            name if !COLUMNS.contains(&name) => peak(name).map_or(Number::Missing, Number::Real),
+            name => last.get(name).map_or_else(|| in_summary(name), |number| *number),
+        };
+        let numbers = columns.iter().map(number).collect();
+        if let Some(kept) = &self.kept {
+            kept.history.verify()?;
+            add_peaks(&mut summary, &self.peaks);
+            replace(&kept.summary, format!("{summary:#}\n").as_bytes())?;
+        }
+        Ok((numbers, failure))
     }
 }

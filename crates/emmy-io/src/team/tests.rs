@@ -10,7 +10,7 @@ use emmy::mesh::{Share, block, owners};
 use emmy::motion::{Motion, State};
 use emmy::team::{Team, Threads};
 
-use crate::history::{Extreme, HistoryColumns, Row, fixed_names};
+use crate::history::{Extreme, History, HistoryColumns, Row, fixed_names};
 use crate::input::{self, Overrides, Problem};
 use crate::mesh::vtu;
 use crate::recording::Recording;
@@ -275,6 +275,40 @@ fn an_error_of_one_rank_is_an_error_of_all_and_lists_nothing() {
     assert!(!directory.join("frames/out_000000.pvtu").exists());
     let collection = fs::read_to_string(directory.join("out.pvd")).unwrap();
     assert!(!collection.contains("DataSet"));
+}
+
+/// Rank 0 writes the peaks of all ranks: those of the rows of the history.
+#[test]
+fn the_summary_of_a_team_has_the_peaks_of_its_history() {
+    let temp = tempfile::tempdir().unwrap();
+    let problem = || problem(temp.path());
+    drop(problem());
+    Threads::run(3, |team| {
+        let problem = problem();
+        let problem = Problem { body: part_of(&problem.body, team), ..problem };
+        let mut results = Results::create(&problem).unwrap();
+        let start = bent(&problem.body);
+        let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, start).unwrap();
+        motion.march(&problem.plan, &mut [&mut results]).unwrap();
+        assert!(results.finish(&motion, Status::Done, None).error.is_none());
+    })
+    .unwrap();
+    let history = History::read(&temp.path().join("out/history.csv")).unwrap();
+    let text = fs::read_to_string(temp.path().join("out/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let time = history.column("time").unwrap();
+    let mut n_compared = 0;
+    for name in history.columns().iter().filter(|name| !fixed_names().any(|fixed| fixed == *name)) {
+        let numbers = history.column(name).unwrap();
+        let of = |ending: &str| summary[format!("{name}{ending}")].as_f64().unwrap();
+        let [smallest, largest] = [f64::min, f64::max].map(|of| numbers.iter().copied().reduce(of).unwrap());
+        assert_eq!([of("_min"), of("_max"), of("")], [smallest, largest, numbers[5]], "{name}");
+        let first = |number: f64| time[numbers.iter().position(|own| *own == number).unwrap()];
+        assert_eq!([of("_min_time"), of("_max_time")], [first(smallest), first(largest)], "{name}");
+        n_compared += 1;
+    }
+    // Vectors and a tensor of two probes, three extremes, three values and a tensor.
+    assert_eq!(n_compared, 6 + 6 + 6 + 3 + 1 + 6 + 3 + 1);
 }
 
 /// A run that fails on one rank has failed on all: else the others would wait for its last checkpoint.

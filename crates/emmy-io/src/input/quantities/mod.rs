@@ -14,6 +14,8 @@ use crate::history::ColumnInfo;
 pub struct Quantities {
     /// Groups whose reactions are written, each with its place among [`emmy::body::Body::supported_groups`].
     pub reactions: Vec<(String, usize)>,
+    /// Whether the input names these groups; otherwise they are all supported groups.
+    pub names_reactions: bool,
     /// Nodes that are followed.
     pub probes: Vec<Probe>,
     /// Fields whose largest value is written.
@@ -108,6 +110,13 @@ impl Quantities {
         let extremes = self.extremes.iter().map(|field| extreme_column(*field));
         let values = self.values.iter().flat_map(value_columns);
         probes.chain(reactions).chain(extremes).chain(values).collect()
+    }
+
+    /// Names of the columns that the input names: all but reactions that it does not list.
+    pub(crate) fn named_columns(&self) -> Vec<String> {
+        let reactions = if self.names_reactions { self.reactions.clone() } else { Vec::new() };
+        let named = Quantities { reactions, ..self.clone() };
+        named.columns().into_iter().map(|column| column.name).collect()
     }
 }
 

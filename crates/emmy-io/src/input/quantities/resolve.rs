@@ -6,7 +6,7 @@ use emmy::internals::number::{short, short_vector};
 use super::{
     GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
 };
-use crate::history::{ColumnInfo, fixed_names};
+use crate::history::{ColumnInfo, column_of_peak, fixed_names};
 use crate::input::fault::{Fault, Place};
 use crate::input::suggest::{did_you_mean, listed};
 
@@ -29,6 +29,7 @@ impl Requested {
         self.check_columns(&reactions)?;
         Ok(Quantities {
             reactions,
+            names_reactions: self.reactions.is_some(),
             probes: values(self.probes),
             extremes: values(self.extremes),
             values: values(self.values),
@@ -80,7 +81,7 @@ impl Requested {
         }
     }
 
-    /// No two columns may have the same name.
+    /// No two columns may have the same name, and none that of a peak of another one.
     fn check_columns(&self, reactions: &[(String, usize)]) -> Result<(), Fault> {
         let mut taken: Vec<String> = fixed_names().map(str::to_string).collect();
         let names =
@@ -89,11 +90,24 @@ impl Requested {
         taken.extend(self.extremes.iter().map(|(field, _)| format!("max_{field}")));
         let probes = self.probes.iter().map(|(probe, place)| (names(probe.columns()), place));
         let values = self.values.iter().map(|(value, place)| (names(value_columns(value)), place));
-        for (columns, place) in probes.chain(values) {
+        let named: Vec<(Vec<String>, &Place)> = probes.chain(values).collect();
+        for (columns, place) in &named {
             if let Some(column) = columns.iter().find(|column| taken.contains(column)) {
                 return Err(Fault::at(place, format!("there is a column `{column}` already"), "taken"));
             }
-            taken.extend(columns);
+            taken.extend(columns.iter().cloned());
+        }
+        let is_asked = |name: &str| taken[fixed_names().count()..].iter().any(|own| own == name);
+        for (columns, place) in &named {
+            let peak = |own: &String| {
+                Some((own.clone(), column_of_peak(own).filter(|of| is_asked(of))?.to_string()))
+            };
+            if let Some((column, of)) = columns.iter().find_map(peak) {
+                let message = format!("`{column}` is also the name of a peak of `{of}` over the run");
+                let help =
+                    "summaries and sweeps have X_min, X_min_time, X_max and X_max_time of each column X";
+                return Err(Fault::at(place, message, "give it another name").help(help));
+            }
         }
         Ok(())
     }
