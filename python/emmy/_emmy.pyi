@@ -145,6 +145,7 @@ class Step:
     wall_seconds: float
     smallest_determinant: float
     local_error: float
+    limited_by: str
     dissipated_energy: float
     degree: int
     cuts: int
@@ -218,6 +219,7 @@ class Motion:
     def columns(self) -> list[tuple[str, str, str, bool]]: ...
     @property
     def newton_residuals(self) -> _Reals: ...
+    def accuracy(self) -> str | None: ...
     @property
     def notes(self) -> list[str]: ...
     @property
