@@ -145,6 +145,7 @@ class Step:
     wall_seconds: float
     smallest_determinant: float
     local_error: float
+    limited_by: str
     dissipated_energy: float
     degree: int
     cuts: int
@@ -220,6 +221,7 @@ class Motion:
     def asked(self) -> list[str]: ...
     @property
     def newton_residuals(self) -> _Reals: ...
+    def accuracy(self) -> str | None: ...
     @property
     def notes(self) -> list[str]: ...
     @property

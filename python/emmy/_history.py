@@ -41,6 +41,10 @@ class Event(NamedTuple):
     message: str
 
 
+#: What sets the sizes of adaptive steps, in the column `limited_by`: words in the files of a run, otherwise their places.
+LIMITS = ("start", "error", "corrections", "kink", "load", "output", "phase", "max_size", "min_size")
+
+
 class Peak(NamedTuple):
     """Last, smallest and largest number of a column of a history, with times. NaN is neither smallest nor largest.
 
@@ -119,11 +123,13 @@ class History(np.ndarray[Any, np.dtype[Any]]):
 
 
 def structured(rows: NDArray[np.float64], columns: Iterable[tuple[str, bool]]) -> NDArray[Any]:
-    """Rows of numbers as a structured array; a column is named and may be of whole numbers."""
-    kinds = [(name, np.int64 if is_whole else np.float64) for name, is_whole in columns]
+    """Rows of numbers as a structured array; a column is named and may be of whole numbers, or of `LIMITS`."""
+    kinds = [(name, "U11" if name == "limited_by" else np.int64 if whole else np.float64) for name, whole in columns]
     table = np.empty(len(rows), dtype=kinds)
     for index, (name, _) in enumerate(kinds):
-        table[name] = rows[:, index]
+        column = rows[:, index]
+        # At the start nothing limits a step.
+        table[name] = [LIMITS[int(own)] if own >= 0 else "" for own in column] if name == "limited_by" else column
     return table
 
 

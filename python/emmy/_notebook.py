@@ -25,7 +25,7 @@ def motion(view: MotionView) -> str:
     size = f"{view.body.mesh.n_cells} cells, {view.body.n_dofs} degrees of freedom"
     scheme = f"{html.escape(view.scheme)}, degree {view.degree}"
     head = f"<b>emmy.Motion</b>: {scheme}; {size}; step {view.number}, t = {view.time:.6g}"
-    return _page(head, view.history)
+    return _page(head, view.history, view.accuracy)
 
 
 def run(results: Run) -> str:
@@ -34,7 +34,8 @@ def run(results: Run) -> str:
     if results._has_summary:
         head += f", {html.escape(results.status)}"
     try:
-        page = _page(head, results.history)
+        accuracy = results.summary.get("accuracy_in_time_text") if results._has_summary else None
+        page = _page(head, results.history, accuracy)
     except ResultsError:
         # A run that has just begun has no history yet.
         return html.escape(repr(results))
@@ -64,8 +65,9 @@ def _over(residual: NDArray[np.float64], scale: NDArray[np.float64]) -> str:
     return f"{worst:.1e} (the quantity itself is 0)"
 
 
-def _page(head: str, history: NDArray[Any]) -> str:
-    parts = [f"<div><p>{head}<br>{verdict(history)}</p>"]
+def _page(head: str, history: NDArray[Any], accuracy: str | None) -> str:
+    known = f"; accuracy in time: {html.escape(accuracy)}" if accuracy else ""
+    parts = [f"<div><p>{head}<br>{verdict(history)}{known}</p>"]
     if len(history) > 1:
         time = history["time"]
         energies = {name: history[key] for name, key in ENERGIES.items()}

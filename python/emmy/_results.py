@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import _notebook
 from ._errors import ResultsError, missing
-from ._history import WHOLE, Event, History, structured
+from ._history import LIMITS, WHOLE, Event, History, structured
 
 
 class Frame:
@@ -250,14 +250,21 @@ def read_rows(path: Path) -> list[list[str]]:
     return list(csv.reader(_whole_lines(path)))
 
 
+def _number(value: str) -> str:
+    return str(LIMITS.index(value)) if value in LIMITS else value or "nan"
+
+
 def read_table(path: Path) -> NDArray[Any]:
     """A CSV file of numbers as a structured array; an empty value is NaN."""
     lines = _whole_lines(path)
     if not lines:
         raise ResultsError(f"{path} is still empty")
     names = next(csv.reader(lines[:1]))
+    has_words = "limited_by" in names
     filled = [
-        ",".join(value or "nan" for value in line.split(",")) if ",," in line or line.endswith(",") else line
+        ",".join(_number(value) for value in line.split(","))
+        if has_words or ",," in line or line.endswith(",")
+        else line
         for line in lines[1:]
     ]
     rows = np.loadtxt(filled, delimiter=",", ndmin=2) if filled else np.zeros((0, len(names)))

@@ -100,7 +100,9 @@ def _shown(value: Any) -> str:
     return repr(value)
 
 
-def _number(name: str, value: str) -> float | int:
+def _number(name: str, value: str) -> float | int | str:
+    if name == "limited_by":
+        return value
     return int(value) if name in WHOLE else float(value)
 
 

@@ -126,6 +126,24 @@ class MotionView:
         return [Event(*event) for event in self._native.events()]
 
     @property
+    def accuracy(self) -> str:
+        """What is known of the accuracy in time: "estimated ...", "not estimated ..." or "coarse ...".
+
+        Balances close with steps of any size, so they say nothing about it. Empty before the first step, and in a static
+        analysis.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> step = motion.step(0.1)
+        >>> motion.accuracy
+        'not estimated; `emmy converge` or `--estimate-error` measures it'
+        """
+        return self._native.accuracy() or ""
+
+    @property
     def notes(self) -> list[str]:
         """Notes of the reader on the motion."""
         return self._native.notes

@@ -190,6 +190,13 @@ impl Motion {
         Ok(events.map(|event| (event.step, event.time, event.kind.name(), event.message.clone())).collect())
     }
 
+    /// The statement on the accuracy in time; none before the first step.
+    fn accuracy(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let mut work = self.lock()?;
+        let accuracy = pool::work(py, || work.accuracy())?;
+        Ok(accuracy.map(|accuracy| accuracy.text))
+    }
+
     #[getter]
     fn newton_residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(PyArray1::from_slice(py, self.lock()?.running.motion().stepper().newton_history()))
@@ -329,7 +336,10 @@ impl Motion {
         let running = &mut work.running;
         let ended = pool::work(py, || {
             let mut results = running.results.take()?;
-            Some((results.finish(running.motion(), status, message.as_deref()), results.report()))
+            Some((
+                results.finish(running.problem(), running.motion(), status, message.as_deref()),
+                results.report(),
+            ))
         })?;
         let Some((ended, report)) = ended else { return Ok("null".to_string()) };
         if let Some(error) = ended.error {

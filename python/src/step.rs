@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use emmy::motion::StepLimit;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -139,9 +140,13 @@ impl Step {
                 self.columns().collect::<Vec<_>>().join(", ")
             ))
         })?;
-        match is_whole(name) {
-            true => Ok((number as i64).into_pyobject(py)?.into_any()),
-            false => Ok(number.into_pyobject(py)?.into_any()),
+        match name {
+            "limited_by" => {
+                let limit = StepLimit::ALL.get(number as usize).filter(|_| number >= 0.0);
+                Ok(limit.map_or("", |limit| limit.name()).into_pyobject(py)?.into_any())
+            }
+            name if is_whole(name) => Ok((number as i64).into_pyobject(py)?.into_any()),
+            _ => Ok(number.into_pyobject(py)?.into_any()),
         }
     }
 

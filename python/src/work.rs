@@ -5,6 +5,7 @@ use std::sync::Arc;
 use emmy::adjoint::Trajectory;
 use emmy::body::Fields;
 use emmy::motion::RunStatistics;
+use emmy_io::accuracy::{self, Accuracy};
 use emmy_io::checkpoint::{Checkpoint, Identity};
 use emmy_io::input::Tree;
 use emmy_io::summary;
@@ -24,6 +25,8 @@ pub(crate) struct Work {
     pub(crate) notes: Vec<String>,
     /// Statistics up to the last warnings.
     warned_up_to: RunStatistics,
+    /// The lowest elastic period, once it is computed.
+    period: Option<Option<f64>>,
 }
 
 impl Work {
@@ -34,7 +37,7 @@ impl Work {
         notes: Vec<String>,
     ) -> Self {
         let warned_up_to = running.motion().statistics().clone();
-        Work { running, sections, has_plan, notes, warned_up_to }
+        Work { running, sections, has_plan, notes, warned_up_to, period: None }
     }
 
     /// The last step, or the start.
@@ -68,6 +71,14 @@ impl Work {
         Checkpoint::of(identity, self.running.motion())
     }
 
+    /// The statement on the accuracy in time of the steps so far.
+    pub(crate) fn accuracy(&mut self) -> Option<Accuracy> {
+        let (problem, statistics) = (self.running.problem(), self.running.motion().statistics());
+        let known = &mut self.period;
+        let period = || *known.get_or_insert_with(|| accuracy::lowest_period(problem));
+        Accuracy::of(problem, &self.running.plan, statistics, None, period)
+    }
+
     /// Warnings about the steps since the last call.
     pub(crate) fn warnings(&mut self) -> Vec<String> {
         let now = self.running.motion().statistics().clone();
@@ -78,6 +89,10 @@ impl Work {
             rounding: if now.rounding > before.rounding { now.rounding } else { 0.0 },
             ..Default::default()
         });
+        // Once for steps of one size.
+        if now.largest_step_size > before.largest_step_size {
+            warnings.extend(self.accuracy().and_then(|accuracy| accuracy.note));
+        }
         if now.cuts > before.cuts {
             let times = match now.cuts - before.cuts {
                 1 => "once".to_string(),

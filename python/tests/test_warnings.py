@@ -94,3 +94,32 @@ def test_velocities_as_an_array_with_incompatible_modes():
     # Free flight of a mass of 2.
     np.testing.assert_allclose(motion.displacement, np.tile([1.0, 0.0, 0.0], (12, 1)), atol=1e-12)
     assert motion.record.kinetic_energy == pytest.approx(1.0, abs=1e-12)
+
+
+def test_steps_that_do_not_resolve_the_motion():
+    mesh = emmy.Mesh.box((100, 10, 10), (10, 1, 1))
+    steel = emmy.NeoHooke(youngs_modulus=2.1e5, poissons_ratio=0.3)
+    body = emmy.Body(
+        mesh,
+        emmy.Region(steel, density=7.85e-9),
+        supports=emmy.Support("x-min", fix="xyz"),
+        loads=emmy.Load("x-max", force=(0, 0, -100)),
+    )
+    made = []
+    assert messages(lambda: made.append(emmy.Motion(body, scheme="DGM", steps=(4e-3, 1e-3)))) == []
+    (told,) = messages(made[0].run)
+    assert "the motion is not resolved" in told
+    assert made[0].accuracy.startswith("coarse") and "accuracy in time: coarse" in made[0]._repr_html_()
+    # Once is enough.
+    assert messages(lambda: made[0].run(until=5e-3)) == []
+    fine = emmy.Motion(body, scheme="DGM", steps=(1e-4, 1e-5))
+    assert messages(fine.run) == [] and fine.accuracy.startswith("not estimated (")
+    (told,) = messages(lambda: emmy.Motion(body, scheme="DGM", steps=(1e-3, 1e-2)))
+    assert "longer than its phase" in told
+
+
+def test_a_table_that_starts_late():
+    load = emmy.Load(acceleration=(0, 0, 1), history=[(0.5, 2.0), (1.0, 0.0)])
+    region = emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1)
+    told = messages(lambda: emmy.Motion(emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), region, loads=load), steps=(1.0, 0.5)))
+    assert told == ["load 0: the table begins at t = 0.5; its first value, 2, acts from t = 0 on"]

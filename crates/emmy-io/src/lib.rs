@@ -15,6 +15,7 @@
 //! | [`events`] | `events.csv` |
 //! | [`log`] | `run.log` |
 //! | [`summary`] | `summary.json` |
+//! | [`accuracy`] | how well the steps of a run resolve its motion |
 //! | [`chart`] | charts as `.svg` and `.png` |
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
 //! | [`comparison`] | charts of several runs side by side |
@@ -29,6 +30,7 @@
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
+pub mod accuracy;
 pub mod chart;
 pub mod checkpoint;
 pub mod comparison;

@@ -116,7 +116,12 @@ fn heading(problem: &Problem) -> Vec<String> {
             counted(rayon::current_num_threads(), "thread", "threads"),
             instruction_set()
         ),
-        format!("mesh: {nodes} nodes, {cells} cells; {} degrees of freedom", problem.body.n_dofs_of_ranks()),
+        format!(
+            "mesh: {}, {}; {} degrees of freedom",
+            counted(nodes, "node", "nodes"),
+            counted(cells, "cell", "cells"),
+            problem.body.n_dofs_of_ranks()
+        ),
         format!(
             "scheme: {} of degree {}, to t = {}",
             problem.scheme.name(),

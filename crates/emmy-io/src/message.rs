@@ -91,7 +91,12 @@ fn cut(text: &str, longest: usize) -> Cow<'_, str> {
 }
 
 /// `1 node`, `2 nodes`.
-pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+///
+/// ```
+/// use emmy_io::message::counted;
+/// assert_eq!([1, 2].map(|n| counted(n, "body", "bodies")), ["1 body", "2 bodies"]);
+/// ```
+pub fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 

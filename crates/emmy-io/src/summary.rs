@@ -47,7 +47,7 @@ impl Status {
 }
 
 /// Fewer correct digits than these cause a warning.
-const FEW_DIGITS: f64 = 6.0;
+pub const FEW_DIGITS: f64 = 6.0;
 
 /// Warnings about the results of a run.
 ///
@@ -88,6 +88,8 @@ pub struct SummaryHeader {
     cells: usize,
     /// `None` with adaptive steps.
     planned_steps: Option<usize>,
+    /// Notes on the input.
+    notes: Vec<String>,
     #[serde(skip)]
     units: Units,
 }
@@ -105,6 +107,7 @@ impl SummaryHeader {
             nodes,
             cells,
             planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
+            notes: problem.notes.clone(),
             units: problem.units,
         }
     }
@@ -124,6 +127,8 @@ impl SummaryHeader {
         insert_fields(&mut summary, "", &json!(self));
         let mut of_steps = json!(statistics);
         of_steps["solver"] = statistics.solver.map(|solver| solver.to_string()).into();
+        let limits = statistics.step_limits.counts();
+        of_steps["step_limits"] = limits.map(|(limit, count)| (limit.name().to_string(), count)).collect();
         insert_fields(&mut summary, "", &of_steps);
         for extreme in extremes.iter().filter(|extreme| extreme.field != DISPLACEMENT) {
             insert_fields(&mut summary, &format!("largest_{}", extreme.field), &place_of(extreme));
@@ -133,6 +138,8 @@ impl SummaryHeader {
             "angular_momentum_drift": statistics.angular_momentum_drift(),
             "digits_left": (10.0 * statistics.digits_left()).floor() / 10.0,
             "estimated_error": null,
+            "accuracy_in_time": null,
+            "accuracy_in_time_text": null,
             "wall_seconds": wall_seconds,
             "status": status.name(),
             "message": message,

@@ -343,7 +343,9 @@ fn a_signal_the_stop_file_and_a_kill_leave_runs_that_resume_with_the_same_bits()
             assert_eq!(ended.code, Some(130), "{how}: {}", ended.messages);
             let stops = ended.messages.matches("stopped after step").count();
             assert_eq!(stops, 1, "{}", ended.messages);
-            assert!(ended.messages.contains(&format!("`emmy-mpi resume {how}` resumes from here")));
+            assert!(
+                ended.messages.contains(&format!("`mpirun -n 3 emmy-mpi resume {how}` resumes from here"))
+            );
         }
         let end = format!("{}", 0.1 * (n_rows(&directory) + 4) as f64);
         let moved = format!("{how}-moved");

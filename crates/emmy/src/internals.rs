@@ -11,6 +11,7 @@ pub mod body {
     pub use crate::body::entries::Entries;
     pub use crate::body::invariants::sum;
     pub use crate::body::models::{MODELS, RegionModel};
+    pub use crate::body::pole::pole;
     pub use crate::body::step::{StepDamping, StepInput};
     pub use crate::body::symmetry::symmetry_axis;
     pub use crate::body::system::Assembly;

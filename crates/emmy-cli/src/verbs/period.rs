@@ -3,6 +3,7 @@
 use emmy::internals::time::CentralDifferences;
 use emmy::modes::{Mode, lowest_elastic_mode};
 use emmy::time::Scheme;
+use emmy_io::accuracy;
 use emmy_io::input::Problem;
 
 use super::check::Report;
@@ -51,30 +52,28 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
         return;
     }
     let largest = plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
-    let share = largest / period;
-    report.line(
-        "",
-        &format!(
-            "a step of {} is {} of this period: {} steps a period",
-            units.number(largest, "time"),
-            two_digits(share),
-            count(1.0 / share)
-        ),
-    );
-    if problem.scheme != Scheme::CentralDifferences {
-        let wanted = steps_per_period(problem.scheme.degree());
-        let size = number(rounded_down(period / wanted));
+    let steps = match largest < period {
+        true => format!(": {} steps a period", accuracy::count(period / largest)),
+        false => String::new(),
+    };
+    let part = accuracy::part(largest, period);
+    report.line("", &format!("a step of {} is {part} this period{steps}", units.number(largest, "time")));
+    let is_explicit = problem.scheme == Scheme::CentralDifferences;
+    if !is_explicit {
+        let wanted = accuracy::steps_per_period(problem.scheme);
+        let size = number(accuracy::suggested_size(period, problem.scheme));
         report.line(
             "",
             &format!("`size = {size}` makes {wanted} steps a period: a phase error of about 0.1 %"),
         );
     }
-}
-
-/// Steps in a period of the lowest mode, for a relative phase error of 1e-3: `(omega h)^2/12` with degree 1,
-/// `(omega h)^4/720` with degree 2, less with higher ones.
-fn steps_per_period(degree: usize) -> f64 {
-    if degree == 1 { 58.0 } else { 8.0 }
+    if accuracy::is_coarse(largest, period, problem.scheme) {
+        match n_rigid == 0 || accuracy::may_vibrate(problem) {
+            true => report.notes.push(accuracy::note(largest, period, problem.scheme, units)),
+            false => report
+                .line("", "vibrations are not resolved; this is harmless while the body moves as if rigid"),
+        }
+    }
 }
 
 /// The critical step of the explicit scheme, for comparison; there is none with incompatible modes, which have no mass.
@@ -89,42 +88,5 @@ fn explicit(report: &mut Report, problem: &Problem) {
             false => "infinite: nothing is stiff".to_string(),
         };
         report.line("", &format!("critical step of central differences {text}"));
-    }
-}
-
-/// A number with two digits.
-fn two_digits(value: f64) -> String {
-    format!("{value:.1e}").parse::<f64>().map_or_else(|_| number(value), number)
-}
-
-/// A number of steps with one digit after the point, where that says more.
-fn count(steps: f64) -> String {
-    if steps < 10.0 { format!("{steps:.1}") } else { format!("{steps:.0}") }
-}
-
-/// The number with two digits, rounded down.
-fn rounded_down(value: f64) -> f64 {
-    let digit = 10f64.powi(value.log10().floor() as i32 - 1);
-    // The small excess keeps a number that already has two digits.
-    (value / digit * (1.0 + 1e-12)).floor() * digit
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn suggested_sizes_have_two_digits() {
-        for (value, expected) in [(0.012345, "0.012"), (7.99e-6, "0.0000079"), (31.0, "31"), (0.025, "0.025")]
-        {
-            assert_eq!(number(rounded_down(value)), number(expected.parse::<f64>().unwrap()));
-        }
-    }
-
-    /// (omega h)^2/12 and (omega h)^4/720 for h = T/n.
-    #[test]
-    fn phase_errors_of_the_suggestions() {
-        let angle = |degree| std::f64::consts::TAU / steps_per_period(degree);
-        assert!(angle(1).powi(2) / 12.0 < 1e-3 && angle(2).powi(4) / 720.0 < 1e-3);
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use emmy::mesh::owners;
 use emmy_io::input::{self, Overrides};
+use emmy_io::message::counted;
 use emmy_io::shares;
 
 use crate::failure::Failure;
@@ -37,6 +38,8 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
     let written = shares::write(&directory, &file.mesh, &owners, source);
     let index = written.map_err(|error| Failure::Other(format!("the parts cannot be written: {error}")))?;
     let (nodes, cells) = (index.nodes, index.cells);
-    message!(host, "{nodes} nodes and {cells} cells in {} parts: {}", index.parts, directory.display());
+    let [nodes, cells] = [counted(nodes, "node", "nodes"), counted(cells, "cell", "cells")];
+    let parts = counted(index.parts, "part", "parts");
+    message!(host, "{nodes} and {cells} in {parts}: {}", directory.display());
     Ok(())
 }

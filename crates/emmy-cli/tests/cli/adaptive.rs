@@ -207,7 +207,7 @@ fn the_error_at_the_end_is_estimated() {
     let tip = |size: f64| {
         let steps = format!("time.steps=[{{ until = 0.5, size = {size} }}]");
         let outcome = place.succeed(&["run", "box.toml", "--estimate-error", "--set", &steps]);
-        assert!(outcome.stderr.contains("estimated error of the positions at the end"), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("accuracy in time: estimated at "), "{}", outcome.stderr);
         place.summary("out")["estimated_error"].as_f64().unwrap()
     };
     let order = (tip(0.005) / tip(0.0025)).log2();

@@ -1,5 +1,6 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
+mod accuracy;
 mod adaptive;
 mod cell_modes;
 mod compare;
@@ -154,7 +155,8 @@ impl Place {
         for line in lines {
             assert_eq!(line.len(), names.len());
             for (name, number) in names.iter().zip(line) {
-                let number = if number.is_empty() { f64::NAN } else { number.parse().unwrap() };
+                let is_known = !number.is_empty() && *name != "limited_by";
+                let number = if is_known { number.parse().unwrap() } else { f64::NAN };
                 columns.get_mut(*name).unwrap().push(number);
             }
         }

@@ -3,7 +3,7 @@
 use emmy::motion::{Record, View};
 use serde_json::{Value, json};
 
-use super::Number::{self, Real, Whole};
+use super::Number::{self, Limit, Missing, Real, Whole};
 use super::measures::{Extreme, Measures};
 use crate::input::Problem;
 use crate::units::Units;
@@ -28,12 +28,15 @@ struct Column {
 /// Number of the first columns, which every history has.
 const N_REQUIRED: usize = 19;
 
+/// Name of the column of words.
+pub(super) const LIMITED_BY: &str = "limited_by";
+
 const ENERGY: &str = "energy";
 const MOMENTUM: &str = "mass·length/time";
 const ANGULAR_MOMENTUM: &str = "mass·length²/time";
 
 /// The columns of the whole body, in their order in the file.
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 23] = [
     always("step", "", "number of the step; 0: the start", |step| Whole(step.record.step)),
     always("time", "time", "time at its end", |step| Real(step.record.time)),
     always("step_size", "time", "its size; 0 at the start", |step| Real(step.record.step_size)),
@@ -67,6 +70,16 @@ const COLUMNS: [Column; 22] = [
         meaning: "with adaptive steps only: estimated or (`\"sampled\"`) extrapolated error of the step, relative to the \
                   scales",
         number: |step| Real(step.record.local_error),
+        is_in: |own| own.is_adaptive,
+    },
+    Column {
+        name: LIMITED_BY,
+        dimension: "",
+        meaning: "with adaptive steps only: what set the size, as a word: `start` (sizes still grow from the first one), `error`, \
+                  `corrections` (Newton's iteration took many, or failed), `kink` (of a load or a driven support, at the end of \
+                  the step or from which sizes still grow), `load` (a smooth one, which longer steps do not resolve), `output`, \
+                  `phase`, `max_size`, `min_size`; empty at the start",
+        number: |step| step.record.step_limit.map_or(Missing, Limit),
         is_in: |own| own.is_adaptive,
     },
     Column {

@@ -9,6 +9,8 @@ mod reader;
 
 use std::fmt;
 
+use emmy::motion::StepLimit;
+
 #[cfg(test)]
 pub(crate) use columns::every_column;
 pub(crate) use columns::fixed_names;
@@ -27,6 +29,8 @@ pub enum Number {
     Whole(usize),
     /// A quantity.
     Real(f64),
+    /// What set the size of the step: a word in files, otherwise [`StepLimit::index`].
+    Limit(StepLimit),
     /// Nothing: the quantity is not known in this row.
     Missing,
 }
@@ -37,6 +41,7 @@ impl Number {
         match self {
             Number::Whole(value) => value as f64,
             Number::Real(value) => value,
+            Number::Limit(limit) => limit.index() as f64,
             Number::Missing => f64::NAN,
         }
     }
@@ -48,6 +53,7 @@ impl fmt::Display for Number {
         match self {
             Number::Whole(value) => write!(f, "{value}"),
             Number::Real(value) => write!(f, "{value:.16e}"),
+            Number::Limit(limit) => f.write_str(limit.name()),
             Number::Missing => Ok(()),
         }
     }
@@ -58,6 +64,26 @@ mod tests {
     use emmy::motion::Record;
 
     use super::*;
+
+    #[test]
+    fn a_word_says_what_set_the_size_of_a_step() {
+        let temp = tempfile::tempdir().unwrap();
+        let path = temp.path().join("history.csv");
+        let columns = HistoryColumns { is_adaptive: true, ..Default::default() };
+        let mut file = HistoryFile::create(&path, &columns).unwrap();
+        for step_limit in [None, Some(StepLimit::Kink)] {
+            file.write(&columns.numbers(&Record { step_limit, ..Default::default() }, 0.0)).unwrap();
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let place = columns.names().iter().position(|name| name == "limited_by").unwrap();
+        let words: Vec<&str> = text.lines().map(|line| line.split(',').nth(place).unwrap()).collect();
+        assert_eq!(words, ["limited_by", "", "kink"]);
+        let read = History::read(&path).unwrap().column("limited_by").unwrap();
+        assert!(read[0].is_nan() && read[1] == StepLimit::Kink.index() as f64);
+        std::fs::write(&path, text.replace("kink", "kinks")).unwrap();
+        let error = History::read(&path).unwrap_err().to_string();
+        assert!(error.contains("`kinks` is not a number"), "{error}");
+    }
 
     #[test]
     fn rows_have_a_number_for_each_column_with_all_digits() {

@@ -4,7 +4,10 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use super::{header, required};
+use emmy::motion::StepLimit;
+
+use super::columns::LIMITED_BY;
+use super::{Number, header, required};
 
 /// Why a history cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -157,18 +160,25 @@ impl Iterator for Rows {
             Err(error) => return Some(Err(HistoryError::System { path: self.path.clone(), error })),
         };
         let row = |reason| HistoryError::Row { path: self.path.clone(), line: self.n_lines, reason };
-        Some(numbers(&line, self.columns.len()).map_err(row))
+        Some(numbers(&line, &self.columns).map_err(row))
     }
 }
 
-fn numbers(line: &str, n_columns: usize) -> Result<Vec<f64>, String> {
-    let number = |text: &str| match text {
-        "" => Ok(f64::NAN),
-        text => text.parse().map_err(|_| format!("`{text}` is not a number")),
+fn numbers(line: &str, columns: &[String]) -> Result<Vec<f64>, String> {
+    let limit = |place: usize, text: &str| {
+        let is_word = columns.get(place).is_some_and(|name| name == LIMITED_BY);
+        StepLimit::from_name(text).filter(|_| is_word).map(|limit| Number::Limit(limit).value())
     };
-    let numbers = line.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+    let number = |(place, text): (usize, &str)| match text {
+        "" => Ok(f64::NAN),
+        text => {
+            let value = text.parse().ok().or_else(|| limit(place, text));
+            value.ok_or_else(|| format!("`{text}` is not a number"))
+        }
+    };
+    let numbers = line.split(',').enumerate().map(number).collect::<Result<Vec<f64>, _>>()?;
     match numbers.len() {
-        n if n == n_columns => Ok(numbers),
-        n => Err(format!("there are {n} numbers for {n_columns} columns")),
+        n if n == columns.len() => Ok(numbers),
+        n => Err(format!("there are {n} numbers for {} columns", columns.len())),
     }
 }

@@ -29,29 +29,37 @@ pub const NOTHING_MOVES: &str =
 pub const UNLOADED: &str =
     "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
 
-/// Remarks on the measured tables of loads and driven supports.
-pub(super) fn of_records(loads: &[Load], supports: &[Support], plan: &StepPlan) -> Vec<String> {
+/// Remarks on the tables of loads and driven supports.
+pub(super) fn of_tables(loads: &[Load], supports: &[Support], plan: &StepPlan) -> Vec<String> {
     let of_loads = loads
         .iter()
         .enumerate()
-        .flat_map(|(i, load)| of_record(&format!("load {i}"), &load.time_function, plan));
+        .flat_map(|(i, load)| of_table(&format!("load {i}"), &load.time_function, plan));
     let of_supports = supports.iter().enumerate().flat_map(|(i, support)| {
-        let tables = support.displacement.iter().flatten();
+        let angle = support.rotation.as_ref().map(|rotation| &rotation.angle);
+        let tables = support.displacement.iter().flatten().chain(angle);
         tables.flat_map(move |table| {
-            of_record(&format!("support {i}"), table.acceleration().unwrap_or(table), plan)
+            of_table(&format!("support {i}"), table.acceleration().unwrap_or(table), plan)
         })
     });
     of_loads.chain(of_supports).collect()
 }
 
-/// Remarks on a measured table that the run does not use as a whole, or that does not end at zero.
-fn of_record(name: &str, table: &TimeFunction, plan: &StepPlan) -> Vec<String> {
+/// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that does
+/// not end at zero.
+fn of_table(name: &str, table: &TimeFunction, plan: &StepPlan) -> Vec<String> {
     let entries = table.entries();
-    let ([(first, _), ..], [.., (last, value)]) = (entries, entries) else { return Vec::new() };
-    if !table.is_measured() {
-        return Vec::new();
-    }
+    let ([(first, before), ..], [.., (last, value)]) = (entries, entries) else { return Vec::new() };
     let mut notes = Vec::new();
+    if *first > plan.start() {
+        let [first, before, start] = [*first, *before, plan.start()].map(short);
+        notes.push(format!(
+            "{name}: the table begins at t = {first}; its first value, {before}, acts from t = {start} on"
+        ));
+    }
+    if !table.is_measured() {
+        return notes;
+    }
     if *first < plan.start() {
         let early = entries.iter().filter(|(time, _)| *time < plan.start()).count();
         let start = short(plan.start());
@@ -234,10 +242,21 @@ mod tests {
     use emmy::motion::Phase;
 
     #[test]
+    fn tables_that_start_late_are_noted() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
+        let rows = vec![(0.5, 2.0), (1.0, 0.0)];
+        let note = "load 0: the table begins at t = 0.5; its first value, 2, acts from t = 0 on";
+        for table in [TimeFunction::new(rows.clone()), TimeFunction::measured(rows)] {
+            assert_eq!(of_table("load 0", &table.unwrap(), &plan), [note]);
+        }
+        assert!(of_table("load 0", &TimeFunction::constant(), &plan).is_empty());
+    }
+
+    #[test]
     fn records_that_start_early_or_end_with_a_load_are_noted() {
         let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
         let notes =
-            |rows: &[(f64, f64)]| of_record("load 0", &TimeFunction::measured(rows.to_vec()).unwrap(), &plan);
+            |rows: &[(f64, f64)]| of_table("load 0", &TimeFunction::measured(rows.to_vec()).unwrap(), &plan);
         assert!(notes(&[(0.0, 0.0), (0.5, 8.0), (1.0, 0.001)]).is_empty());
         assert_eq!(
             notes(&[(-0.2, 0.0), (-0.1, 1.0), (1.0, 0.5), (1.5, 0.25)]),
@@ -248,6 +267,6 @@ mod tests {
         );
         // A table in the input is meant as it stands.
         let table = TimeFunction::new(vec![(-1.0, 2.0), (1.0, 1.0)]).unwrap();
-        assert!(of_record("load 0", &table, &plan).is_empty());
+        assert!(of_table("load 0", &table, &plan).is_empty());
     }
 }

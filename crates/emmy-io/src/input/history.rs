@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use emmy::body::TimeFunction;
+use emmy::internals::body::pole;
 use emmy::internals::number::short;
 use emmy::motion::StepPlan;
 
@@ -106,6 +107,10 @@ fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fau
                 return Err(Fault::at(&node.place, message, format!("{value} there")));
             }
         }
+    }
+    if let Some(time) = pole(|time| time_function.value(time), [start, end]) {
+        let message = format!("`{key}`: `{text}` is not a finite number at t = {}", short(time));
+        return Err(Fault::at(&node.place, message, "it grows without bound towards this time"));
     }
     Ok(())
 }

@@ -23,6 +23,7 @@ use super::{
     Start, adaptive, derived, equilibrium, groups, history, initial, load, nodal, plausible, region, start,
     support, time, units,
 };
+use crate::accuracy;
 use crate::mesh::MeshFile;
 use crate::message::shown;
 use crate::units::Units;
@@ -204,7 +205,8 @@ impl Parts {
             notes.push(derived::UNLOADED.to_string());
         }
         if !is_static {
-            notes.extend(derived::of_records(&loads, &supports, &self.time.plan));
+            notes.extend(derived::of_tables(&loads, &supports, &self.time.plan));
+            notes.extend(accuracy::long_step(&self.time.plan, self.units));
         }
         let body = if is_static { body.in_proportion(0.0) } else { body };
         Ok(Problem {

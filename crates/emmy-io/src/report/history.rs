@@ -34,8 +34,8 @@ impl Thinned {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
         let written = count(path).map_err(system)?.saturating_sub(1);
         let columns = rows.columns().to_vec();
-        // These columns only increase, so that the first row of a stretch is enough.
-        let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds");
+        // These columns only increase, or have no peaks, so that the first row of a stretch is enough.
+        let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds" | "limited_by");
         let peaked: Vec<usize> =
             (0..columns.len().min(required().count() + 24)).filter(|&i| !is_steady(&columns[i])).collect();
         let limit = limit.min(MAX_NUMBERS / columns.len()).max(1);

@@ -12,6 +12,7 @@ use emmy::motion::{Event, Motion, Observer, RunStatistics, State, StepPlan, View
 use emmy::team::Subdomain;
 use serde_json::Value;
 
+use crate::accuracy::{self, Accuracy};
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock};
 use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Peaks};
@@ -197,7 +198,13 @@ impl Results {
 
     /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
     /// Each file is tried even if another one fails; a run with the status `done` has then failed.
-    pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
+    pub fn finish(
+        &mut self,
+        problem: &Problem,
+        motion: &Motion<'_>,
+        status: Status,
+        message: Option<&str>,
+    ) -> Ending {
         // A run cannot resume from a step that could not be written.
         let mut failed = [f64::from(u8::from(status == Status::Failed))];
         if let Some(part) = &self.part {
@@ -219,10 +226,19 @@ impl Results {
         let logged = self.files.as_mut().map_or(Ok(()), |files| files.log.line(&end));
         let mut summary = self.summary(status, message.as_deref());
         summary["estimated_error"] = self.estimated_error.into();
+        let period = || accuracy::lowest_period(problem);
+        let accuracy = Accuracy::of(problem, &self.plan, &self.statistics, self.estimated_error, period);
+        if let Some(Accuracy { kind, text, note }) = &accuracy {
+            summary["accuracy_in_time"] = kind.name().into();
+            summary["accuracy_in_time_text"] = text.as_str().into();
+            if let (Some(note), Some(notes)) = (note, summary["notes"].as_array_mut()) {
+                notes.push(note.as_str().into());
+            }
+        }
         let written = self.write_summary(&summary);
         let last = self.agree(logged.and(written));
         error = error.or(last.err());
-        Ending { status, summary, error }
+        Ending { status, summary, accuracy, error }
     }
 
     /// Completes the frames, with the last state if it `is_sound`.
@@ -380,6 +396,8 @@ pub struct Ending {
     pub status: Status,
     /// The summary.
     pub summary: Value,
+    /// The statement on its accuracy in time.
+    pub accuracy: Option<Accuracy>,
     /// The first error.
     pub error: Option<io::Error>,
 }

@@ -331,7 +331,7 @@ fn the_status_at_the_end_is_that_of_all_ranks() {
                 fs::create_dir(&summary).unwrap();
             }
             let status = if fails && rank == 1 { Status::Failed } else { Status::Done };
-            let Ending { status, error, .. } = results.finish(&motion, status, None);
+            let Ending { status, error, .. } = results.finish(&problem, &motion, status, None);
             if rank == 0 && !fails {
                 fs::remove_dir(&summary).unwrap();
             }

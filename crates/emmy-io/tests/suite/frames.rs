@@ -59,7 +59,7 @@ fn run(problem: &Problem, ends: bool) -> State {
     let mut results = Results::create(problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     if ends {
-        assert!(results.finish(&motion, Status::Done, None).error.is_none());
+        assert!(results.finish(problem, &motion, Status::Done, None).error.is_none());
     }
     motion.state().clone()
 }

@@ -89,7 +89,7 @@ fn seed(tables: &str) -> Vec<u8> {
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
     let mut results = Results::create(&problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
-    assert!(results.finish(&motion, Status::Done, None).error.is_none());
+    assert!(results.finish(&problem, &motion, Status::Done, None).error.is_none());
     let checkpoints = folder.join("cell/checkpoint");
     let bytes = fs::read(checkpoints.join("b.checkpoint"))
         .or_else(|_| fs::read(checkpoints.join("a.checkpoint")))

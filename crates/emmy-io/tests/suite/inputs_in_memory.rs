@@ -170,7 +170,7 @@ fn the_files_of_a_run_hold_its_mesh() {
         let mut results = Results::create(&problem).unwrap();
         let mut motion = problem.motion(&mut []).unwrap();
         motion.march(&problem.plan, &mut [&mut results]).unwrap();
-        assert!(results.finish(&motion, Status::Done, None).error.is_none());
+        assert!(results.finish(&problem, &motion, Status::Done, None).error.is_none());
         let read = input::read(&directory.join("input.toml"), &overrides).unwrap();
         assert_eq!(read.body.mesh(), problem.body.mesh());
         assert_eq!(Identity::new(&problem).check(&Identity::new(&read)), Ok(()));

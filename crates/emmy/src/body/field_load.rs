@@ -3,6 +3,7 @@
 use super::field::Field;
 use super::geometry::{for_each_facet_point, for_each_volume_point};
 use super::load_vector::cells_of;
+use super::pole::pole;
 use super::target::SignalTarget;
 use super::time_function::NotFinite;
 use super::{FieldDomain, Load, TimeFunction};
@@ -134,6 +135,18 @@ impl FieldLoad {
         let n_points = self.points.len().max(1);
         let few = self.not_finite_among(n_points.div_ceil(POINTS_OF_SIGNALS), TIMES, span);
         few.or_else(|| self.not_finite_among(1, (MAX_EVALUATIONS / n_points).clamp(1, TIMES), span))
+            .or_else(|| self.find_pole(span))
+    }
+
+    /// A pole over time at one of a few points.
+    fn find_pole(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
+        self.samples.iter().find_map(|&X| {
+            let size = |time: f64| {
+                let value = self.field.at(X, time).iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+                self.time_function.value(time) * value
+            };
+            Some((X, pole(size, span)?))
+        })
     }
 
     /// The same among every so many points, at the start and at so many further times.

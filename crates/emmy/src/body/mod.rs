@@ -24,6 +24,7 @@ mod loads;
 mod mass;
 pub(crate) mod models;
 mod nodal;
+pub(crate) mod pole;
 mod pressure;
 mod pressures;
 mod projection;

@@ -5,7 +5,7 @@ use super::control::Control;
 use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
 use super::failure::{may_shrink_after, placed};
 use super::resolution::Unresolved;
-use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepPlan};
+use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepLimit, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::time::{LocalError, Scheme, State, StepOutcome, TimeElement};
@@ -16,11 +16,11 @@ const MAX_REJECTIONS: usize = 60;
 /// A step is hard if it takes more than this part of the allowed Newton iterations.
 const HARD_ITERATIONS: f64 = 0.75;
 
-/// A time at which a step must end.
+/// A time at which a step must end, and what is there.
 #[derive(Debug, Clone, Copy)]
 struct Stop {
     time: f64,
-    is_kink: bool,
+    limit: StepLimit,
 }
 
 impl<'a> Motion<'a> {
@@ -50,7 +50,7 @@ impl<'a> Motion<'a> {
         Ok(stop.is_some())
     }
 
-    /// The next time at which a step must end, and whether it is a kink of a load; none after the end of the plan.
+    /// The next time at which a step must end; none after the end of the plan.
     fn next_stop(&self, control: &Control<'_>, plan: &StepPlan) -> Option<Stop> {
         let same = control.same_time;
         let ended = plan.phases().partition_point(|phase| phase.until - self.state.time <= same);
@@ -59,7 +59,12 @@ impl<'a> Motion<'a> {
         let kink = self.body.next_corner(self.state.time + same).unwrap_or(f64::INFINITY);
         let before = |time: f64, limit: f64| if time < limit - same { time } else { limit };
         let time = before(kink, before(output.unwrap_or(f64::INFINITY), until));
-        Some(Stop { time, is_kink: kink <= time + same })
+        let limit = match time {
+            time if kink <= time + same => StepLimit::Kink,
+            time if time == until => StepLimit::Phase,
+            _ => StepLimit::Output,
+        };
+        Some(Stop { time, limit })
     }
 
     /// Does the next step, repeated until it is accepted, not beyond a time. `longest`: the longest possible step.
@@ -75,20 +80,28 @@ impl<'a> Motion<'a> {
         let mut rejections = 0;
         loop {
             let left = stop.time - self.state.time;
-            let (size, missed) = self.resolved_size(control, control.controller.size_within(left))?;
+            let wanted = control.controller.size_within(left);
+            let (size, missed) = self.resolved_size(control, wanted)?;
+            let limit = match size {
+                size if size < wanted => StepLimit::Load,
+                size if size == control.controller.size() => control.controller.limit(),
+                _ => stop.limit,
+            };
             match self.attempt(control, size) {
                 Ok((outcome, error)) if control.controller.accepts(error) => {
-                    let limit = HARD_ITERATIONS * self.settings.max_iterations as f64;
-                    control.controller.accept(size, error, outcome.newton.iterations as f64 > limit);
+                    let most = HARD_ITERATIONS * self.settings.max_iterations as f64;
+                    control.controller.accept(size, error, outcome.newton.iterations as f64 > most);
                     control.estimator.accept(size);
                     let is_met = size == left;
                     let end = if is_met { stop.time } else { self.state.time + size };
                     self.conclude(size, end, &outcome, missed);
                     self.record.local_error = error;
+                    self.record.step_limit = Some(limit);
                     self.statistics.add(self.body, &self.state, &self.record);
-                    if is_met && stop.is_kink {
+                    if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
-                        control.controller.restart(control.first_size(self.body, &self.state)?);
+                        let first = control.first_size(self.body, &self.state)?;
+                        control.controller.restart(first, StepLimit::Kink);
                     } else {
                         self.choose_degree(control, (size, error), longest)?;
                     }
@@ -208,7 +221,12 @@ impl<'a> Motion<'a> {
         let order = LocalError::order(element);
         let mut control = Control {
             adaptivity: *adaptivity,
-            controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),
+            controller: Controller::new(
+                adaptivity,
+                order,
+                adaptivity.first.unwrap_or(f64::INFINITY),
+                StepLimit::Start,
+            ),
             estimator: self.estimator(adaptivity)?,
             degrees: adaptivity.degrees.map(DegreeChoice::new),
             length,
@@ -217,7 +235,7 @@ impl<'a> Motion<'a> {
             start: self.state.clone(),
         };
         if adaptivity.first.is_none() {
-            control.controller.restart(control.first_size(self.body, &self.state)?);
+            control.controller.restart(control.first_size(self.body, &self.state)?, StepLimit::Start);
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;
@@ -281,7 +299,7 @@ impl<'a> Motion<'a> {
         self.set_degree(degree)?;
         control.estimator = self.estimator(&control.adaptivity)?;
         let order = LocalError::order(time_element(self.scheme)?);
-        control.controller = Controller::new(&control.adaptivity, order, size);
+        control.controller = Controller::new(&control.adaptivity, order, size, StepLimit::Error);
         self.note(EventKind::Degree, self.state.step, message);
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Adaptive step sizes: settings and controller.
 
+use super::StepLimit;
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::time::{Estimator, MAX_DEGREE, Memory, TimeElement};
@@ -147,8 +148,9 @@ pub(super) struct Controller {
     largest: f64,
     /// Power q of the step size in the error.
     order: f64,
-    /// Size of the next step.
+    /// Size of the next step, and what set it.
     size: f64,
+    limit: StepLimit,
     /// Error of the last accepted step over the tolerance, and its size.
     last: Option<(f64, f64)>,
     /// Whether the last attempt was rejected: the step that follows does not grow.
@@ -171,8 +173,8 @@ impl Controller {
     /// Target error, as a part of the tolerance.
     pub(super) const AIM: f64 = 0.6;
 
-    /// A controller of errors that grow like `h^order`.
-    pub(super) fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
+    /// A controller of errors that grow like `h^order`; `limit`: what set the first size.
+    pub(super) fn new(adaptivity: &Adaptivity, order: usize, first: f64, limit: StepLimit) -> Self {
         let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
         let size = first.clamp(smallest, largest);
         Controller {
@@ -181,6 +183,7 @@ impl Controller {
             largest,
             order: order as f64,
             size,
+            limit,
             last: None,
             was_rejected: false,
         }
@@ -189,6 +192,15 @@ impl Controller {
     /// Size of the next step.
     pub(super) fn size(&self) -> f64 {
         self.size
+    }
+
+    /// What set it.
+    pub(super) fn limit(&self) -> StepLimit {
+        match self.size {
+            size if size >= self.largest => StepLimit::Largest,
+            size if size <= self.smallest => StepLimit::Smallest,
+            _ => self.limit,
+        }
     }
 
     /// Size of the next step, given the time left to one that must be met: it is met exactly, without a tiny last step.
@@ -218,6 +230,7 @@ impl Controller {
         let (last_error, last_size) = self.last.unwrap_or((error, size));
         let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
         let mut factor = 1.0 + (factor - 1.0).atan();
+        let grows = factor > UNCHANGED_WITHIN[1];
         if is_hard || self.was_rejected {
             factor = factor.min(1.0);
         }
@@ -227,6 +240,13 @@ impl Controller {
         let was_limited = size < self.size * (1.0 - 1e-9);
         let proposed =
             if was_limited && factor >= 1.0 { self.size.max(factor * size) } else { factor * size };
+        self.limit = match grows {
+            true if is_hard => StepLimit::Corrections,
+            // What set the size from which it grows.
+            true => self.limit,
+            false if was_limited && factor >= 1.0 => self.limit,
+            false => StepLimit::Error,
+        };
         let change = proposed / self.size;
         if !(UNCHANGED_WITHIN[0]..=UNCHANGED_WITHIN[1]).contains(&change) {
             self.size = proposed.clamp(self.smallest, self.largest);
@@ -241,22 +261,27 @@ impl Controller {
         } else {
             factor.clamp(MIN_REJECTION_FACTOR, MAX_REJECTION_FACTOR)
         };
-        self.cut(factor * size);
+        self.cut(factor * size, StepLimit::Error);
     }
 
     /// Makes the next attempt half as large after a step that failed.
     pub(super) fn fail(&mut self, size: f64) {
-        self.cut(0.5 * size);
+        self.cut(0.5 * size, StepLimit::Corrections);
     }
 
-    fn cut(&mut self, size: f64) {
+    fn cut(&mut self, size: f64, limit: StepLimit) {
         self.size = size.max(self.smallest);
+        self.limit = limit;
         self.was_rejected = true;
     }
 
-    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most this size.
-    pub(super) fn restart(&mut self, size: f64) {
-        self.size = self.size.min(size).max(self.smallest);
+    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most a size, which
+    /// `limit` has set.
+    pub(super) fn restart(&mut self, size: f64, limit: StepLimit) {
+        if size < self.size {
+            self.size = size.max(self.smallest);
+            self.limit = limit;
+        }
         self.last = None;
     }
 
@@ -267,6 +292,7 @@ impl Controller {
         memory.keep_option("controller.last_size", self.last.map(|(_, size)| size));
         memory.keep_flag("controller.was_rejected", self.was_rejected);
         memory.keep_number("controller.order", self.order);
+        memory.keep_word("controller.limit", self.limit.name());
     }
 
     /// Restores the data of [`Controller::keep`].
@@ -279,6 +305,8 @@ impl Controller {
         let is_same_order = memory.number("controller.order")? == self.order;
         self.last = last.filter(|(error, _)| *error >= 0.0 && is_same_order);
         self.was_rejected = memory.flag("controller.was_rejected")?;
+        let limit = memory.word("controller.limit").ok().and_then(StepLimit::from_name);
+        self.limit = limit.unwrap_or(StepLimit::Error);
         Ok(())
     }
 }
@@ -288,7 +316,7 @@ mod tests {
     use super::*;
 
     fn controller() -> Controller {
-        Controller::new(&Adaptivity::new(1e-4), 3, 0.1)
+        Controller::new(&Adaptivity::new(1e-4), 3, 0.1, StepLimit::Start)
     }
 
     #[test]
@@ -336,7 +364,7 @@ mod tests {
     #[test]
     fn limits_hold_and_hard_steps_do_not_grow() {
         let adaptivity = Adaptivity { smallest: 0.01, largest: 0.2, ..Adaptivity::new(1e-4) };
-        let mut controller = Controller::new(&adaptivity, 3, 0.1);
+        let mut controller = Controller::new(&adaptivity, 3, 0.1, StepLimit::Start);
         controller.accept(0.1, 0.0, true);
         assert_eq!(controller.size_within(9.0), 0.1);
         (0..9).for_each(|_| controller.accept(controller.size, 0.0, false));
@@ -344,6 +372,29 @@ mod tests {
         (0..9).for_each(|_| controller.reject(controller.size, f64::NAN));
         assert_eq!(controller.size_within(9.0), 0.01);
         assert!(!controller.can_shrink(0.01) && controller.can_shrink(0.02));
+    }
+
+    #[test]
+    fn limits_are_told_and_kept_while_sizes_grow() {
+        let adaptivity = Adaptivity { smallest: 1e-3, largest: 0.5, ..Adaptivity::new(1e-4) };
+        let mut controller = Controller::new(&adaptivity, 3, 0.01, StepLimit::Start);
+        controller.accept(0.01, 1e-12, false);
+        assert!(controller.size() > 0.02 && controller.limit() == StepLimit::Start);
+        controller.accept(controller.size(), 0.6e-4, false);
+        assert_eq!(controller.limit(), StepLimit::Error);
+        controller.accept(controller.size(), 1e-9, true);
+        assert_eq!(controller.limit(), StepLimit::Corrections);
+        controller.fail(controller.size());
+        assert_eq!(controller.limit(), StepLimit::Corrections);
+        controller.restart(0.002, StepLimit::Kink);
+        controller.accept(0.002, 1e-12, false);
+        assert!(controller.size() > 0.004 && controller.limit() == StepLimit::Kink);
+        controller.restart(1e-9, StepLimit::Kink);
+        assert_eq!((controller.size(), controller.limit()), (1e-3, StepLimit::Smallest));
+        (0..9).for_each(|_| controller.accept(controller.size(), 0.0, false));
+        assert_eq!((controller.size(), controller.limit()), (0.5, StepLimit::Largest));
+        controller.reject(0.5, 1e-3);
+        assert_eq!(controller.limit(), StepLimit::Error);
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod samples;
 mod snapshot;
 mod statistics;
 mod step;
+mod step_limit;
 mod stepping;
 pub(crate) mod subdivision;
 
@@ -34,5 +35,6 @@ pub(crate) use resolution::Resolution;
 pub use samples::{Sampler, Samples};
 pub use snapshot::Snapshot;
 pub use statistics::{Extreme, LargestDisplacement, RunStatistics};
+pub use step_limit::{StepLimit, StepLimits};
 pub use stepping::Motion;
 pub(crate) use subdivision::Subdivision;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::StepLimit;
 use crate::body::{Body, StrainState};
 use crate::sparse::SolverChoice;
 use crate::time::{State, StepOutcome};
@@ -81,6 +82,9 @@ pub struct Record {
     pub releases: usize,
     /// Estimated error of the step, relative to the scales of [`super::Adaptivity`]; 0 without adaptive steps.
     pub local_error: f64,
+    /// What set the size of the step; `None` without adaptive steps.
+    #[serde(default)]
+    pub step_limit: Option<StepLimit>,
     /// Number of repetitions of the step because of its error.
     pub rejections: usize,
     /// Whether the step did not resolve a load or a given motion ([`super::Resolution`]).

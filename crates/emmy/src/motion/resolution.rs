@@ -116,7 +116,9 @@ impl Resolution {
         let panels = (PANELS / n_functions).max(MIN_PANELS);
         let largest = |signal: &Signal| {
             let n_samples = if signal.is_costly { COSTLY_SAMPLES } else { SAMPLES * panels };
-            let times = (0..=n_samples).map(|i| start + duration * i as f64 / n_samples as f64);
+            // Between the ends of panels: a pole at a round number, where times are rounded, would be 1e16 times larger
+            // than its surroundings.
+            let times = (0..n_samples).map(|i| start + duration * (i as f64 + 0.5) / n_samples as f64);
             let mut largest = [0f64; MAX_COMPONENTS];
             for_each_value(signal, times, |values| {
                 largest

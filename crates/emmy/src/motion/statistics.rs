@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Record, State};
+use super::{Record, State, StepLimits};
 use crate::body::{Body, RegionSummary};
 use crate::sparse::SolverChoice;
 
@@ -141,6 +141,19 @@ pub struct RunStatistics {
     pub largest_displacement: LargestDisplacement,
     /// Steps that did not resolve a load or a given motion.
     pub unresolved_loads: usize,
+    /// Size of the largest step \[time\].
+    #[serde(default)]
+    pub largest_step_size: f64,
+    /// Largest |V| \[energy\].
+    #[serde(default)]
+    pub largest_strain_energy: f64,
+    /// Sum of the estimated errors of the steps, relative to the scales of [`super::Adaptivity`]; 0 without adaptive
+    /// steps.
+    #[serde(default)]
+    pub accumulated_local_error: f64,
+    /// Numbers of adaptive steps by what set their sizes.
+    #[serde(default)]
+    pub step_limits: StepLimits,
 }
 
 /// An angular momentum residual below this part of sqrt(2 T I) is round-off. |L| is no measure: a body that does not
@@ -168,6 +181,9 @@ impl RunStatistics {
         self.external_work = record.external_work;
         self.dissipated_energy = record.dissipated_energy;
         self.unresolved_loads += usize::from(record.is_unresolved);
+        self.largest_step_size = self.largest_step_size.max(record.step_size);
+        self.accumulated_local_error += record.local_error;
+        record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));
         self.largest_displacement.update(body, state);
         self.add_scales(body, record);
         self.add_residuals(record);
@@ -176,6 +192,7 @@ impl RunStatistics {
     fn add_scales(&mut self, body: &Body, record: &Record) {
         self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
+        self.largest_strain_energy = self.largest_strain_energy.max(record.strain_energy.abs());
         self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));
         self.largest_angular_momentum = self.largest_angular_momentum.max(norm(record.angular_momentum));
         let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();

@@ -62,6 +62,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
         "body",
         &[
             "viscosity",
+            "pole",
             "time_function",
             "target",
             "field",
@@ -128,6 +129,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
     (
         "motion",
         &[
+            "step_limit",
             "adaptivity",
             "degree_choice",
             "control",

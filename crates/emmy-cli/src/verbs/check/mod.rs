@@ -31,10 +31,11 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
 /// Prints the report on the whole body.
 fn run_alone(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let problem = arguments.input.read_alone(host)?;
-    let text = report_on(&problem)?;
+    let Report { text, notes, .. } = whole_report(&problem)?;
     if let Some(warning) = unresolved_steps(&problem) {
         message!(host, "{warning}");
     }
+    notes.iter().for_each(|note| message!(host, "note: {note}"));
     if let Err(error) = emmy_io::directory::check_run(&problem) {
         message!(host, "note: `emmy run` will reject this: {error}");
     }
@@ -62,6 +63,10 @@ fn of_body(report: &mut Report, problem: &Problem) {
 /// # Errors
 /// [`Failure::Usage`] if the start does not fit the body, [`Failure::Study`] if its equilibrium is not found.
 pub fn report_on(problem: &Problem) -> Result<String, Failure> {
+    Ok(whole_report(problem)?.text)
+}
+
+fn whole_report(problem: &Problem) -> Result<Report, Failure> {
     let mut report = Report { units: problem.units, ..Report::default() };
     report.line("title", problem.title.as_deref().unwrap_or("(none)"));
     if let Some(units) = problem.units.description() {
@@ -78,5 +83,5 @@ pub fn report_on(problem: &Problem) -> Result<String, Failure> {
     period::report(&mut report, problem);
     report.output(problem);
     problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
-    Ok(report.text)
+    Ok(report)
 }

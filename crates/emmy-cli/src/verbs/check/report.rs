@@ -10,7 +10,7 @@ use emmy::body::{
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::{Problem, Start};
-use emmy_io::message::shown;
+use emmy_io::message::{counted, shown};
 use emmy_io::units::Units;
 
 use crate::print::{number, vector};
@@ -24,6 +24,8 @@ const MAX_LISTED_PARTS: usize = 10;
 pub(crate) struct Report {
     pub(super) text: String,
     pub(super) units: Units,
+    /// Notes beside the report.
+    pub(in crate::verbs) notes: Vec<String>,
 }
 
 impl Report {
@@ -34,9 +36,9 @@ impl Report {
     pub(super) fn mesh(&mut self, mesh: &Mesh) {
         let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        let nodes = mesh.n_nodes();
-        let cells = mesh.n_cells();
-        self.line("mesh", &format!("{nodes} nodes, {cells} cells ({})", kinds.join(", ")));
+        let nodes = counted(mesh.n_nodes(), "node", "nodes");
+        let cells = counted(mesh.n_cells(), "cell", "cells");
+        self.line("mesh", &format!("{nodes}, {cells} ({})", kinds.join(", ")));
         let quality = quality(mesh);
         for (name, worst) in [
             ("smallest det J ratio", quality.jacobian_ratio),
@@ -51,9 +53,9 @@ impl Report {
     pub(super) fn groups(&mut self, mesh: &Mesh) {
         let groups = mesh.groups();
         for name in groups.names() {
-            let cells = groups.cells.get(name).map(|cells| format!("{} cells", cells.len()));
-            let facets = groups.facets.get(name).map(|facets| format!("{} facets", facets.len()));
-            let nodes = mesh.group_nodes(name).map(|nodes| format!("{} nodes", nodes.len())).ok();
+            let cells = groups.cells.get(name).map(|cells| counted(cells.len(), "cell", "cells"));
+            let facets = groups.facets.get(name).map(|facets| counted(facets.len(), "facet", "facets"));
+            let nodes = mesh.group_nodes(name).map(|nodes| counted(nodes.len(), "node", "nodes")).ok();
             let sizes: Vec<String> = [cells, facets, nodes].into_iter().flatten().collect();
             self.line("group", &format!("{name}: {}", sizes.join(", ")));
         }
@@ -109,7 +111,8 @@ impl Report {
             Start::Undeformed if problem.is_static() => return,
             Start::Equilibrium { load_steps } => {
                 let loads = "static equilibrium under the loads and driven supports at t = 0";
-                self.line("start", &format!("{loads}, in {load_steps} increments"));
+                let increments = counted(*load_steps, "increment", "increments");
+                self.line("start", &format!("{loads}, in {increments}"));
             }
             Start::Run(directory) => {
                 self.line("start", &format!("last state of the run in {}", directory.display()));
@@ -156,9 +159,8 @@ impl Report {
                 .iter()
                 .for_each(|&cell| *counts.entry(body.region_of_cell()[cell as usize]).or_default() += 1);
             let shares = counts.into_iter().map(|(region, count)| {
-                let cells = if count == 1 { "cell" } else { "cells" };
                 let group = body.regions()[region as usize].group.as_deref();
-                format!("{count} {cells} of {}", group.unwrap_or("the body"))
+                format!("{} of {}", counted(count, "cell", "cells"), group.unwrap_or("the body"))
             });
             let shares = shares.collect::<Vec<_>>().join(", ");
             let first = cells[0];
@@ -173,8 +175,8 @@ impl Report {
         let volume = self.units.number(region.volume, "length³");
         let mass = self.units.number(region.mass, "mass");
         let centre = self.units.vector(region.centre, "length");
-        let cells = region.n_cells;
-        self.line(word, &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"));
+        let cells = counted(region.n_cells, "cell", "cells");
+        self.line(word, &format!("{group}: {cells}, volume {volume}, mass {mass}, centre {centre}"));
         let inertia = format!("[{}]", without_rounding(region.inertia).map(vector).join(", "));
         let inertia = self.units.with_unit(inertia, "mass·length²");
         self.line("", &format!("inertia about the centre {inertia}"));
@@ -239,7 +241,8 @@ impl Report {
         let parts = parts.into_iter().filter(|(components, _)| !components.is_empty());
         let parts: Vec<String> =
             parts.map(|(components, how)| format!("{} {how}", components.join(", "))).collect();
-        self.line("support", &format!("{}: {}, {dofs} degrees of freedom", support.group, parts.join(", ")));
+        let dofs = counted(dofs, "degree of freedom", "degrees of freedom");
+        self.line("support", &format!("{}: {}, {dofs}", support.group, parts.join(", ")));
         for (component, time_function) in ["x", "y", "z"].iter().zip(&support.displacement) {
             match time_function.as_ref().map(|displacement| (displacement, displacement.acceleration())) {
                 Some((displacement, Some(acceleration))) => {
@@ -283,22 +286,19 @@ impl Report {
     pub(super) fn time(&mut self, problem: &Problem) {
         let plan = &problem.plan;
         if problem.is_static() {
-            let steps = plan.n_steps();
-            self.line(
-                "analysis",
-                &format!("static, {steps} increments of the loads and driven supports at t = 0"),
-            );
+            let increments = counted(plan.n_steps(), "increment", "increments");
+            self.line("analysis", &format!("static, {increments} of the loads and driven supports at t = 0"));
             return self.newton(problem);
         }
         let time = |value: f64| problem.units.number(value, "time");
         self.line("scheme", &format!("{}, degree {}", problem.scheme.name(), problem.scheme.degree()));
-        let steps = plan.n_steps();
+        let steps = counted(plan.n_steps(), "step", "steps");
         let start = time(plan.start());
         let end = time(plan.end());
         match plan.adaptivity() {
             Some(adaptivity) => self.adaptivity(adaptivity, problem),
             None => {
-                self.line("plan", &format!("{steps} steps from t = {start} to t = {end}"));
+                self.line("plan", &format!("{steps} from t = {start} to t = {end}"));
                 for phase in plan.phases() {
                     self.line("", &format!("steps of {} until {}", time(phase.size), time(phase.until)));
                 }
@@ -339,10 +339,12 @@ impl Report {
         let output = &problem.output;
         let frames = match (output.n_frames(&problem.plan), output.interval) {
             (Some(n), Some(interval)) => {
-                format!("{n} frames, one every {} of time", self.units.number(interval, "time"))
+                let frames = counted(n, "frame", "frames");
+                format!("{frames}, one every {} of time", self.units.number(interval, "time"))
             }
             (Some(0), None) => "no frames".to_string(),
-            (Some(n), None) => format!("{n} frames"),
+            (Some(n), None) => counted(n, "frame", "frames"),
+            (None, _) if output.every == 1 => "a frame every step".to_string(),
             (None, _) => format!("a frame every {} steps", output.every),
         };
         self.line("output", &format!("{}, {frames}", output.directory.display()));

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use emmy::body::FieldName;
-use emmy::motion::{Extreme, RunStatistics};
+use emmy::motion::{Extreme, RunStatistics, StepLimit};
+use emmy_io::accuracy::Accuracy;
 use emmy_io::input::Problem;
+use emmy_io::message::counted;
 use emmy_io::results::Results;
-use emmy_io::summary::{self, Status};
+use emmy_io::summary::{self, FEW_DIGITS, Status};
 
 use crate::host::{Host, message};
 use crate::print::number;
@@ -17,6 +19,7 @@ pub(super) struct Closing<'a> {
     pub host: &'a dyn Host,
     pub problem: &'a Problem,
     pub results: &'a Results,
+    pub accuracy: Option<&'a Accuracy>,
 }
 
 impl Closing<'_> {
@@ -28,16 +31,22 @@ impl Closing<'_> {
             self.host,
             "{}: {} to {} in {:.2} s, {}",
             status.name(),
-            counted(statistics.steps, if problem.is_static() { "increment" } else { "step" }),
+            match problem.is_static() {
+                true => counted(statistics.steps, "increment", "increments"),
+                false => counted(statistics.steps, "step", "steps"),
+            },
             moment(problem, statistics.time),
             results.wall_seconds(),
-            counted(statistics.newton_iterations, "Newton iteration")
+            counted(statistics.newton_iterations, "Newton iteration", "Newton iterations")
         );
         self.work(statistics);
         if problem.is_static() {
             self.resultants(statistics)
         } else {
             self.residuals(statistics)
+        }
+        if let Some(accuracy) = self.accuracy {
+            message!(self.host, "accuracy in time: {}", accuracy.text);
         }
         self.largest();
         let directory = results.directory();
@@ -83,20 +92,23 @@ impl Closing<'_> {
             message!(
                 self.host,
                 "linear solver: {solver}; stiffness refactored {}, exact tangent used in {}",
-                counted(statistics.refactorizations, "time"),
-                counted(statistics.steps_with_exact_tangent, "step")
+                counted(statistics.refactorizations, "time", "times"),
+                counted(statistics.steps_with_exact_tangent, "step", "steps")
             );
         }
         if statistics.rejections > 0 {
             message!(
                 self.host,
                 "rejected because of their error: {}",
-                counted(statistics.rejections, "step")
+                counted(statistics.rejections, "step", "steps")
             );
         }
-        if statistics.steps_at_rounding_floor > 0 {
-            let floor = statistics.steps_at_rounding_floor;
-            message!(self.host, "steps that ended at the rounding floor, above the tolerance: {floor}");
+        if let Some(limits) = limits(statistics) {
+            message!(self.host, "step size limited by: {limits}");
+        }
+        let digits = statistics.digits_left();
+        if statistics.steps_at_rounding_floor > 0 && digits >= FEW_DIGITS {
+            message!(self.host, "digits left after rounding: {digits:.1}, which is harmless");
         }
     }
 
@@ -132,25 +144,33 @@ impl Closing<'_> {
         );
     }
 
-    /// Prints warnings about the results.
+    /// Prints warnings and notes about the results.
     pub(super) fn warnings(&self) {
         for warning in summary::warnings(self.results.statistics()) {
             message!(self.host, "warning: {warning}");
         }
+        if let Some(note) = self.accuracy.and_then(|accuracy| accuracy.note.as_ref()) {
+            message!(self.host, "note: {note}");
+        }
     }
+}
 
-    /// Prints the estimated error of the positions.
-    pub(super) fn error(&self, error: f64) {
-        let problem = self.problem;
-        let part = error / problem.body.radius_of_gyration();
-        let part =
-            if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
-        let error = problem.units.with_unit(format!("{error:.1e}"), "length");
-        message!(
-            self.host,
-            "estimated error of the positions at the end: {error} in the root mean square{part}"
-        );
-    }
+/// What limited the sizes of adaptive steps, and the share of the steps; `None` without such steps.
+fn limits(statistics: &RunStatistics) -> Option<String> {
+    let words = |limit: StepLimit| match limit {
+        StepLimit::Start => "growth from the first size",
+        StepLimit::Kink => "kinks of a load or a support",
+        StepLimit::Load => "smooth loads or supports",
+        StepLimit::Output => "output times",
+        StepLimit::Phase => "ends of phases",
+        limit => limit.name(),
+    };
+    let steps: usize = statistics.step_limits.counts().map(|(_, count)| count).sum();
+    let share = |(limit, count): (StepLimit, usize)| {
+        format!("{} {:.0} %", words(limit), 100.0 * count as f64 / steps as f64)
+    };
+    let shares: Vec<String> = statistics.step_limits.counts().map(share).collect();
+    (steps > 0).then(|| shares.join(", "))
 }
 
 /// A time, or the load fraction of a static analysis.
@@ -159,9 +179,4 @@ fn moment(problem: &Problem, time: f64) -> String {
         true => format!("load fraction {}", number(time)),
         false => format!("t = {}", problem.units.number(time, "time")),
     }
-}
-
-/// A count and its noun.
-fn counted(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

@@ -37,6 +37,7 @@ impl Observer for JsonLines<'_> {
         let value = |number: &Number| match *number {
             Number::Whole(value) => Value::from(value),
             Number::Real(value) => Value::from(value),
+            Number::Limit(limit) => Value::from(limit.name()),
             Number::Missing => Value::Null,
         };
         let numbers = row.numbers.iter().map(value);

@@ -129,7 +129,7 @@ pub(super) fn march<'a>(
     error.into_iter().for_each(|error| results.set_error(error));
     let (status, failure) = ending(outcome, &results, host);
     let message = failure.as_ref().map(Failure::message);
-    let ended = results.finish(motion, status, message.as_deref());
+    let ended = results.finish(problem, motion, status, message.as_deref());
     let unwritten = ended.error.map(|error| format!("the results cannot be written: {error}"));
     let failure = match (failure, unwritten) {
         // The first failure says more.
@@ -146,11 +146,10 @@ pub(super) fn march<'a>(
         .ok()
         .flatten();
     let printed = if options.json { print::result(host, &format!("{}\n", ended.summary)) } else { Ok(()) };
-    let closing = Closing { host, problem, results: &results };
+    let closing = Closing { host, problem, results: &results, accuracy: ended.accuracy.as_ref() };
     closing.warnings();
     if !options.quiet {
         closing.report(ended.status, report.as_deref());
-        error.into_iter().for_each(|error| closing.error(error));
     }
     failure.map_or(printed, Err)
 }
@@ -201,7 +200,8 @@ fn ending(outcome: Result<(), MarchError>, results: &Results, host: &dyn Host) -
 
 fn stopped(interrupted: &Interrupted, results: &Results, host: &dyn Host) -> Failure {
     let directory = results.directory().display();
-    let program = if host.team().is_some() { "emmy-mpi" } else { "emmy" };
+    let program =
+        host.team().map_or("emmy".to_string(), |team| format!("mpirun -n {} emmy-mpi", team.size()));
     let help = match results.has_checkpoints() {
         true => format!("`{program} resume {directory}` resumes from here"),
         false => "`checkpoint_every` is 0: there is no checkpoint to resume from".to_string(),

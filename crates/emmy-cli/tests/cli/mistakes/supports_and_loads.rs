@@ -48,6 +48,7 @@ fn loads() -> Vec<Mistake> {
         body_force("body-force-with-a-kink", "[0, 0, \"abs(x)\"]").unseen(),
         body_force("body-force-with-half-an-expression", "[0, 0, \"x +\"]").unseen(),
         body_force("body-force-with-a-pole", "[0, 0, \"x/(t - 0.25)\"]").unseen(),
+        body_force("body-force-with-a-pole-at-the-end", "[0, 0, \"x*tan(pi*t)\"]").unseen(),
         body_force("body-force-that-is-undefined-somewhere", "[\"ln(y - 1)\", 0, 0]").unseen(),
         load("body-force-on-facets", "body_force = [0, 0, \"x\"]").unseen(),
         load("drag-on-a-group", "drag = 0.5").unseen(),
@@ -69,6 +70,7 @@ fn histories() -> Vec<Mistake> {
         history("history-with-a-kink", "\"min(t, 1)\"").unseen(),
         history("history-with-a-ramp", "'max(t, 1)'").unseen(),
         history("history-with-a-pole", "\"1/(t - 0.25)\"").unseen(),
+        history("history-with-a-pole-at-the-end", "\"tan(pi*t)\"").unseen(),
         history("history-with-an-infinite-rate", "\"sqrt(t)\"").unseen(),
     ]
 }
@@ -123,6 +125,7 @@ fn measurements() -> Vec<Mistake> {
         base("accelerated-and-moved", "{ x = \"t\" }\nmove = { x = \"t\" }").unseen(),
         base("accelerated-and-fixed", "{ x = \"t\" }\nfix = [\"x\"]").unseen(),
         base("accelerated-by-a-pole", "{ x = \"1/(t - 0.25)\" }").unseen(),
+        base("accelerated-by-a-pole-at-the-end", "{ x = \"tan(pi*t)\" }").unseen(),
         base("accelerated-without-end", "{ x = [[0, 1e308], [1, 1e308]] }")
             .and("until = 0.5", "until = 1e10")
             .unseen(),

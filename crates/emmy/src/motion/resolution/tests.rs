@@ -70,6 +70,26 @@ fn a_pulse_shows_its_load_and_its_place() {
 }
 
 #[test]
+fn a_pole_is_seen_where_a_phase_or_the_plan_ends() {
+    let tan = || TimeFunction::smooth("tan", |t| [(std::f64::consts::PI * t / 2.0).tan(), 0.0, 0.0]);
+    let costly = TimeFunction::of_times("tan of times", |times, values| {
+        values.iter_mut().zip(times).for_each(|(value, t)| *value = (std::f64::consts::PI * t / 2.0).tan());
+    });
+    let third = TimeElement { degree: 3, ..DGM };
+    for body in [body(tan(), None), body(costly, None)] {
+        for until in [1.0, 2.0] {
+            let plan = StepPlan::new(0.0, vec![Phase { until, size: 0.1 }]).unwrap();
+            for scheme in [DGM.into(), third.into(), Scheme::Bathe, Scheme::CentralDifferences] {
+                let resolution = Resolution::new(&body, scheme, &plan).unwrap();
+                let missed = resolution.unresolved(0.9, 0.1).unwrap();
+                assert!((0.95..=1.0).contains(&missed.time), "{scheme} {until}: {missed}");
+                assert_eq!(resolution.unresolved(0.1, 0.1), None, "{scheme} {until}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_resolved_oscillation_is_none_that_is_missed() {
     let omega = 2.0 * std::f64::consts::PI;
     let sine = TimeFunction::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);

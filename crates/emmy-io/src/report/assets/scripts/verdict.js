@@ -75,6 +75,23 @@ function equilibriumCard(run) {
     element("p", { class: "part" }, ...part("largest force", "linear_momentum"), element("br"), ...part("largest moment", "angular_momentum")));
 }
 
+// What limited the sizes of adaptive steps, the most frequent first.
+function stepLimits(summary) {
+  const counts = Object.entries(summary).filter(([key]) => key.startsWith("step_limits_")).sort((a, b) => b[1] - a[1]);
+  const all = counts.reduce((sum, [, count]) => sum + count, 0);
+  return counts.map(([key, count]) => `${key.slice("step_limits_".length).replace("_", " ")} ${Math.round(100 * count / all)} %`).join(", ");
+}
+
+// How well the steps resolve the motion, which no balance tells.
+function accuracyCard(run) {
+  const { accuracy_in_time: kind, accuracy_in_time_text: text } = run.summary;
+  if (!kind) return null;
+  const mark = { estimated: "good", coarse: "poor" }[kind] ?? "fair";
+  return element("div", { class: "balance" }, element("h2", {}, "Accuracy in time"),
+    element("p", { class: `word ${mark}` }, sign(mark), kind),
+    element("p", { class: "rest", "data-summary": "accuracy_in_time_text" }, text.slice(kind.length).replace(/^[:;,]? /, "").replaceAll("`", "")));
+}
+
 // Size and cost of a run, as words that wrap.
 function facts(run) {
   const s = run.summary;
@@ -84,6 +101,7 @@ function facts(run) {
   return element("dl", { class: "facts" },
     fact("scheme", ofSummary(run, "scheme", s.scheme), isStatic(run) ? null : small(`, degree ${s.degree}`)),
     fact(`${stepName(run)}s`, ofSummary(run, "steps", grouped(s.steps)), small(` to ${timeText(run, s.time)}`)),
+    stepLimits(s) ? fact("step size limited by", small(stepLimits(s))) : null,
     fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
     fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
@@ -110,9 +128,11 @@ function extreme(run, name, clock) {
 function warnings(run) {
   const { digits_left: digits, unresolved_loads: missed, steps } = run.summary;
   const note = (...text) => element("p", { class: "note" }, "Warning: ", ...text);
+  const notes = (run.summary.notes ?? []).map((text) => element("p", { class: "note" }, "Note: ", text));
   return [
     digits < 6 ? note("rounding leaves ", ofSummary(run, "digits_left", String(digits)), " correct digits of energy and momenta.") : null,
     missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a moving support.`) : null,
+    ...notes,
   ].filter((warning) => warning !== null);
 }
 
@@ -120,10 +140,10 @@ function showVerdict(place, runs, clock) {
   if (runs.length === 1) {
     const [run] = runs;
     const cards = isStatic(run) ? [equilibriumCard(run)] : balances(run).map((b) => balanceCard(run, b));
-    place.append(facts(run), element("div", { class: "strip" }, ...cards, extremes(run, clock)), ...warnings(run));
+    place.append(facts(run), element("div", { class: "strip" }, ...cards, accuracyCard(run), extremes(run, clock)), ...warnings(run));
     return;
   }
-  const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "steps", "Newton", "dofs", "time", "status"];
+  const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "accuracy in time", "steps", "Newton", "dofs", "time", "status"];
   const cell = (run, balance) => {
     const mark = grade(balance);
     const word = `${balance.name} balance ${SIGNS[mark][1]}`;
@@ -135,6 +155,7 @@ function showVerdict(place, runs, clock) {
     element("th", { scope: "row" }, keySample(run.index), " ", run.files.includes("report.html") ? element("a", { href: linkTo(run.href, "report.html") }, run.name) : run.name),
     element("td", {}, ofSummary(run, "scheme", run.summary.scheme), run.summary.degree > 1 ? `, degree ${run.summary.degree}` : ""),
     ...balances(run).map((balance) => cell(run, balance)),
+    element("td", { title: run.summary.accuracy_in_time_text ?? "" }, run.summary.accuracy_in_time ?? "–"),
     element("td", {}, ofSummary(run, "steps", grouped(run.summary.steps))),
     element("td", {}, ofSummary(run, "newton_iterations", grouped(run.summary.newton_iterations))),
     element("td", {}, ofSummary(run, "dofs", grouped(run.summary.dofs))),
