@@ -156,7 +156,7 @@ impl Iteration {
             if !self.predict(guess, system, state, step_size, given) {
                 continue;
             }
-            match self.newton.solve(system, &mut self.unknowns, &self.settings, line_search) {
+            match self.solve_from_here(system, line_search) {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
                         let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
@@ -179,6 +179,17 @@ impl Iteration {
         Err(failure
             .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
             .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
+    }
+
+    /// Newton's iteration from the present unknowns.
+    fn solve_from_here(&mut self, system: &mut StageSystem<'_>, line_search: bool) -> Result<Outcome> {
+        let outcome = self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)?;
+        if !outcome.converged || outcome.iterations > 0 || !system.body.has_pressures() {
+            return Ok(outcome);
+        }
+        // Nothing moves freely, so no correction has taken the pressures to those of the rates.
+        system.body.copy_pressures(&system.assembly, &mut self.unknowns[self.n_rates..]);
+        self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)
     }
 
     /// Change of energy and momenta by the residual of the step, relative to them.

@@ -4,6 +4,7 @@
 
 mod conservation;
 mod fields;
+mod held;
 mod patches;
 mod reference;
 mod rubber;
