@@ -35,7 +35,7 @@ fn control_characters_reach_neither_the_terminal_nor_the_frames() {
     place.write("part.msh", &gmsh("a\u{1b}b"));
     let outcome = place.succeed(&["check", "box.toml"]);
     assert_printable(&outcome);
-    assert!(outcome.stdout.contains("a_b: 1 cells"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("a_b: 1 cell,"), "{}", outcome.stdout);
     assert!(outcome.stderr.contains("the name \"a\\u{1b}b\" has control characters"), "{}", outcome.stderr);
     assert!(
         outcome.stderr.contains("the title \"a\\u{1b}[2Jb\" has control characters"),

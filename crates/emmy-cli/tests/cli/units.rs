@@ -23,7 +23,8 @@ fn check_shows_units_and_has_no_note_on_steel() {
     ] {
         assert!(outcome.stdout.contains(part), "{part}\n{}", outcome.stdout);
     }
-    assert_eq!(outcome.stderr, "");
+    // The steps of a tenth of a second are long for a piece of steel.
+    assert!(!outcome.stderr.contains("solid") && outcome.stderr.lines().count() == 1, "{}", outcome.stderr);
 }
 
 #[test]

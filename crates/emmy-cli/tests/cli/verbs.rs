@@ -50,7 +50,7 @@ fn check_reports_and_writes_nothing() {
     for part in [
         "12 nodes, 2 cells (2 hex8)",
         "36 degrees of freedom, 12 fixed, 24 free",
-        "y-max: 1 facets, 4 nodes",
+        "y-max: 1 facet, 4 nodes",
         "body: 2 cells, volume 2, mass 4, centre [0.5, 1, 0.5]",
         "[[1.66667, 0, 0], [0, 0.666667, 0], [0, 0, 1.66667]]",
         "traction on y-max: force [0, 0, 10], torque about the origin [20, -5, 0]",
@@ -109,7 +109,7 @@ fn check_reports_on_parts_and_the_whole_body() {
         "1 cell of steel, the first is cell 0",
         "1 cell of rubber, the first is cell 1",
         "largest aspect ratio 1.0000 (cell 0, hex8)",
-        "steel: 1 cells, volume 1, mass 3, centre [0.5, 0.5, 0.5]",
+        "steel: 1 cell, volume 1, mass 3, centre [0.5, 0.5, 0.5]",
         "body       all regions: 2 cells, volume 2, mass 4, centre [0.75, 0.5, 0.5]",
         "[[0.666667, 0, 0], [0, 1.41667, 0], [0, 0, 1.41667]]",
     ] {
