@@ -114,6 +114,8 @@ class History(np.ndarray[Any, np.dtype[Any]]):
         known = self.dtype.names or ()
         if name not in known:
             raise fault("name", f"{name!r} is not a column; there is {', '.join(known)}")
+        if self[name].dtype.kind == "U":
+            raise fault("name", f"{name!r} has words, which have no peak")
         numbers, times = self[name], self["time"]
         last = float(numbers[-1]) if len(numbers) else math.nan
         if np.isnan(numbers).all():

@@ -34,8 +34,7 @@ def run(results: Run) -> str:
     if results._has_summary:
         head += f", {html.escape(results.status)}"
     try:
-        accuracy = results.summary.get("accuracy_in_time_text") if results._has_summary else None
-        page = _page(head, results.history, accuracy)
+        page = _page(head, results.history, results.accuracy if results._has_summary else "")
     except ResultsError:
         # A run that has just begun has no history yet.
         return html.escape(repr(results))
@@ -65,7 +64,7 @@ def _over(residual: NDArray[np.float64], scale: NDArray[np.float64]) -> str:
     return f"{worst:.1e} (the quantity itself is 0)"
 
 
-def _page(head: str, history: NDArray[Any], accuracy: str | None) -> str:
+def _page(head: str, history: NDArray[Any], accuracy: str) -> str:
     known = f"; accuracy in time: {html.escape(accuracy)}" if accuracy else ""
     parts = [f"<div><p>{head}<br>{verdict(history)}{known}</p>"]
     if len(history) > 1:

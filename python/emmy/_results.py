@@ -173,6 +173,15 @@ class Run:
         return str(self.summary["status"])
 
     @property
+    def accuracy(self) -> str:
+        """What is known of the accuracy in time: "estimated ...", "not estimated ..." or "coarse ...".
+
+        Balances close with steps of any size, so they say nothing about it. Empty before the run has ended, and for a static
+        analysis.
+        """
+        return self.summary.get("accuracy_in_time_text") or ""
+
+    @property
     def report(self) -> Path:
         """Path of the report, a page for a browser."""
         return self._directory / "report.html"

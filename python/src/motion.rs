@@ -193,6 +193,7 @@ impl Motion {
     /// The statement on the accuracy in time; none before the first step.
     fn accuracy(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut work = self.lock()?;
+        let work = &mut *work;
         let accuracy = pool::work(py, || work.accuracy())?;
         Ok(accuracy.map(|accuracy| accuracy.text))
     }
@@ -232,8 +233,10 @@ impl Motion {
     }
 
     /// Warnings about the steps since the last call.
-    fn warnings(&self) -> PyResult<Vec<String>> {
-        Ok(self.lock()?.warnings())
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let mut work = self.lock()?;
+        let work = &mut *work;
+        pool::work(py, || work.warnings())
     }
 
     /// A motion that continues from the present state with the same plan.

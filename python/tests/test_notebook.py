@@ -55,6 +55,7 @@ def test_run(spinning):
     page = emmy.Run("out")._repr_html_()
     assert checked(page) == 2
     assert "<iframe srcdoc=" in page and "done" in page
+    assert emmy.Run("out").accuracy == spinning.accuracy and f"accuracy in time: {spinning.accuracy}" in page
 
 
 def test_a_run_that_has_just_begun(spinning, tmp_path):

@@ -63,7 +63,7 @@ def check_numbers(page, summaries):
 
 
 def words(page):
-    return page.value("[...document.querySelectorAll('.balance .word')].map(e => e.textContent)")
+    return page.value("[...document.querySelectorAll('.balance:not(.accuracy) .word')].map(e => e.textContent)")
 
 
 def time_shown(page):
@@ -325,6 +325,8 @@ def check_single(browser, directory, expects, has_motion=True):
     n = check_numbers(page, {os.path.basename(directory): summary})
     found = words(page)
     assert len(found) == 3 and all(word in expects for word in found), found
+    accuracy = page.value("document.querySelector('.accuracy .word')?.textContent ?? null")
+    assert accuracy == summary["accuracy_in_time"], accuracy
     assert page.value("document.querySelectorAll('.chart').length") >= 7
     if has_motion:
         check_motion(page)

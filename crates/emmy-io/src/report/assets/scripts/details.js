@@ -14,7 +14,7 @@ function showHeading(runs) {
 }
 
 function statusText(summary) {
-  const steps = `${stepName({ summary })}s`;
+  const steps = `${stepName({ summary })}${(summary.planned_steps ?? summary.steps) === 1 ? "" : "s"}`;
   const strong = (text, mark = "") => element("strong", { class: mark }, text);
   switch (summary.status) {
     case "done": return [strong("Done"), `: ${grouped(summary.steps)} ${steps} in `, duration(summary.wall_seconds)];

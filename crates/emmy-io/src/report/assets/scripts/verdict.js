@@ -87,9 +87,9 @@ function accuracyCard(run) {
   const { accuracy_in_time: kind, accuracy_in_time_text: text } = run.summary;
   if (!kind) return null;
   const mark = { estimated: "good", coarse: "poor" }[kind] ?? "fair";
-  return element("div", { class: "balance" }, element("h2", {}, "Accuracy in time"),
+  return element("div", { class: "balance accuracy" }, element("h2", {}, "Accuracy in time"),
     element("p", { class: `word ${mark}` }, sign(mark), kind),
-    element("p", { class: "rest", "data-summary": "accuracy_in_time_text" }, text.slice(kind.length).replace(/^[:;,]? /, "").replaceAll("`", "")));
+    element("p", { class: "rest" }, text.slice(kind.length).replace(/^[:;,]? /, "").replaceAll("`", "")));
 }
 
 // Size and cost of a run, as words that wrap.
@@ -128,7 +128,7 @@ function extreme(run, name, clock) {
 function warnings(run) {
   const { digits_left: digits, unresolved_loads: missed, steps } = run.summary;
   const note = (...text) => element("p", { class: "note" }, "Warning: ", ...text);
-  const notes = (run.summary.notes ?? []).map((text) => element("p", { class: "note" }, "Note: ", text));
+  const notes = (run.summary.notes ?? []).map((text) => element("p", { class: "note" }, "Note: ", text.replaceAll("`", "")));
   return [
     digits < 6 ? note("rounding leaves ", ofSummary(run, "digits_left", String(digits)), " correct digits of energy and momenta.") : null,
     missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a moving support.`) : null,
