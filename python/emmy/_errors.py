@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
@@ -314,6 +315,14 @@ def _as_argument(flag: re.Match[str]) -> str:
 
 
 _PACKAGE = os.path.dirname(__file__) + os.sep
+
+
+def regular(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
+    """The path of a file to be read, which is no device and no pipe: these may never end."""
+    mode = os.stat(path).st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise ResultsError(f"{os.fspath(path)}: it is a device or a pipe, not a regular file")
+    return path
 
 
 def warn(messages: Iterable[str]) -> None:

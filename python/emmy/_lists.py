@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from . import _emmy
 from . import _words as words
+from ._errors import warn
 from ._run import call
 
 
@@ -187,12 +188,12 @@ def schema() -> dict[str, Any]:
 
 
 def set_threads(number: int) -> None:
-    """Sets the number of threads. Results do not depend on it.
+    """Sets the number of threads, at most one a core. Results do not depend on it.
 
     Parameters
     ----------
     number : int
-        Number of threads.
+        Number of threads; more than there are cores are capped with a warning.
 
     Raises
     ------
@@ -206,10 +207,12 @@ def set_threads(number: int) -> None:
     1
     """
     _emmy.set_threads(words.count(number, 1, "number", most=65535))
+    if _emmy.threads() < number:
+        warn([f"number: {number} threads on {_emmy.threads()} cores; one thread a core is used"])
 
 
 def threads() -> int:
-    """Number of threads; by default ``EMMY_NUM_THREADS``, or the number of cores.
+    """Number of threads; by default ``EMMY_NUM_THREADS``, or the number of cores, which is the most.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -49,7 +50,8 @@ class Motion(MotionView):
     initial : Initial, list of Initial or array (n, 3), optional
         Velocities at the start; at rest if not given.
     start : Snapshot or State, optional
-        Where the motion goes on, in place of `initial`.
+        Where the motion goes on, in place of `initial`: of a body with the same mesh and masses, and with its held nodes
+        at rest. `State` tells how to give a kick.
     tolerance, max_iterations : float, int, optional
         End of Newton's iteration in a step.
     solver : str, optional
@@ -140,6 +142,7 @@ class Motion(MotionView):
     def _make(
         self, body: Body, tree: dict[str, Any], start: Snapshot | State | NDArray[np.float64] | None, adjoint: bool
     ) -> None:
+        _collect(body)
         native: Any = start
         if isinstance(start, Snapshot):
             native = start._native
@@ -412,6 +415,24 @@ class Motion(MotionView):
 
     def __reduce__(self) -> tuple[Any, ...]:
         raise TypeError("a Motion cannot be pickled; pickle motion.snapshot() and the body")
+
+
+#: Degrees of freedom of new motions between two collections, some 20 MB.
+_BETWEEN_COLLECTIONS = 20_000
+
+#: Degrees of freedom of motions of bodies with functions, since the last collection.
+_new_dofs = 0
+
+
+def _collect(body: Body) -> None:
+    """Collects motions to which functions of their own bodies refer: Python counts their objects, not their memory."""
+    global _new_dofs
+    if not (body._native.has_functions and gc.isenabled()):
+        return
+    _new_dofs += body._native.n_dofs
+    if _new_dofs > _BETWEEN_COLLECTIONS:
+        _new_dofs = 0
+        gc.collect()
 
 
 def _ending(error: BaseException) -> tuple[str, str | None]:

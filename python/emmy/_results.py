@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _notebook
-from ._errors import ResultsError, missing
+from ._errors import ResultsError, missing, regular
 from ._history import LIMITS, WHOLE, Event, History, structured
 
 
@@ -66,7 +66,7 @@ class Frame:
         except ImportError:
             raise missing("to_pyvista", "PyVista", "emmy-fem[pyvista]") from None
         if self._index is None:
-            return pyvista.read(self.path)
+            return pyvista.read(regular(self.path))
         reader = _series(self.path)
         reader.SetStep(self._index)
         reader.Update()
@@ -221,7 +221,7 @@ def _series(path: Path) -> Any:
     except ImportError:
         raise missing("frames", "PyVista", "emmy-fem[pyvista]") from None
     reader = vtkHDFReader()
-    reader.SetFileName(str(path))
+    reader.SetFileName(str(regular(path)))
     reader.UpdateInformation()
     return reader
 
@@ -234,6 +234,7 @@ def _times(reader: Any) -> list[float]:
 
 def _read(path: Path) -> str:
     try:
+        regular(path)
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise ResultsError(f"{path} is missing") from None

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import ResultsError
+from ._errors import ResultsError, regular
 from ._history import record_array
 from ._results import read_rows
 
@@ -38,6 +38,7 @@ class RowFile:
             self.write()
 
     def _read(self) -> None:
+        regular(self._path)
         text = self._path.read_text(encoding="utf-8", errors="replace")
         # The last line of a sweep that was killed may be cut.
         lines = list(csv.reader((text[: text.rfind("\n") + 1] or text).splitlines(keepends=True)))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _emmy
-from ._errors import warn
+from ._errors import regular, warn
 from ._results import Run
 from ._words import mapping, plain
 
@@ -133,7 +133,7 @@ def directory_of(path: StrPath, changes: Mapping[str, Any]) -> StrPath:
     stem, given = Path(path).stem, mapping(changes, "set")
     if "output" not in given and "output.directory" not in given:
         try:
-            given = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            given = tomllib.loads(Path(regular(path)).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return stem
     table = given.get("output")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _emmy
 from . import _words as words
+from ._errors import regular
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +22,11 @@ class State:
     ----------
     time : float
         Time.
-    displacement, velocity, momentum : array (n, 3)
-        Displacement, velocity and momentum of the nodes.
+    displacement, velocity : array (n, 3)
+        Displacement and velocity of the nodes.
+    momentum : array (n, 3), optional
+        Momentum of the nodes, ``p = M v``. Without it a motion that starts here computes it from the velocity with the
+        masses of its body, and nodes that its supports hold begin at rest.
     step : int
         Number of the step at whose end they hold.
     displacement_low : array (n, 3), optional
@@ -41,12 +45,20 @@ class State:
     >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
     >>> emmy.Motion(body).state.displacement.shape
     (8, 3)
+
+    A kick: another velocity, and the momentum that belongs to it.
+
+    >>> import dataclasses
+    >>> state = emmy.Motion(body).state
+    >>> kicked = dataclasses.replace(state, velocity=state.velocity + [0.0, 2.0, 0.0], momentum=None)
+    >>> round(emmy.Motion(body, start=kicked).record.kinetic_energy, 12)
+    2.0
     """
 
     time: float
     displacement: NDArray[np.float64]
     velocity: NDArray[np.float64]
-    momentum: NDArray[np.float64]
+    momentum: NDArray[np.float64] | None = None
     step: int = 0
     displacement_low: NDArray[np.float64] | None = None
 
@@ -64,6 +76,8 @@ class State:
 
 class Snapshot:
     """Everything that determines the rest of a motion; a motion continued from it is bit-identical.
+
+    Its body has the same mesh and masses; with other loads, supports or materials the motion goes on from its state.
 
     `Motion.snapshot` makes it. It can be pickled.
 
@@ -132,7 +146,7 @@ class Snapshot:
         Raises
         ------
         ResultsError
-            If the file is no snapshot, or damaged.
+            If the file is no snapshot, damaged, a device or a pipe.
         OSError
             If it cannot be read.
 
@@ -146,7 +160,7 @@ class Snapshot:
         ...     print("damaged")
         damaged
         """
-        with open(path, "rb") as file:
+        with open(regular(path), "rb") as file:
             return cls(_emmy.Snapshot.from_bytes(file.read()))
 
     def __bytes__(self) -> bytes:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from . import _emmy
 from . import _words as words
 from ._body import Body
-from ._errors import ConvergenceError, of_whole_input, warn
+from ._errors import ConvergenceError, of_whole_input, regular, warn
 from ._history import record_array
 from ._mesh import Mesh
 from ._motion import Motion
@@ -143,7 +143,7 @@ def converge(
             raise
         rows = read_table(directory / "convergence.csv")
         table = _table([dict(zip(rows.dtype.names or (), row.tolist(), strict=True)) for row in rows])
-        time = tomllib.loads((directory / "study.toml").read_text(encoding="utf-8"))["time"]
+        time = tomllib.loads(Path(regular(directory / "study.toml")).read_text(encoding="utf-8"))["time"]
         own_reference = {
             "scheme": reference_scheme or time["scheme"],
             "degree": reference_degree or time["degree"],

@@ -57,10 +57,15 @@ pub(crate) fn argument(py: Python<'_>, place: &str, message: &str) -> PyErr {
 
 /// An error of the library about its input.
 pub(crate) fn library(py: Python<'_>, error: &Error) -> PyErr {
+    if matches!(error, Error::StartMomentum { .. } | Error::StartHeld { .. }) {
+        let help = "a State with momentum=None gets the momentum M v of its velocity, and rest where supports hold it";
+        return of_faults(py, vec![("start".into(), with_causes(error), help.into(), None, None)]);
+    }
     let place = match error {
         Error::InvertedCell { .. }
         | Error::Inverted { .. }
         | Error::EmptyMesh
+        | Error::TooManyCells { .. }
         | Error::NodeOutOfRange { .. }
         | Error::WrongNodeCount { .. }
         | Error::CoordinateNotFinite { .. }

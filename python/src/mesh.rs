@@ -50,8 +50,11 @@ impl Mesh {
     }
 
     /// A mesh of the library, or its error.
-    fn made(py: Python<'_>, mesh: impl FnOnce() -> emmy::Result<mesh::Mesh> + Send) -> PyResult<Self> {
-        pool::work(py, mesh)?
+    fn made(
+        py: Python<'_>,
+        mesh: impl FnOnce() -> emmy::Result<mesh::Mesh> + Send + 'static,
+    ) -> PyResult<Self> {
+        pool::interruptible(py, mesh)?
             .map(|mesh| Mesh::new(mesh, Vec::new()))
             .map_err(|error| errors::library(py, &error))
     }
@@ -132,7 +135,7 @@ impl Mesh {
                 builder.facet_group(name, facets);
             }
         }
-        let built = pool::work(py, || {
+        let built = pool::interruptible(py, move || {
             let turned = builder.orient_plane_cells();
             let mesh = builder.build()?;
             mesh::check(&mesh)?;
@@ -147,7 +150,7 @@ impl Mesh {
     /// A mesh from a file; lines in the groups `links` are cells.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, links: Vec<String>) -> PyResult<Self> {
-        let file = pool::work(py, || emmy_io::mesh::read_with_links(&path, &links))?;
+        let file = pool::interruptible(py, move || emmy_io::mesh::read_with_links(&path, &links))?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))
     }
@@ -155,25 +158,26 @@ impl Mesh {
     /// A mesh from the bytes of a VTU file; lines in the groups `links` are cells.
     #[staticmethod]
     fn from_vtu(py: Python<'_>, bytes: &[u8], links: Vec<String>) -> PyResult<Self> {
-        let parse = || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &links);
-        let file = pool::work(py, parse)?;
+        let bytes = bytes.to_vec();
+        let parse = move || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), &bytes, &links);
+        let file = pool::interruptible(py, parse)?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))
     }
 
     #[staticmethod]
     fn l_block(py: Python<'_>, cell_size: f64) -> PyResult<Self> {
-        Mesh::made(py, || mesh::l_block(cell_size))
+        Mesh::made(py, move || mesh::l_block(cell_size))
     }
 
     #[staticmethod]
     fn r#box(py: Python<'_>, size: [f64; 3], cells: [usize; 3]) -> PyResult<Self> {
-        Mesh::made(py, || mesh::block(size, cells))
+        Mesh::made(py, move || mesh::block(size, cells))
     }
 
     #[staticmethod]
     fn rectangle(py: Python<'_>, size: [f64; 2], cells: [usize; 2]) -> PyResult<Self> {
-        Mesh::made(py, || mesh::rectangle(size, cells))
+        Mesh::made(py, move || mesh::rectangle(size, cells))
     }
 
     /// The mesh as a VTU file with all groups.

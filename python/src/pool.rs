@@ -2,7 +2,10 @@
 
 use std::cell::{Cell, RefCell};
 use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -39,6 +42,39 @@ pub(crate) fn work<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> 
     let pool = current(py)?;
     let (value, raised) = py.detach(|| pool.install(|| function::with_exception(work)));
     raised.map_or(Ok(value), Err)
+}
+
+/// Time between two looks at the signals.
+const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
+
+/// Does some long work that calls no function of Python, and hears Ctrl-C in the meantime. After it the work goes on in its
+/// thread to its end, and nobody receives its value.
+///
+/// # Errors
+/// `KeyboardInterrupt`, or as [`work`].
+pub(crate) fn interruptible<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    // Signals are those of the main thread.
+    if IS_ALONE.get() || !is_main(py)? {
+        return self::work(py, work);
+    }
+    let (sender, mut receiver) = mpsc::channel();
+    shared()?.spawn(move || _ = sender.send(catch_unwind(AssertUnwindSafe(work))));
+    loop {
+        let received;
+        (receiver, received) = py.detach(move || {
+            let received = receiver.recv_timeout(BETWEEN_SIGNALS);
+            (receiver, received)
+        });
+        match received {
+            Ok(Ok(value)) => return Ok(value),
+            Ok(Err(panic)) => resume_unwind(panic),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(error) => return Err(PyRuntimeError::new_err(error.to_string())),
+        }
+    }
 }
 
 fn current(py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
@@ -95,18 +131,20 @@ fn cannot_start(n: usize, error: &rayon::ThreadPoolBuildError) -> PyErr {
     PyRuntimeError::new_err(format!("cannot start {n} threads: {error}"))
 }
 
-/// Number of threads of the present thread's pool: `set_threads`, else `EMMY_NUM_THREADS`, else the number of cores.
+/// Number of threads of the present thread's pool: `set_threads`, else `EMMY_NUM_THREADS`, else the number of cores, which is
+/// the most.
 fn size() -> PyResult<usize> {
     if IS_ALONE.get() {
         return Ok(1);
     }
+    // More threads than cores would only wait for each other.
+    let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     if let Some(n) = *ASKED.lock().unwrap_or_else(PoisonError::into_inner) {
-        return Ok(n);
+        return Ok(n.min(cores));
     }
-    let Ok(text) = std::env::var("EMMY_NUM_THREADS") else {
-        return Ok(std::thread::available_parallelism().map_or(1, NonZero::get));
-    };
-    text.trim().parse().ok().filter(|&n| n > 0).ok_or_else(|| {
+    let Ok(text) = std::env::var("EMMY_NUM_THREADS") else { return Ok(cores) };
+    let n: Option<usize> = text.trim().parse().ok().filter(|&n| n > 0);
+    n.map(|n| n.min(cores)).ok_or_else(|| {
         PyValueError::new_err(format!("EMMY_NUM_THREADS must be a positive whole number, not {text:?}"))
     })
 }

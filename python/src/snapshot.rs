@@ -19,7 +19,7 @@ pub(crate) type StateArrays<'py> = (
     f64,
     PyReadonlyArray2<'py, f64>,
     PyReadonlyArray2<'py, f64>,
-    PyReadonlyArray2<'py, f64>,
+    Option<PyReadonlyArray2<'py, f64>>,
     usize,
     Option<PyReadonlyArray2<'py, f64>>,
 );
@@ -51,7 +51,7 @@ pub(crate) fn nodal(
     Err(errors::argument(py, name, &format!("must have the shape ({n}, 3), not ({rows}, {columns})")))
 }
 
-/// The state of a body with given arrays.
+/// The state of a body with given arrays; without a momentum it has p = M v.
 pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyResult<State> {
     let (time, displacement, velocity, momentum, step, low) = given;
     let n = body.mesh().n_dofs();
@@ -59,12 +59,15 @@ pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyR
         |array: &PyReadonlyArray2<'_, f64>, name: &str| nodal(py, body, array, &format!("start.{name}"));
     let displaced = State::displaced(body, time, numbers(&displacement, "displacement")?, &[]);
     let mut state = displaced.map_err(|error| errors::library(py, &error))?;
-    state.step = step;
     state.velocity[..n].copy_from_slice(&numbers(&velocity, "velocity")?);
-    state.momentum[..n].copy_from_slice(&numbers(&momentum, "momentum")?);
     if let Some(low) = low {
         state.displacement_low[..n].copy_from_slice(&numbers(&low, "displacement_low")?);
     }
+    match momentum {
+        Some(momentum) => state.momentum[..n].copy_from_slice(&numbers(&momentum, "momentum")?),
+        None => state = state.transferred(body, time).map_err(|error| errors::library(py, &error))?,
+    }
+    state.step = step;
     Ok(state)
 }
 

@@ -177,6 +177,36 @@ def test_a_cycle_is_collected():
     assert gone() is None
 
 
+def cyclic_motion(n):
+    """A weak reference to a motion of 3 (n + 1)^3 degrees of freedom, to which a function of its body refers."""
+    own = []
+    load = emmy.Load("y-max", traction=(1, 0, 0), history=lambda t: 1.0 if own is not None else 0.0)
+    region = emmy.Region(emmy.NeoHooke(youngs_modulus=1000.0, poissons_ratio=0.3), density=1.0)
+    motion = emmy.Motion(emmy.Body(emmy.Mesh.box((1, 1, 1), (n, n, n)), region, loads=load), steps=(0.01, 0.01))
+    own.append(motion)
+    motion.run()
+    return weakref.ref(motion)
+
+
+def test_a_history_that_refers_to_its_motion_is_collected():
+    gone = [cyclic_motion(2) for _ in range(5)]
+    gc.collect()
+    assert [own() for own in gone] == [None] * 5
+
+
+def test_motions_in_cycles_are_collected_by_their_size():
+    # Python alone would wait for thousands of objects, whatever memory they hold.
+    before = gc.get_threshold()
+    gc.collect()
+    gc.set_threshold(10**9)
+    try:
+        alive = [cyclic_motion(8) for _ in range(25)]
+        # 2187 degrees of freedom each.
+        assert sum(own() is not None for own in alive) <= 20_000 // 2187 + 1
+    finally:
+        gc.set_threshold(*before)
+
+
 def test_observers_stop_and_see_every_step():
     motion = pushed(force=(1, 0, 0))
     seen = []

@@ -495,7 +495,7 @@ FLAGS = [
         "until: -1: it ends at -1, but begins at 0: time goes forward",
     ),
     (
-        lambda: emmy.resume(emmy.run(block(), until=0.1, set={"output.every": 0}, output="o").directory),
+        lambda: emmy.resume(emmy.run(block(), until=0.1, set={"output.every": 0}, output="o").directory, until=0.1),
         emmy.InputError,
         "the run has already reached t = 0.1 (step 1); its plan ends at t = 0.1; give a later end with until=T; `emmy "
         "report o` writes the report again",

@@ -1,6 +1,8 @@
 """Pickles, copies and snapshots."""
 
 import copy
+import dataclasses
+import os
 import pickle
 from pathlib import Path
 
@@ -220,3 +222,62 @@ def test_velocities_of_driven_nodes_are_those_of_their_motion():
     np.testing.assert_array_equal(motion.velocity[driven], np.tile([2.0, 0.0, 0.0], (4, 1)))
     np.testing.assert_array_equal(np.delete(motion.velocity, driven, axis=0), np.full((8, 3), 5.0))
     np.testing.assert_allclose(motion.momentum, (body.mass() @ motion.velocity.ravel()).reshape(-1, 3), atol=1e-14)
+
+
+def box(density=1.0, **arguments):
+    region = emmy.Region(emmy.NeoHooke(youngs_modulus=1000.0, poissons_ratio=0.3), density=density)
+    return emmy.Body(emmy.Mesh.box((1, 2, 1), (1, 2, 1)), region, **arguments)
+
+
+@pytest.mark.parametrize("scheme", ["DGM", "DGM(0.5)", "trapezoidal", "Bathe", "central-differences"])
+def test_a_kick_is_a_velocity_whose_momentum_follows(scheme):
+    body, plan = box(), {"scheme": scheme, "steps": (0.1, 0.01)}
+    first = emmy.Motion(body, **plan, initial=emmy.Initial(velocity=(1, 0, 0)))
+    next(first)
+    kicked = dataclasses.replace(first.state, velocity=first.state.velocity + np.array([0, 2.0, 0]))
+    with pytest.raises(emmy.InputError, match="start: momentum and velocity of the start do not belong together"):
+        emmy.Motion(body, **plan, start=kicked)
+    history = (second := emmy.Motion(body, **plan, start=dataclasses.replace(kicked, momentum=None))).run()
+    # m v^2/2 with m = 2 and v = (1, 2, 0).
+    assert history["kinetic_energy"] == pytest.approx(5.0, abs=1e-11)
+    assert second.velocity[0] == pytest.approx([1, 2, 0], abs=1e-11) and second.number == 10
+    assert abs(history["energy_residual"]).max() < 1e-11
+    # A momentum alone is no kick.
+    pushed = dataclasses.replace(first.state, momentum=2 * first.state.momentum)
+    with pytest.raises(emmy.InputError, match="do not belong together"):
+        emmy.Motion(body, **plan, start=pushed)
+
+
+def test_a_start_of_a_body_of_other_masses():
+    plan = {"steps": (1.0, 0.1)}
+    first = emmy.Motion(box(), **plan, initial=emmy.Initial(velocity=(1, 0, 0), angular_velocity=(0, 0, 1)))
+    next(first), next(first)
+    for start in (first.snapshot(), first.state):
+        with pytest.raises(emmy.InputError, match="do not belong together"):
+            emmy.Motion(box(density=3.0), **plan, start=start)
+    heavy = emmy.Motion(box(density=3.0), **plan, start=dataclasses.replace(first.state, momentum=None))
+    assert heavy.record.kinetic_energy == pytest.approx(3 * first.record.kinetic_energy, rel=1e-12)
+    # Held nodes are at rest.
+    held = box(supports=emmy.Support("y-min", fix="xyz"))
+    with pytest.raises(emmy.InputError, match="start: the start does not belong to the body: node .* moves"):
+        emmy.Motion(held, **plan, start=first.snapshot())
+    rest = emmy.Motion(held, **plan, start=dataclasses.replace(first.state, momentum=None))
+    assert np.all(rest.velocity[held.mesh.points[:, 1] == 0] == 0) and rest.number == 2
+
+
+def test_a_snapshot_of_other_loads_has_accelerations_of_its_own():
+    # Newmark's scheme remembers M a = F, which other loads change: v = (F/m) t in both.
+    plan = {"scheme": "trapezoidal", "steps": (0.2, 0.1)}
+    pushed, free = box(loads=emmy.Load("body", acceleration=(3, 0, 0))), box()
+    first = emmy.Motion(pushed, **plan)
+    next(first)
+    second = emmy.Motion(free, **plan, start=first.snapshot())
+    second.run()
+    assert second.velocity[:, 0] == pytest.approx(0.3, abs=1e-12)
+
+
+def test_a_device_or_a_pipe_is_no_snapshot():
+    os.mkfifo("pipe.emmy")
+    for path in ("/dev/zero", "pipe.emmy"):
+        with pytest.raises(emmy.ResultsError, match=f"{path}: it is a device or a pipe, not a regular file"):
+            emmy.Snapshot.load(path)

@@ -1,6 +1,8 @@
 """Threads and processes."""
 
 import multiprocessing
+import os
+import subprocess
 import sys
 import threading
 import time
@@ -98,14 +100,29 @@ def test_results_do_not_depend_on_the_number_of_threads():
     try:
         results = []
         for number in (1, 2):
-            emmy.set_threads(number)
-            assert emmy.threads() == number
+            emmy.set_threads(min(number, os.cpu_count()))
+            assert emmy.threads() == min(number, os.cpu_count())
             motion = large_motion()
             motion.step(0.01)
             results.append(motion.displacement)
         assert np.array_equal(*results)
     finally:
         emmy.set_threads(before)
+
+
+def test_threads_above_the_cores_are_capped():
+    before, cores = emmy.threads(), len(os.sched_getaffinity(0))
+    try:
+        with pytest.warns(emmy.EmmyWarning, match=f"number: 65535 threads on {cores} cores; one thread a core is used"):
+            emmy.set_threads(65535)
+        assert emmy.threads() == cores
+    finally:
+        emmy.set_threads(before)
+    # In a new process, since a pool that was made stays.
+    code = "import emmy; print(emmy.threads())"
+    environment = {**os.environ, "EMMY_NUM_THREADS": "65535"}
+    shown = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert shown.stdout.split() == [str(cores)]
 
 
 def tip():
@@ -118,8 +135,8 @@ def test_every_thread_computes_after_the_number_has_changed():
     # The main thread belongs to its first pool for good; others share a pool, or have one each.
     before, here = emmy.threads(), tip()
     try:
-        for number in (1, 3, 1, 2):
-            emmy.set_threads(number)
+        for number in (1, 2, 1, 2):
+            emmy.set_threads(min(number, os.cpu_count()))
             found = [tip()]
             others = [threading.Thread(target=lambda: found.append(tip())) for _ in range(3)]
             for thread in others:

@@ -23,6 +23,7 @@ use clap::Parser;
 pub use failure::Failure;
 pub use host::{Host, ProgressUpdate};
 pub use program::{exit_code, exit_code_on_team, main};
+pub use signals::report_file_limits;
 pub use verbs::{report_on, report_on_body};
 
 /// Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.

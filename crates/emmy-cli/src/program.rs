@@ -9,6 +9,7 @@ use std::sync::Arc;
 use clap::Parser;
 use emmy::team::Team;
 use emmy_io::summary::{self, Status};
+use emmy_io::team::other_than_first;
 
 use crate::failure::{Failure, INTERNAL_ERROR};
 use crate::host::Host;
@@ -87,6 +88,7 @@ pub fn main<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -
 
 /// [`main`] with the exit code as a number.
 pub fn exit_code<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    signals::report_file_limits();
     report_panics(|| std::process::exit(INTERNAL_ERROR.into()));
     let program = Program { team: None, parts: None };
     match Arguments::try_parse_from(arguments) {
@@ -106,19 +108,36 @@ pub fn exit_code_on_team<A: Into<OsString> + Clone>(
     // Whoever started the team ends all ranks after a panic of one.
     report_panics(|| {});
     let mut program = Program { team: Some(team.clone()), parts: None };
-    let code = match TeamArguments::try_parse_from(arguments) {
-        Ok(arguments) => {
+    let arguments = TeamArguments::try_parse_from(arguments);
+    let code = match check_commands(&*team, &arguments).and(Ok(arguments)) {
+        Err(failure) => program.ended(Err(failure)),
+        Ok(Ok(arguments)) => {
             let (verb, parts) = arguments.verb.verb();
             program.parts = parts;
             program.ended(verb.run(&program))
         }
-        Err(text) if program.is_shown() => not_parsed(&text),
-        Err(text) => text.exit_code() as u8,
+        Ok(Err(text)) if program.is_shown() => not_parsed(&text),
+        Ok(Err(text)) => text.exit_code() as u8,
     };
     let of_first = if program.is_shown() { f64::from(code) } else { 0.0 };
     let mut codes = [of_first, f64::from(code)];
     team.largest("exit code", &mut codes);
     codes.into_iter().find(|code| *code > 0.0).unwrap_or(0.0) as u8
+}
+
+/// Checks that all ranks have the same command, the first call of all: with another one they would make other calls.
+fn check_commands(team: &dyn Team, arguments: &Result<TeamArguments, clap::Error>) -> Result<(), Failure> {
+    let own = match arguments {
+        Ok(arguments) => arguments.verb.compared(),
+        Err(text) => text.to_string(),
+    };
+    let Some(rank) = other_than_first(team, "command", &format!("{} {own}", env!("CARGO_PKG_VERSION")))
+    else {
+        return Ok(());
+    };
+    let message = format!("rank {rank} has another command than rank 0, or another version of Emmy");
+    let help = "all ranks compute one body: give each the same verb and flags; --threads may differ";
+    Err(Failure::Usage { message, help: Some(help.to_string()) })
 }
 
 impl Program {

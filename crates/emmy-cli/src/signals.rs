@@ -19,15 +19,24 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 pub(crate) fn listen(is_shown: bool) -> Result<(), Failure> {
     let deaf = |error: &dyn fmt::Display| Failure::Other(format!("cannot listen to signals: {error}"));
     listen_to_others(is_shown).map_err(|error| deaf(&error))?;
-    let heard = move || {
-        if ASKED.swap(true, Ordering::SeqCst) {
-            end("stopped at once by a second signal");
-        }
-        if is_shown {
-            line("stopping at the end of this step; a second signal stops at once");
-        }
-    };
-    ctrlc::set_handler(heard).map_err(|error| deaf(&error))
+    ctrlc::set_handler(move || heard(is_shown)).map_err(|error| deaf(&error))
+}
+
+/// A signal of a user.
+fn heard(is_shown: bool) {
+    if ASKED.swap(true, Ordering::SeqCst) {
+        end("stopped at once by a second signal");
+    }
+    if is_shown {
+        line("stopping at the end of this step; a second signal stops at once");
+    }
+}
+
+/// Makes a file that exceeds the limit of the system on its size an error of writing, with a message; otherwise a signal ends
+/// the program silently. Programs call it before all else.
+pub fn report_file_limits() {
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Default::default());
 }
 
 /// Ends the program at once.
@@ -39,15 +48,13 @@ fn end(why: &str) -> ! {
 /// Handles further signals than `ctrlc`; otherwise they would end the program silently.
 #[cfg(unix)]
 fn listen_to_others(is_shown: bool) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
-    // With a handler, a file that exceeds the size limit is a write error.
-    signal_hook::flag::register(SIGXFSZ, Default::default())?;
+    use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU};
     // Batch systems send these before they kill a job, some of them more than once.
     let mut signals = signal_hook::iterator::Signals::new([SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU])?;
     std::thread::spawn(move || {
         for signal in signals.forever() {
             if signal == SIGQUIT {
-                end("stopped at once by SIGQUIT");
+                heard(is_shown);
             } else if !ASKED.swap(true, Ordering::SeqCst) && is_shown {
                 line(&format!("stopping at the end of this step because of signal {signal}"));
             }

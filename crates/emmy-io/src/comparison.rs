@@ -9,6 +9,7 @@ use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::history::{History, HistoryError};
 use crate::message::shown;
 use crate::units::{UnitSystem, Units};
+use crate::whole_file;
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +94,7 @@ pub(crate) fn check(directory: &Path) -> Result<(), RunError> {
 pub(crate) fn summary(directory: &Path) -> Result<Value, RunError> {
     let path = directory.join("summary.json");
     let fail = |reason: String| RunError::Summary { path: path.clone(), reason };
-    let text = std::fs::read_to_string(&path).map_err(|error| fail(error.to_string()))?;
+    let text = whole_file::read_text(&path).map_err(|error| fail(error.to_string()))?;
     serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))
 }
 

@@ -59,7 +59,7 @@ pub mod sizes;
 mod stored;
 pub mod summary;
 pub mod sweep;
-mod team;
+pub mod team;
 pub mod units;
 pub mod vtk;
 mod whole_file;

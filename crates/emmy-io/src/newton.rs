@@ -1,13 +1,13 @@
 //! `newton.csv`: the residuals of the Newton iteration in every step.
 
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
 use emmy::motion::View;
 
 use crate::rows::RowFile;
+use crate::whole_file;
 
 /// Columns of the file.
 pub const COLUMNS: &str = "step,iteration,residual,target";
@@ -72,7 +72,7 @@ pub struct NewtonStep {
 /// # Errors
 /// Errors of the system.
 pub fn read(path: &Path, mut is_wanted: impl FnMut(usize) -> bool) -> io::Result<Vec<NewtonStep>> {
-    let mut reader = BufReader::new(File::open(path)?);
+    let mut reader = BufReader::new(whole_file::open(path)?);
     let mut steps = Vec::<NewtonStep>::new();
     let mut line = String::new();
     loop {
@@ -116,7 +116,7 @@ mod tests {
         file.write_step(2, &[f64::NAN], 0.5).unwrap();
         file.write_step(3, &[1e300, 0.0], 0.5).unwrap();
         // Killed while writing a row.
-        let mut file = File::options().append(true).open(&path).unwrap();
+        let mut file = std::fs::File::options().append(true).open(&path).unwrap();
         file.write_all(b"4,0,1.0").unwrap();
         let steps = read(&path, |step| step != 2).unwrap();
         let expected = [(1, vec![2.0, 1.234e-5], 1e-8), (3, vec![1e300, 0.0], 0.5)];

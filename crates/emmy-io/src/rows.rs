@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::whole_file::named;
+use crate::whole_file::{self, named};
 
 /// A file that grows row by row.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl RowFile {
     /// # Errors
     /// Errors of the system.
     pub(crate) fn resume(path: &Path, step: usize) -> io::Result<Self> {
-        let reader = BufReader::new(File::open(path).map_err(named(path))?);
+        let reader = BufReader::new(whole_file::open(path).map_err(named(path))?);
         RowFile::resume_at(path, kept(reader, step).map_err(named(path))?)
     }
 

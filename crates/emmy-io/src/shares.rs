@@ -127,7 +127,7 @@ fn share(words: &[f64]) -> Share {
 pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: MeshSource) -> io::Result<Index> {
     std::fs::create_dir_all(directory).map_err(named(directory))?;
     // Without an index, the files cannot be used before all are there.
-    remove(&directory.join(INDEX)).map_err(named(directory))?;
+    remove(&directory.join(INDEX))?;
     let shares = Shares::new(mesh, owners);
     for rank in 0..shares.size() {
         let mut bytes = HEADER.as_bytes().to_vec();

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 use crate::history::{Extreme, Peaks};
 use crate::input::Problem;
 use crate::units::Units;
-use crate::whole_file::replace;
+use crate::whole_file::{self, replace};
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -199,6 +199,12 @@ pub fn write(path: &Path, summary: &Value) -> io::Result<()> {
     Ok(())
 }
 
+/// The summary in the directory of a run; null if none can be read there.
+pub fn of_run(directory: &Path) -> Value {
+    let text = whole_file::read_text(&directory.join("summary.json")).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
 fn put(path: &Path, text: &str) -> io::Result<()> {
     replace(path, text.as_bytes()).or_else(|error| overwrite(path, text.as_bytes()).map_err(|_| error))
 }
@@ -242,7 +248,7 @@ pub(crate) fn abandon_one(path: &Path, status: Status, message: &str) {
 
 /// Sets the status in a file, if it can still be written.
 fn end(path: &Path, status: Status, message: &str) {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let text = whole_file::read_text(path).unwrap_or_default();
     if let Ok(Value::Object(mut summary)) = serde_json::from_str(&text) {
         summary.insert("status".into(), status.name().into());
         summary.insert("message".into(), message.into());

@@ -5,7 +5,7 @@ mod tests;
 
 use std::{fmt, io};
 
-use emmy::team::{self, Subdomain};
+use emmy::team::{self, Subdomain, Team};
 
 use crate::input::Problem;
 
@@ -15,6 +15,27 @@ pub(crate) fn agreed<T>(subdomain: Option<&Subdomain>, own: io::Result<T>) -> io
         Some(subdomain) => team::agree(&**subdomain.team(), own, io::Error::other),
         None => own,
     }
+}
+
+/// The lowest rank whose text is not that of rank 0; `None` if all ranks have the same: a call of all ranks, whatever their
+/// texts are.
+///
+/// ```
+/// use emmy::team::{Team, Threads};
+/// use emmy_io::team::other_than_first;
+/// let ranks = |texts: [&'static str; 3]| {
+///     Threads::run(3, |team| other_than_first(&*team, "example", texts[team.rank()])).unwrap()
+/// };
+/// assert_eq!(ranks(["a", "a", "a"]), [None; 3]);
+/// assert_eq!(ranks(["a", "b", "c"]), [Some(1); 3]);
+/// ```
+pub fn other_than_first(team: &dyn Team, name: &'static str, own: &str) -> Option<usize> {
+    let own = [f64::from(crc32fast::hash(own.as_bytes())), own.len() as f64];
+    let mut first = if team.rank() == 0 { own } else { [0.0; 2] };
+    team.sum(name, &mut first);
+    let mut lowest = [if first == own { f64::NEG_INFINITY } else { -(team.rank() as f64) }];
+    team.largest(name, &mut lowest);
+    (lowest[0] > f64::NEG_INFINITY).then_some(-lowest[0] as usize)
 }
 
 /// Work of the first rank, with its outcome on all. `None`: no team.

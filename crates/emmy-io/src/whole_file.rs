@@ -7,14 +7,41 @@ use std::path::{Path, PathBuf};
 /// Ending of a file that is still being written.
 pub(crate) const PART: &str = ".part";
 
-/// Bytes of a regular file. Devices and pipes are not opened, as they may never end.
+/// Bytes of a regular file, as [`open`].
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    check_kind(path)?;
+    fs::read(path)
+}
+
+/// Text of a regular file, as [`open`].
+///
+/// # Errors
+/// As [`open`], and for bytes that are not UTF-8.
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
+    check_kind(path)?;
+    fs::read_to_string(path)
+}
+
+/// A regular file for reading. Devices and pipes are not opened, as they may never end.
 ///
 /// # Errors
 /// Errors of the system, and every other kind of file.
-pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    check_kind(path)?;
+    File::open(path)
+}
+
+/// Checks that a path is one of a regular file.
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn check_kind(path: &Path) -> io::Result<()> {
     let kind = fs::metadata(path)?.file_type();
     if kind.is_file() {
-        fs::read(path)
+        Ok(())
     } else if kind.is_dir() {
         Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"))
     } else {
@@ -58,11 +85,11 @@ fn sync_folder(path: &Path) -> io::Result<()> {
 /// Removes a file if it exists.
 ///
 /// # Errors
-/// Errors of the system.
+/// Errors of the system, with the path.
 pub(crate) fn remove(file: &Path) -> io::Result<()> {
     match fs::remove_file(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        result => result,
+        result => result.map_err(named(file)),
     }
 }
 

@@ -7,6 +7,8 @@ use std::process::ExitCode;
 const STARTED: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
 
 fn main() -> ExitCode {
+    // Before MPI, which writes files of its own.
+    emmy_cli::report_file_limits();
     ExitCode::from(emmy_mpi::run(|team| {
         let started = STARTED.into_iter().find_map(|name| env::var(name).ok()?.parse::<usize>().ok());
         match started.filter(|&n| n > 1 && team.size() == 1) {

@@ -29,8 +29,13 @@ struct Ended {
 
 impl Ranks {
     fn start(size: usize, directory: &Path, arguments: &[&str]) -> Ranks {
+        let size = size.to_string();
+        Ranks::start_as(directory, &[&["-n", &size, env!("CARGO_BIN_EXE_emmy-mpi")], arguments].concat())
+    }
+
+    /// `mpirun` with some arguments.
+    fn start_as(directory: &Path, arguments: &[&str]) -> Ranks {
         let child = Command::new("mpirun")
-            .args(["-n", &size.to_string(), env!("CARGO_BIN_EXE_emmy-mpi")])
             .args(arguments)
             .current_dir(directory)
             // Open MPI: as root in a container, and with more ranks than cores.
@@ -389,6 +394,73 @@ fn bad_input_is_one_message_and_nothing_is_written() {
     assert_eq!(ended.code, Some(2), "{}", ended.messages);
 }
 
+/// A box that spins freely.
+const SPINNING: &str = "mesh.box = { size = [1, 4, 1], cells = [2, 8, 2] }\n[[region]]\ndensity = 1.0\n\
+                        material.neo-hooke = { youngs_modulus = 1000.0, poissons_ratio = 0.3 }\n\
+                        [initial]\nangular_velocity = [0.5, 0.3, 1]\n\
+                        [time]\nscheme = 'DGM'\nsteps = [{ until = 0.8, size = 0.02 }]\n";
+
+/// Two ranks with commands of their own.
+fn run_two(directory: &Path, first: &[&str], second: &[&str]) -> Ended {
+    Ranks::start_as(directory, &[&["-n", "1"], first, &[":", "-n", "1"], second].concat()).end()
+}
+
+#[test]
+fn ranks_with_two_commands_or_two_inputs_are_one_message_and_nothing_is_written() {
+    let temp = TempDir::new().unwrap();
+    let at = temp.path();
+    fs::write(at.join("own.toml"), SPINNING).unwrap();
+    let program = env!("CARGO_BIN_EXE_emmy-mpi");
+    let command = [program, "run", "own.toml", "--output", "out", "--quiet"];
+    for (from, to) in [
+        ("density = 1.0", "density = 2.0"),
+        ("until = 0.8", "until = 0.6"),
+        ("DGM", "AS(3)"),
+        ("[2, 8, 2]", "[2, 9, 2]"),
+    ] {
+        fs::write(at.join("other.toml"), SPINNING.replace(from, to)).unwrap();
+        let other = [program, "run", "other.toml", "--output", "out", "--quiet"];
+        let ended = run_two(at, &command, &other);
+        assert_eq!(ended.code, Some(2), "{to}: {}", ended.messages);
+        assert_eq!(ended.messages.matches("rank 1 has another input").count(), 1, "{to}: {}", ended.messages);
+    }
+    for other in [
+        &["run", "own.toml", "--output", "out", "--quiet", "--until", "0.6"][..],
+        &["run", "own.toml", "--output", "out", "--quiet", "--estimate-error"],
+        &["run", "own.toml", "--output", "out", "--quiet", "--no-such-flag"],
+        &["check", "own.toml", "--output", "out"],
+        &["resume", "out"],
+    ] {
+        let ended = run_two(at, &command, &[&[program][..], other].concat());
+        assert_eq!(ended.code, Some(2), "{other:?}: {}", ended.messages);
+        let count = ended.messages.matches("rank 1 has another command than rank 0").count();
+        assert_eq!(count, 1, "{other:?}: {}", ended.messages);
+    }
+    assert!(!at.join("out").exists());
+    let ended = run_two(at, &command, &[&command[..], &["--threads", "1"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.messages);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_limit_on_files_is_a_message_with_the_name_of_the_file() {
+    let temp = TempDir::new().unwrap();
+    let at = temp.path();
+    fs::write(at.join("own.toml"), SPINNING).unwrap();
+    let program = env!("CARGO_BIN_EXE_emmy-mpi");
+    let command = [program, "run", "own.toml", "--output", "out", "--quiet"];
+    let limited = [&["bash", "-c", "ulimit -f 2; exec \"$0\" \"$@\""], &command[..]].concat();
+    let ended = run_two(at, &command, &limited);
+    assert_eq!(ended.code, Some(1), "{}", ended.messages);
+    assert!(
+        ended.messages.contains("out/") && ended.messages.contains("File too large"),
+        "{}",
+        ended.messages
+    );
+    let summary = fs::read_to_string(at.join("out/summary.json")).unwrap();
+    assert!(summary.contains("\"status\": \"failed\""), "{summary}");
+}
+
 #[test]
 fn a_step_that_fails_is_one_message_with_the_exit_code_3() {
     let temp = TempDir::new().unwrap();
@@ -408,4 +480,8 @@ fn check_reports_the_body_once_and_its_division() {
     assert_eq!((line("input"), line("ranks"), line("neighbours")), (1, 1, 1), "{}", ended.output);
     assert!(ended.output.contains("computed more than once"), "{}", ended.output);
     assert_eq!(fs::read_dir(temp.path()).unwrap().count(), 0);
+    // More ranks than nodes.
+    fs::write(temp.path().join("own.toml"), SPINNING.replace("[2, 8, 2]", "[1, 1, 1]")).unwrap();
+    let ended = run(9, temp.path(), &["check", "own.toml"]);
+    assert_eq!((ended.code, ended.output.as_str()), (Some(2), ""), "{}", ended.messages);
 }

@@ -100,6 +100,12 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A built-in shape with more cells than [`crate::mesh::MAX_CELLS`].
+    #[error("this makes {count:.1e} cells; the most is {most:.0e}", most = crate::mesh::MAX_CELLS)]
+    TooManyCells {
+        /// Number of cells.
+        count: f64,
+    },
     /// A cell size that does not divide the edges of the l-block.
     #[error("the l-block needs a cell size of 1, 1/2, 1/3, ..., so that it divides its edges; not {}", short(.value))]
     CellSize {
@@ -246,6 +252,32 @@ pub enum Error {
         time: f64,
         /// Largest displacement.
         distance: f64,
+    },
+    /// A start whose momentum is not p = M v.
+    #[error(
+        "momentum and velocity of the start do not belong together: the momentum of node {node} is {}, but M v is {} with \
+         the masses of this body",
+        short_vector(.momentum),
+        short_vector(.product)
+    )]
+    StartMomentum {
+        /// Index of the node.
+        node: usize,
+        /// Its momentum.
+        momentum: [f64; 3],
+        /// Its momentum M v.
+        product: [f64; 3],
+    },
+    /// A start in which a node moves that a support holds.
+    #[error(
+        "the start does not belong to the body: node {node} moves with the velocity {}, although a support holds it",
+        short_vector(.velocity)
+    )]
+    StartHeld {
+        /// Index of the node.
+        node: usize,
+        /// Its velocity.
+        velocity: [f64; 3],
     },
     /// A body that is to be in equilibrium, and is free to move as a rigid body.
     #[error(

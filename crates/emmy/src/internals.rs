@@ -30,9 +30,10 @@ pub mod material {
     pub use crate::material::response::Response;
 }
 
-/// Quality of some of the cells.
+/// Quality of some of the cells, and the limit of built-in shapes.
 pub mod mesh {
     pub use crate::mesh::quality::quality_of;
+    pub use crate::mesh::shapes::check_count;
 }
 
 /// Resolution of time functions by the steps.

@@ -16,6 +16,7 @@ mod sizes;
 mod split;
 mod sweep;
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 pub use check::{report_on, report_on_body};
@@ -114,6 +115,19 @@ pub(crate) struct Parts {
 }
 
 impl TeamVerb {
+    /// The verb with its flags as a text, in which ranks must agree. The files of their inputs may have other paths.
+    pub(crate) fn compared(&self) -> String {
+        match self {
+            TeamVerb::Run { arguments, parts } => {
+                format!("run {} {}", arguments.compared(), parts.compared())
+            }
+            TeamVerb::Resume { arguments, parts } => {
+                format!("resume {} {}", arguments.compared(), parts.compared())
+            }
+            TeamVerb::Check(arguments) => format!("check {}", arguments.compared()),
+        }
+    }
+
     /// The verb that the ranks run together, and the folder of their parts of the mesh.
     pub(crate) fn verb(self) -> (Verb, Option<PathBuf>) {
         match self {
@@ -161,7 +175,20 @@ struct Input {
     until: Option<f64>,
 }
 
+impl Parts {
+    /// Each rank may have its parts in a folder of its own.
+    fn compared(&self) -> &'static str {
+        if self.parts.is_some() { "with parts" } else { "" }
+    }
+}
+
 impl Input {
+    /// As [`TeamVerb::compared`].
+    fn compared(&self) -> String {
+        let Input { file: _, output, set, until } = self;
+        format!("{output:?} {set:?} {until:?}")
+    }
+
     fn overrides(&self) -> Overrides {
         Overrides {
             set: self.set.clone(),
@@ -219,13 +246,26 @@ fn with_threads<T: Send>(
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, Failure> {
     let is_team = host.team().is_some();
-    let threads = threads.or(is_team.then_some(1));
+    let threads = threads.map(|threads| at_most_all_cores(threads, host)).or(is_team.then_some(1));
     let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
     let pool = if is_team { builder.use_current_thread().build() } else { builder.build() };
     let pool = pool.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")));
     let pool = agreed(host, pool)?;
     Ok(pool.install(work))
+}
+
+/// The number of threads, at most one a core: more would only wait for each other.
+fn at_most_all_cores(threads: u16, host: &dyn Host) -> u16 {
+    let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+    match u16::try_from(cores) {
+        Ok(cores) if cores < threads => {
+            let has = if cores == 1 { "1 core".to_string() } else { format!("{cores} cores") };
+            message!(host, "note: --threads {threads}: this machine has {has}; one thread a core is used");
+            cores
+        }
+        _ => threads,
+    }
 }
 
 /// A warning of planned steps that do not resolve a load or a moving support.

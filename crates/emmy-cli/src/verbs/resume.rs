@@ -1,6 +1,5 @@
 //! `emmy resume DIR`: resumes a run from its newest checkpoint.
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -10,14 +9,13 @@ use emmy_io::checkpoint::{self, Checkpoint, CheckpointError, Identity};
 use emmy_io::directory::Lock;
 use emmy_io::input::{Overrides, Problem};
 use emmy_io::results::Results;
-use emmy_io::summary::Status;
-use serde_json::Value;
+use emmy_io::summary::{self, Status};
 
 use super::run::{self, RunOptions, march};
 use super::{agreed, is_first, read, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
-use crate::print::number;
+use crate::print::{self, number};
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -37,6 +35,14 @@ pub(crate) struct Arguments {
     options: RunOptions,
 }
 
+impl Arguments {
+    /// The flags in which the ranks of a team must agree.
+    pub(super) fn compared(&self) -> String {
+        let Arguments { directory, until, step, set, options } = self;
+        format!("{directory:?} {until:?} {step:?} {set:?} {}", options.compared())
+    }
+}
+
 /// Resumes the run.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     with_threads(arguments.options.threads, host, || run_here(arguments, host))?
@@ -50,6 +56,9 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
     let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
+    if is_done(arguments, &problem, &checkpoint, host) {
+        return print_done(arguments, &problem, &checkpoint, host);
+    }
     agreed(host, fit(&problem, &mut checkpoint))?;
     let snapshot = checkpoint.snapshot(&problem.body).map_err(unreadable)?;
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
@@ -109,6 +118,36 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint, host: &dyn Host) -> R
     Ok(problem)
 }
 
+/// Whether there is nothing to do: the run is complete, and no flag changes it. A call of all ranks of a team.
+fn is_done(arguments: &Arguments, problem: &Problem, checkpoint: &Checkpoint, host: &dyn Host) -> bool {
+    let is_plain = arguments.until.is_none() && arguments.step.is_none() && arguments.set.is_empty();
+    let has_status =
+        |status: Status| summary::of_run(&problem.output.directory)["status"].as_str() == Some(status.name());
+    let has_no_step = is_plain && check_end(problem, checkpoint).is_err();
+    let mut is_done = [f64::from(u8::from(is_first(host) && has_no_step && has_status(Status::Done)))];
+    if let Some(team) = host.team() {
+        team.largest("whether a run is complete", &mut is_done);
+    }
+    is_done == [1.0]
+}
+
+/// Says that the run is complete.
+fn print_done(
+    arguments: &Arguments,
+    problem: &Problem,
+    checkpoint: &Checkpoint,
+    host: &dyn Host,
+) -> Result<(), Failure> {
+    let state = &checkpoint.snapshot.state;
+    let longer = if problem.is_static() { "" } else { "; --until T extends it" };
+    let (step, time) = (state.step, number(state.time));
+    message!(host, "note: nothing to do: the run is complete, after step {step}, t = {time}{longer}");
+    if arguments.options.json {
+        return print::result(host, &format!("{}\n", summary::of_run(&problem.output.directory)));
+    }
+    Ok(())
+}
+
 /// Rejects a run that is complete, unless it ended before all its files were written.
 fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> {
     let state = &checkpoint.snapshot.state;
@@ -127,8 +166,7 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
 
 /// Whether the run up to a time ended before all its files were written.
 fn is_unfinished(problem: &Problem, time: f64) -> bool {
-    let text = fs::read_to_string(problem.output.directory.join("summary.json")).unwrap_or_default();
-    let summary: Value = serde_json::from_str(&text).unwrap_or_default();
+    let summary = summary::of_run(&problem.output.directory);
     let is_at_end = problem.plan.end() >= time;
     let has_page = problem.output.directory.join("report.html").is_file();
     match summary["status"].as_str() {

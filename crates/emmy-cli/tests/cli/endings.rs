@@ -36,7 +36,8 @@ fn verbs() -> Vec<(Vec<&'static str>, i32)> {
         (vec!["run", "box.toml", "--set", "limits.energy=1e-300"], 4),
         (vec!["run", "box.toml", "--set", "mesh.cells=1"], 2),
         (vec!["run", "missing.toml"], 2),
-        (vec!["check", "box.toml", "--output", "/dev/null"], 0),
+        (vec!["check", "box.toml"], 0),
+        (vec!["check", "box.toml", "--output", "/dev/null"], 2),
         (vec!["resume", "done", "--until", "0.6"], 0),
         (vec!["resume", "nothing"], 2),
         (vec!["compare", "done", "done"], 0),
@@ -151,8 +152,8 @@ fn assert_kept(place: &Place, arguments: &[&str], file: &str) {
     assert_eq!(outcome.code, 2, "{arguments:?} {}", outcome.stderr);
     assert!(outcome.stderr.contains("which is among the files in"), "{}", outcome.stderr);
     assert_eq!(fs::read(place.path(file)).unwrap(), before);
-    let note = place.succeed(&[&["check"], arguments].concat()).stderr;
-    assert!(note.contains("which is among the files in"), "{note}");
+    let check = place.emmy(&[&["check"], arguments].concat());
+    assert_eq!((check.code, check.stderr), (2, outcome.stderr));
 }
 
 #[test]
@@ -233,9 +234,13 @@ fn a_history_that_is_gone_or_changed_at_the_end_is_noticed() {
 
 #[test]
 fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
-    for (signals, code) in
-        [(&["-USR1"][..], 130), (&["-XCPU", "-XCPU"], 130), (&["-QUIT"], 130), (&["-INT", "-INT"], 130)]
-    {
+    let at_a_step = "stopped after step ";
+    for (signals, says) in [
+        (&["-USR1"][..], at_a_step),
+        (&["-XCPU", "-XCPU"], at_a_step),
+        (&["-QUIT"], at_a_step),
+        (&["-INT", "-INT"], "stopped"),
+    ] {
         let place = Place::with(&long_box());
         let run = start(&place, &["run", "box.toml"]);
         wait_for_rows(&place, "out", 30);
@@ -243,8 +248,10 @@ fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
             Command::new("kill").args([signal, &run.id().to_string()[..]]).status().unwrap();
         }
         let ended = run.wait_with_output().unwrap().status;
-        assert_eq!((ended.code(), ended.signal()), (Some(code), None), "{signals:?}");
-        assert_eq!(place.summary("out")["status"], "interrupted", "{signals:?}");
+        assert_eq!((ended.code(), ended.signal()), (Some(130), None), "{signals:?}");
+        let summary = place.summary("out");
+        assert_eq!(summary["status"], "interrupted", "{signals:?}");
+        assert!(summary["message"].as_str().unwrap().starts_with(says), "{signals:?} {summary}");
         place.succeed(&["resume", "out", "--quiet"]);
         assert_eq!(place.summary("out")["status"], "done");
     }
@@ -298,8 +305,8 @@ fn resume_completes_the_files_of_a_finished_run() {
         assert!(place.names("out/checkpoint").iter().all(|name| !name.ends_with(".part")));
         assert_same_rows(&place, "out", "whole");
     }
-    let outcome = place.emmy(&["resume", "out"]);
-    assert!(outcome.code == 2 && outcome.stderr.contains("`emmy report out` writes"), "{}", outcome.stderr);
+    let outcome = place.succeed(&["resume", "out"]);
+    assert!(outcome.stderr.contains("nothing to do: the run is complete"), "{}", outcome.stderr);
 }
 
 #[test]
@@ -371,13 +378,17 @@ fn check_tells_the_size_of_the_files_within_a_tenth() {
 }
 
 #[test]
-fn check_tells_of_directories_that_cannot_be_made() {
+fn check_rejects_the_directories_that_run_rejects() {
     let place = Place::with(BOX);
     for directory in ["/dev/null", "/dev/null/x", "box.toml/x", ".."] {
-        let outcome = place.succeed(&["check", "box.toml", "--output", directory]);
-        assert!(outcome.stderr.contains("`emmy run` will reject this: "), "{directory} {}", outcome.stderr);
-        assert_eq!(place.emmy(&["run", "box.toml", "--output", directory]).code, 2, "{directory}");
+        let [check, run] =
+            ["check", "run"].map(|verb| place.emmy(&[verb, "box.toml", "--output", directory]));
+        assert_eq!((check.code, check.stdout.as_str(), run.code), (2, "", 2), "{directory}");
+        assert_eq!(check.stderr, run.stderr, "{directory}");
     }
+    // An earlier run is replaced.
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    place.succeed(&["check", "box.toml"]);
 }
 
 /// The loaded end moves most, at the last step.

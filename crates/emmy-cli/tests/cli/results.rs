@@ -139,6 +139,18 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(timeless(&place.read("1/history.csv")), timeless(&place.read("3/history.csv")));
 }
 
+/// So many threads would take minutes to start, and a machine with them.
+#[test]
+fn threads_above_the_cores_are_capped_with_a_note() {
+    let place = Place::with(BOX);
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let outcome = place.succeed(&["run", "box.toml", "--quiet", "--threads", "65535"]);
+    let begin = format!("note: --threads 65535: this machine has {cores} core");
+    assert!(outcome.stderr.starts_with(&begin), "{}", outcome.stderr);
+    let within = cores.to_string();
+    assert_eq!(place.succeed(&["run", "box.toml", "--quiet", "--threads", &within]).stderr, "");
+}
+
 const DECK: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n";
 
 #[test]

@@ -59,7 +59,7 @@ fn runs_that_cannot_be_resumed_say_why() {
     place.succeed(&["run", "box.toml", "--quiet"]);
     let before = place.read("out/history.csv");
     let cases: [(&[&str], &str); 8] = [
-        (&["resume", "out"], "the run has already reached t = 0.3 (step 6)"),
+        (&["resume", "out", "--until", "0.3"], "the run has already reached t = 0.3 (step 6)"),
         (&["resume", "out", "--until", "0.2"], "give a later end with --until T"),
         (&["resume", "nowhere", "--until", "1"], "holds no run of Emmy"),
         (
@@ -83,6 +83,24 @@ fn runs_that_cannot_be_resumed_say_why() {
         assert!(outcome.stderr.contains(part), "{arguments:?}\n{}", outcome.stderr);
     }
     assert_eq!(place.read("out/history.csv"), before);
+}
+
+/// As a job that starts itself again does: there is nothing to do, which is no fault.
+#[test]
+fn a_complete_run_is_resumed_without_a_change() {
+    let place = Place::with(&even_box(0.3, 0.05));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let before =
+        ["history.csv", "summary.json", "report.html"].map(|name| place.read(&format!("out/{name}")));
+    let again = place.succeed(&["resume", "out", "--quiet"]);
+    let note = "note: nothing to do: the run is complete, after step 6, t = 0.3; --until T extends it\n";
+    assert_eq!((again.stdout.as_str(), again.stderr.as_str()), ("", note));
+    let summary = place.succeed(&["resume", "out", "--json"]).stdout;
+    assert_eq!(summary.parse::<serde_json::Value>().unwrap()["status"], "done");
+    assert_eq!(
+        ["history.csv", "summary.json", "report.html"].map(|name| place.read(&format!("out/{name}"))),
+        before
+    );
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! The run that a checkpoint belongs to: the part of its input that may not change.
 
 use emmy::mesh::Mesh;
+use emmy::team::{self, Team};
 use serde::{Deserialize, Serialize};
 
 use crate::input::Problem;
+use crate::team::other_than_first;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
 const FIXED: [&str; 7] = ["mesh", "region", "mass", "load", "support", "initial", "equilibrium"];
@@ -105,8 +107,8 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and
-    /// linear solver are the same.
+    /// Whether the memory of the stepper is still valid: body, loads, supports, scheme, degree, error estimator, limits of
+    /// the degree and linear solver are the same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();
@@ -115,10 +117,44 @@ impl Identity {
             let adaptive = table.get("time").and_then(|time| time.get("adaptive"));
             let of_adaptive = |key: &str| Some(adaptive?.get(key)?.to_string());
             let control = ["estimator", "min_degree", "max_degree"].map(of_adaptive);
-            (value("time", "scheme"), value("time", "degree"), control, solver)
+            (value("time", "scheme"), value("time", "degree"), control, solver, body_of(&table))
         };
-        of(&self.input) == of(&now.input)
+        of(&self.input) == of(&now.input) && (self.tables.is_empty() || self.tables == now.tables)
     }
+}
+
+/// The first key at which the resolved input of this rank and those of others differ, as the end of a sentence: a call of all
+/// ranks of a team. Paths of files may differ. `None`: all have the same input.
+pub(crate) fn other_input(team: &dyn Team, resolved: &str) -> Option<String> {
+    let table = |text: &str| {
+        let mut table = text.parse::<toml::Table>().unwrap_or_default();
+        remove_history_files(&mut table);
+        take_file(&mut table);
+        table
+    };
+    let own = table(resolved).to_string();
+    let rank = other_than_first(team, "input", &own)?;
+    let [first, other] = [0, rank].map(|rank| toml::Value::Table(table(&team::text_of(team, rank, &own))));
+    let key = match difference("", Some(&first), Some(&other)) {
+        Some((key, here, there)) => {
+            format!(": `{}` is {there} there, and {here} on rank 0", key.trim_start_matches('.'))
+        }
+        None => String::new(),
+    };
+    Some(format!("rank {rank} has another input{key}"))
+}
+
+/// The sections that describe body, loads and supports, without the paths of files.
+fn body_of(input: &toml::Table) -> toml::Table {
+    let is_start = |key: &str| ["initial", "equilibrium"].contains(&key);
+    let mut body: toml::Table = input
+        .clone()
+        .into_iter()
+        .filter(|(key, _)| FIXED.contains(&key.as_str()) && !is_start(key))
+        .collect();
+    remove_history_files(&mut body);
+    take_file(&mut body);
+    body
 }
 
 fn take_file(input: &mut toml::Table) -> Option<toml::Value> {
@@ -226,5 +262,8 @@ mod tests {
         assert_eq!(measured("a.csv").check(&measured("/b/c.csv")), Ok(()));
         assert!(identity(old).has_same_stepper(&identity(&format!("{old}[solver]\nkind = 'auto'\n"))));
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("degree = 1", "degree = 2"))));
+        // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
+        assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
+        assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
     }
 }

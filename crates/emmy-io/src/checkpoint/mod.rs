@@ -26,10 +26,10 @@ use serde::{Deserialize, Serialize};
 use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::FrameTime;
-use crate::whole_file::{PART, named, names, remove};
+use crate::whole_file::{self, PART, named, names, remove};
 use blocks::Table;
-pub(crate) use identity::digest;
 pub use identity::{Identity, Mismatch};
+pub(crate) use identity::{digest, other_input};
 use part::Part;
 use runs::Runs;
 
@@ -146,7 +146,7 @@ impl Checkpoint {
 
 /// Reads from a file; errors begin with its path.
 fn read<T>(path: &Path, work: impl FnOnce(&mut BufReader<File>) -> Result<T, String>) -> Result<T, String> {
-    let opened = File::open(path).map_err(|error| error.to_string());
+    let opened = whole_file::open(path).map_err(|error| error.to_string());
     let done = opened.and_then(|file| work(&mut BufReader::new(file)));
     done.map_err(|reason| format!("{} {reason}", path.display()))
 }
@@ -361,5 +361,5 @@ impl Checkpoints {
 /// Creates the folder. A killed run may have left an unfinished checkpoint.
 fn prepare(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder).map_err(named(folder))?;
-    FILES.iter().try_for_each(|name| remove(&folder.join(format!("{name}{PART}"))).map_err(named(folder)))
+    FILES.iter().try_for_each(|name| remove(&folder.join(format!("{name}{PART}"))))
 }

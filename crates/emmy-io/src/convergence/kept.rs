@@ -15,7 +15,7 @@ use super::Study;
 use crate::checkpoint::identity;
 use crate::input::Problem;
 use crate::stored;
-use crate::whole_file::replace;
+use crate::whole_file::{self, named, replace};
 
 const HEADER: &str = "emmy reference 2\n";
 const DAMAGED: &str = "is damaged";
@@ -67,7 +67,7 @@ fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     identity::remove_history_files(&mut input);
     if let Some(file) = input.get_mut("mesh").and_then(|mesh| mesh.get_mut("file")) {
         let path = mesh.unwrap_or(Path::new(file.as_str().unwrap_or_default()));
-        let content = std::fs::read(path)?;
+        let content = whole_file::read(path)?;
         *file = toml::Value::String(format!("{} bytes, sum {:016x}", content.len(), checksum(&content)));
     }
     Ok(input.to_string())
@@ -97,7 +97,7 @@ pub enum Found {
 
 /// Looks for the samples of a key at some times.
 pub fn find(directory: &Path, key: &Key, times: &[f64], tolerance: f64) -> Found {
-    match std::fs::read(key.path(directory)) {
+    match whole_file::read(&key.path(directory)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Found::Nothing,
         Err(_) => Found::Unusable("cannot be read"),
         Ok(bytes) => match decoded(&bytes, key) {
@@ -114,7 +114,8 @@ pub fn find(directory: &Path, key: &Key, times: &[f64], tolerance: f64) -> Found
 /// Errors of the system.
 pub fn keep(directory: &Path, key: &Key, samples: &Samples) -> io::Result<()> {
     let path = key.path(directory);
-    std::fs::create_dir_all(directory.join("reference"))?;
+    let folder = directory.join("reference");
+    std::fs::create_dir_all(&folder).map_err(named(&folder))?;
     replace(&path, &encoded(key, samples)?)
 }
 

@@ -1,11 +1,11 @@
 //! The files of a run in its directory: which they are, and their removal.
 
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use super::lock;
 use crate::vtk::{self, COLLECTION_MARK};
-use crate::whole_file::{names, remove};
+use crate::whole_file::{self, names, remove};
 use crate::{checkpoint, vtk::is_series};
 
 /// First words of every `input.toml` that Emmy writes.
@@ -33,7 +33,7 @@ pub(super) const BEGINNINGS: [&str; 2] = [lock::FILE, "input.toml.part"];
 
 /// Whether a directory holds a run of Emmy.
 pub(super) fn is_run(path: &Path) -> bool {
-    fs::read_to_string(path.join("input.toml")).is_ok_and(|text| text.starts_with(MARK))
+    whole_file::read_text(&path.join("input.toml")).is_ok_and(|text| text.starts_with(MARK))
 }
 
 /// Removes the files of a run.
@@ -65,7 +65,7 @@ pub(super) fn collections(path: &Path) -> io::Result<Vec<String>> {
 }
 
 fn is_collection(path: &Path) -> bool {
-    fs::read_to_string(path).is_ok_and(|text| text.contains(COLLECTION_MARK))
+    whole_file::read_text(path).is_ok_and(|text| text.contains(COLLECTION_MARK))
 }
 
 /// Whether the next run removes a file whose name depends on the run: a collection, a series, or an unfinished file.

@@ -26,7 +26,7 @@ use emmy::mesh::Mesh;
 
 use crate::input::{MESH_FILE, Problem};
 use crate::vtk::{self, MESH_MARK};
-use crate::whole_file::{names, remove, replace};
+use crate::whole_file::{self, names, remove, replace};
 
 /// Checks that a run may write into a directory. Nothing is changed.
 ///
@@ -65,7 +65,7 @@ pub fn prepare_kind(path: &Path, kind: &'static str, witness: &'static str) -> R
 /// # Errors
 /// [`DirectoryError`] if it is a file or holds other files.
 pub fn check_kind(path: &Path, kind: &'static str, witness: &'static str) -> Result<(), DirectoryError> {
-    let text = || fs::read_to_string(path.join(witness)).unwrap_or_default();
+    let text = || whole_file::read_text(&path.join(witness)).unwrap_or_default();
     match first_name(path)? {
         Some(example) if !text().contains(MARK.trim_start_matches("# ")) => {
             Err(DirectoryError::OfAnotherKind { path: path.to_path_buf(), kind, witness, example })
@@ -127,7 +127,7 @@ pub(crate) fn remove_numbered_runs(path: &Path) -> io::Result<()> {
 pub(crate) fn write_mesh(directory: &Path, mesh: &Mesh) -> Result<(), DirectoryError> {
     let path = directory.join(MESH_FILE);
     let is_own = |text: Vec<u8>| text.windows(MESH_MARK.len()).any(|part| part == MESH_MARK.as_bytes());
-    if path.exists() && !fs::read(&path).is_ok_and(is_own) {
+    if path.exists() && !whole_file::read(&path).is_ok_and(is_own) {
         let reason = "a file of this name is there, which Emmy has not written";
         return Err(system(&path, io::Error::new(io::ErrorKind::AlreadyExists, reason)));
     }

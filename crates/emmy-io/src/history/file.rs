@@ -8,7 +8,7 @@ use crc32fast::Hasher;
 
 use super::{HistoryColumns, HistoryError, Number, header};
 use crate::rows::{RowFile, step_of};
-use crate::whole_file::{PART, named, with_ending};
+use crate::whole_file::{PART, named, open, with_ending};
 
 /// The file; every row is on disk once it is written.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ impl HistoryFile {
         checksum: u32,
     ) -> Result<Self, HistoryError> {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
-        let mut reader = BufReader::new(File::open(path).map_err(system)?);
+        let mut reader = BufReader::new(open(path).map_err(system)?);
         let mut line = Vec::new();
         let mut length = reader.read_until(b'\n', &mut line).map_err(system)?;
         if line.trim_ascii_end() != header::line(&columns.names()).as_bytes() {
@@ -110,7 +110,7 @@ impl HistoryFile {
     pub fn verify(&self) -> io::Result<()> {
         self.rows.verify()?;
         let path = self.rows.path();
-        let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(named(path))?);
+        let mut reader = BufReader::with_capacity(1 << 16, open(path).map_err(named(path))?);
         let mut found = RowSum::default();
         let mut line = Vec::new();
         let mut is_row = false;
@@ -160,8 +160,8 @@ fn with_time(row: &[u8], time: f64) -> Vec<u8> {
 fn replace_end(path: &Path, offset: u64, end: &[u8]) -> io::Result<()> {
     let part = with_ending(path, PART);
     let mut new = File::create(&part).map_err(named(&part))?;
-    io::copy(&mut File::open(path)?.take(offset), &mut new)
+    io::copy(&mut open(path)?.take(offset), &mut new)
         .and_then(|_| new.write_all(end))
         .map_err(named(&part))?;
-    fs::rename(&part, path)
+    fs::rename(&part, path).map_err(named(path))
 }

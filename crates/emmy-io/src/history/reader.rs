@@ -8,6 +8,7 @@ use emmy::motion::StepLimit;
 
 use super::columns::LIMITED_BY;
 use super::{Number, header, required};
+use crate::whole_file::open;
 
 /// Why a history cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -124,7 +125,7 @@ impl Rows {
     /// [`HistoryError`] if the file cannot be read or is not a history.
     pub fn open(path: &Path) -> Result<Self, HistoryError> {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
-        let reader = BufReader::new(File::open(path).map_err(system)?);
+        let reader = BufReader::new(open(path).map_err(system)?);
         let mut rows = Rows { path: path.to_path_buf(), reader, columns: Vec::new(), n_lines: 0 };
         let head = rows.line().map_err(system)?.unwrap_or_default();
         rows.columns = header::names(&head);

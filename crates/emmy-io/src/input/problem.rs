@@ -21,6 +21,7 @@ use super::{
     Start, complete, equilibrium, initial, load, nodal, region, set, settings, shape, support, time, units,
     write,
 };
+use crate::checkpoint::identity::digest_of_tables;
 use crate::mesh::MeshFile;
 use crate::shares::MeshSource;
 use crate::units::Units;
@@ -176,8 +177,10 @@ pub(super) fn of_tree(
     let advised = |error| set::of_one_run(error, &overrides.set);
     let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
     let prepared = source.agree(prepared)?;
+    source.check_input(&prepared.resolved)?;
     let problem = prepared.parts.problem(prepared.resolved, source).map_err(advised);
     let mut problem = source.agree(problem)?;
+    source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
     problem.files.extend(prepared.histories);
     problem.notes.extend(prepared.notes);
     Ok(problem)

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use emmy::internals::material::IfAbsent;
+use emmy::internals::mesh::check_count;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::derived;
@@ -250,9 +251,6 @@ fn members(name: &str, item: &Item<'_>, what: &str, n: usize) -> Result<(String,
     Ok((name.to_string(), item.list()?.iter().map(number).collect::<Result<_, Fault>>()?))
 }
 
-/// Largest plausible number of cells: more are probably a typing error, and would not fit into memory.
-const MAX_CELLS: f64 = 2e7;
-
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     if let Some(mesh) = item.mesh() {
@@ -286,10 +284,7 @@ fn size_and_cells<const N: usize>(table: Table<'_>) -> Result<([f64; N], [usize;
 }
 
 fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
-    if count <= MAX_CELLS {
-        return Ok(());
-    }
-    Err(item.fault(format!("this makes {count:.1e} cells; the most is {MAX_CELLS:.0e}"), "too many cells"))
+    check_count(count).map_err(|error| item.fault(error.to_string(), "too many cells"))
 }
 
 /// The intended file in the folder of a missing path: one with a similar name, or with the name and an extension.

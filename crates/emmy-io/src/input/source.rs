@@ -1,6 +1,5 @@
 //! Where the body of a problem comes from.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,9 +11,10 @@ use emmy::team::{self, Team};
 use super::fault::{Fault, InputError};
 use super::parts::CheckedMesh;
 use super::problem::Problem;
-use crate::checkpoint::digest;
+use crate::checkpoint::{digest, other_input};
 use crate::shares::{self, MeshSource};
-use crate::whole_file::named;
+use crate::team::other_than_first;
+use crate::whole_file::{self, named};
 
 /// Where the body of a problem comes from.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +27,9 @@ pub(super) enum Source<'a> {
     Parts(&'a Arc<dyn Team>, &'a Path),
 }
 
+/// Advice for ranks with different inputs.
+const ONE_INPUT: &str = "all ranks compute one body: give each the same files and flags";
+
 impl<'a> Source<'a> {
     /// The problem whose body may be taken.
     pub(super) fn known(self) -> Option<&'a Problem> {
@@ -34,6 +37,30 @@ impl<'a> Source<'a> {
             Source::Alone(known) => known,
             Source::Team(_) | Source::Parts(..) => None,
         }
+    }
+
+    fn team(self) -> Option<&'a dyn Team> {
+        match self {
+            Source::Alone(_) => None,
+            Source::Team(team) | Source::Parts(team, _) => Some(&**team),
+        }
+    }
+
+    /// Checks that all ranks have read the same input, before they build anything together.
+    pub(super) fn check_input(self, resolved: &str) -> Result<(), InputError> {
+        match self.team().and_then(|team| other_input(team, resolved)) {
+            Some(message) => Err(Fault::new(message).help(ONE_INPUT).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that mesh and tables are the same on all ranks; `name` and `what` say what they are.
+    pub(super) fn check_digest(self, name: &'static str, what: &str, digest: &str) -> Result<(), InputError> {
+        let Some(team) = self.team() else { return Ok(()) };
+        let Some(rank) = other_than_first(team, name, digest) else { return Ok(()) };
+        let [first, other] = [0, rank].map(|rank| team::text_of(team, rank, digest));
+        let message = format!("rank {rank} has {what}: {other} there, and {first} on rank 0");
+        Err(Fault::new(message).help(ONE_INPUT).into())
     }
 
     /// The same outcome on all ranks.
@@ -56,8 +83,9 @@ impl<'a> Source<'a> {
         let team = match self {
             Source::Alone(_) => return Ok((Some(read()?), None)),
             Source::Parts(team, folder) => {
-                let digest = digest_of_parts(folder, resolved, team.rank() == 0);
-                return self.agree(digest).map(|digest| (None, Some(digest)));
+                let digest = self.agree(digest_of_parts(folder, resolved, team.rank() == 0))?;
+                self.check_digest("mesh", "parts of another mesh", &digest)?;
+                return Ok((None, Some(digest)));
             }
             Source::Team(team) => team,
         };
@@ -123,7 +151,7 @@ fn mesh_section(resolved: &str) -> (String, Option<PathBuf>) {
 /// CRC-32 of a file of any size.
 fn checksum(path: &Path) -> Result<u32, InputError> {
     let unreadable = |error| Fault::new(named(path)(error).to_string());
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = whole_file::open(path).map_err(unreadable)?;
     let (mut hasher, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 20]);
     loop {
         match file.read(&mut bytes).map_err(unreadable)? {

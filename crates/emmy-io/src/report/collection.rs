@@ -9,6 +9,7 @@ use roxmltree::Document;
 use super::ReportError;
 use crate::mesh::{MeshError, vtu};
 use crate::vtk::{COLLECTION_MARK, SeriesReader};
+use crate::whole_file;
 
 /// The frames of a run, read one by one.
 #[derive(Debug)]
@@ -100,7 +101,7 @@ impl FrameSource {
 
 fn read(frame: &Listed) -> Result<Vec<u8>, ReportError> {
     let unreadable = |reason| MeshError::Unreadable { file: frame.path.clone(), reason };
-    Ok(fs::read(&frame.path).map_err(unreadable)?)
+    Ok(whole_file::read(&frame.path).map_err(unreadable)?)
 }
 
 fn unreadable_series(series: &SeriesReader, error: std::io::Error) -> ReportError {
@@ -139,7 +140,7 @@ pub(super) struct Listed {
 /// Name and frames of the collection in a directory, if Emmy wrote one; the one named after the directory is first.
 fn collection(directory: &Path) -> Option<(String, Vec<Listed>)> {
     in_order(directory, "pvd").into_iter().find_map(|path| {
-        let text = fs::read_to_string(&path).ok().filter(|text| text.contains(COLLECTION_MARK))?;
+        let text = whole_file::read_text(&path).ok().filter(|text| text.contains(COLLECTION_MARK))?;
         Some((path.file_name()?.to_string_lossy().into_owned(), listed(directory, &text)?))
     })
 }

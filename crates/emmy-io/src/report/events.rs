@@ -1,10 +1,11 @@
 //! Reads `events.csv`, with the columns `step,time,event,message`.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use serde_json::{Value, json};
+
+use crate::whole_file;
 
 /// Largest number of events of a page.
 const MAX_EVENTS: usize = 1000;
@@ -15,7 +16,7 @@ const MAX_BYTES: u64 = 1_000_000;
 /// The first events of a file, and an estimate of the number of others.
 pub(super) fn read(path: &Path) -> (Vec<Value>, usize) {
     let mut bytes = Vec::new();
-    let whole = File::open(path).and_then(|file| {
+    let whole = whole_file::open(path).and_then(|file| {
         let length = file.metadata()?.len();
         file.take(MAX_BYTES).read_to_end(&mut bytes)?;
         Ok(length)

@@ -1,6 +1,5 @@
 //! The history in a page, reduced to a limited number of rows.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
@@ -10,6 +9,7 @@ use super::pack::Pack;
 use super::thinning::{KeptRow, kept_rows};
 use crate::history::{HistoryError, Rows, required};
 use crate::newton;
+use crate::whole_file::open;
 
 /// The rows of a history that are kept.
 #[derive(Debug)]
@@ -98,7 +98,7 @@ fn index_of(columns: &[String], name: &str) -> usize {
 
 /// Number of complete lines.
 fn count(path: &Path) -> io::Result<usize> {
-    let mut reader = BufReader::with_capacity(1 << 16, File::open(path)?);
+    let mut reader = BufReader::with_capacity(1 << 16, open(path)?);
     let mut n = 0;
     loop {
         let bytes = reader.fill_buf()?;

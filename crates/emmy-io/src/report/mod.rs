@@ -31,14 +31,14 @@ mod run;
 mod surface;
 mod thinning;
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use crate::comparison::RunError;
 use crate::directory::MARK;
 use crate::link::relative;
 use crate::mesh::MeshError;
-use crate::whole_file::replace;
+use crate::whole_file::{self, replace};
 use run::{RunData, RunLink};
 
 /// Largest number of rows in a page; longer histories keep the rows with the extremes of every column.
@@ -68,6 +68,9 @@ pub enum ReportError {
         /// The directory.
         path: PathBuf,
     },
+    /// The page cannot be written; the error has its path.
+    #[error(transparent)]
+    Page(io::Error),
     /// An error of the system.
     #[error("{path}: {error}")]
     System {
@@ -87,7 +90,7 @@ pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     if modes::are_in(directory) {
         return written(directory, &[modes::gather(directory)?]);
     }
-    let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
+    let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
@@ -128,7 +131,7 @@ impl Room {
 fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
     let path = directory.join("report.html");
     let page = page::page(runs);
-    replace(&path, page.as_bytes()).map_err(|error| ReportError::System { path: path.clone(), error })?;
+    replace(&path, page.as_bytes()).map_err(ReportError::Page)?;
     Ok(path)
 }
 
@@ -139,7 +142,7 @@ mod tests {
     #[test]
     fn a_directory_without_a_run_is_told() {
         let temp = tempfile::tempdir().unwrap();
-        fs::write(temp.path().join("input.toml"), "title = 1").unwrap();
+        std::fs::write(temp.path().join("input.toml"), "title = 1").unwrap();
         assert!(matches!(write(temp.path()), Err(ReportError::NoRun { .. })));
         let missing = write(&temp.path().join("nothing")).unwrap_err().to_string();
         assert!(missing.contains("not a directory"), "{missing}");

@@ -1,7 +1,7 @@
 //! Natural modes for a page: their table, and their frames.
 
+use std::io;
 use std::path::Path;
-use std::{fs, io};
 
 use serde_json::{Map, Value, json};
 
@@ -11,20 +11,21 @@ use super::run::{RunData, name_of, shortened, units};
 use super::{MAX_FRAME_BYTES, ReportError, frames};
 use crate::directory::MARK;
 use crate::modes::{TABLE, WITNESS};
+use crate::whole_file;
 
 /// Whether a directory has natural modes.
 pub(super) fn are_in(directory: &Path) -> bool {
-    fs::read_to_string(directory.join(WITNESS)).is_ok_and(|input| input.starts_with(MARK))
+    whole_file::read_text(&directory.join(WITNESS)).is_ok_and(|input| input.starts_with(MARK))
 }
 
 /// Gathers the natural modes of a directory. Frame 0 is the body at rest, frame i adds mode i to it.
 pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
     let path = directory.join(TABLE);
     let system = |error| ReportError::System { path: path.clone(), error };
-    let modes = table(&fs::read_to_string(&path).map_err(system)?).ok_or_else(|| {
+    let modes = table(&whole_file::read_text(&path).map_err(system)?).ok_or_else(|| {
         system(io::Error::new(io::ErrorKind::InvalidData, "is not a table of natural modes"))
     })?;
-    let input = fs::read_to_string(directory.join(WITNESS)).unwrap_or_default();
+    let input = whole_file::read_text(&directory.join(WITNESS)).unwrap_or_default();
     let tree: toml::Table = input.parse().unwrap_or_default();
     let mut source = FrameSource::find(directory);
     if let Some((_, frames)) = &mut source {

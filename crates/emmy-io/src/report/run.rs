@@ -1,6 +1,5 @@
 //! Gathers a run for a page: a manifest in JSON, numbers in packed arrays.
 
-use std::fs;
 use std::path::Path;
 
 use emmy::body::FieldName;
@@ -14,6 +13,7 @@ use super::{ReportError, Room, events, frames};
 use crate::comparison::{self, RunError};
 use crate::directory::FILES;
 use crate::units::{UnitSystem, Units};
+use crate::whole_file;
 
 /// Name of a run in a page, and the link to its directory.
 #[derive(Debug, Clone, Default)]
@@ -46,7 +46,7 @@ impl RunData {
         frames.iter_mut().for_each(|(_, frames)| frames.set_steps(&history.steps));
         let summary = comparison::summary(directory)?;
         let name = link.name.unwrap_or_else(|| name_of(directory));
-        let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
+        let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
         let tree: toml::Table = input.parse().unwrap_or_default();
         let mut pack = Pack::default();
         let columns = history.pack(&mut pack);
@@ -86,7 +86,7 @@ impl RunData {
 pub(super) fn units(directory: &Path, input: &toml::Table) -> Value {
     let system = input.get("units").and_then(|units| units.get("system")?.as_str());
     let Some(system) = system.and_then(UnitSystem::named) else { return Value::Null };
-    let columns = fs::read_to_string(directory.join("columns.json")).unwrap_or_default();
+    let columns = whole_file::read_text(&directory.join("columns.json")).unwrap_or_default();
     let columns: Vec<Value> = serde_json::from_str(&columns).unwrap_or_default();
     let columns =
         columns.iter().filter_map(|own| Some((own["column"].as_str()?.to_string(), own["unit"].clone())));

@@ -10,7 +10,7 @@ use crate::history::{Number, csv_cells, csv_line};
 use crate::message::escaped;
 use crate::rows::RowFile;
 use crate::summary::Status;
-use crate::whole_file::{remove, replace};
+use crate::whole_file::{self, remove, replace};
 
 /// The kind of results, for messages.
 pub const SWEEP_KIND: &str = "sweep";
@@ -102,12 +102,12 @@ impl<'a> SweepFile<'a> {
             return Err(SweepError::Nothing { path: directory.to_path_buf() });
         }
         let lock = prepare(sweep, directory)?;
-        let before = std::fs::read_to_string(&witness)?;
+        let before = whole_file::read_text(&witness)?;
         if let Some(difference) = difference(&before, &sweep.description()) {
             return Err(SweepError::Changed { path: directory.to_path_buf(), difference });
         }
         let path = directory.join(ROWS);
-        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let text = whole_file::read_text(&path).unwrap_or_default();
         // A killed sweep may leave an incomplete line.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let rows = sweep.rows(whole).map_err(|(line, reason)| SweepError::Damaged {

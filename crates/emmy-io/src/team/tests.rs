@@ -67,7 +67,7 @@ fn bent(body: &Body) -> State {
         .collect();
     state.velocity =
         points.flat_map(|[x, y, z]| [0.3 * y * z, 0.2 * x - 0.1 * z * y, 0.4 * x * y + z]).collect();
-    state
+    state.transferred(body, 0.0).unwrap()
 }
 
 /// Rows of the history of a problem at its start and after two steps, and the largest stress in the frame of the start.
@@ -384,4 +384,66 @@ fn ranks_without_cells_write_nothing() {
             .map(|(kind, nodes)| (*kind, &nodes[..]))
             .eq(mesh.cells().map(|cell| (cell.kind, cell.nodes)))
     );
+}
+
+/// The messages of all ranks, of which the last one reads another file.
+fn messages(own: &Path, other: &Path) -> Vec<Option<String>> {
+    let read = |team: Arc<dyn Team>| {
+        let file = if team.rank() == 2 { other } else { own };
+        let output = Some(own.with_file_name("out"));
+        let problem = input::read_on_team(file, &Overrides { output, ..Default::default() }, &team);
+        problem.err().map(|error| error.to_string())
+    };
+    Threads::run(3, read).unwrap()
+}
+
+#[test]
+fn ranks_with_two_inputs_are_rejected_before_they_build_anything() {
+    let temp = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = temp.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let own = write("own/box.toml", INPUT);
+    for (from, to, says) in [
+        ("density = 2", "density = 3", ": `region.0.density` is 3"),
+        ("cells = [2, 4, 2]", "cells = [2, 4, 3]", ": `mesh.box.cells.2` is 3 there, and 2 on rank 0"),
+        ("until = 0.5", "until = 0.6", ": `time.steps.0.until` is 0.6 there, and 0.5 on rank 0"),
+        ("scheme = 'DGM'", "scheme = 'Bathe'", ""),
+        ("every = 1\n", "every = 2\n", ": `output.every` is 2 there, and 1 on rank 0"),
+    ] {
+        let found = messages(&own, &write("other/box.toml", &INPUT.replace(from, to)));
+        let is_told = |message: &Option<String>| {
+            message.as_ref().is_some_and(|text| text.contains(&format!("rank 2 has another input{says}")))
+        };
+        assert!(found.iter().all(is_told), "{to}: {found:?}");
+    }
+    // The same content elsewhere.
+    assert_eq!(messages(&own, &write("other/box.toml", INPUT)), [None, None, None]);
+
+    // A fault on one rank is one of all.
+    let found = messages(&own, &write("other/box.toml", "mesh = 1"));
+    assert!(found.iter().all(Option::is_some));
+}
+
+#[test]
+fn ranks_with_two_tables_are_rejected() {
+    let temp = tempfile::tempdir().unwrap();
+    let loaded = format!(
+        "{INPUT}[[load]]\ngroup = 'y-max'\ntraction = [1, 0, 0]\nhistory = {{ file = 'table.csv', time = 't', value = 'f' }}\n"
+    );
+    let [own, other] = ["own", "other"].map(|name| temp.path().join(name));
+    for folder in [&own, &other] {
+        fs::create_dir(folder).unwrap();
+        fs::write(folder.join("box.toml"), &loaded).unwrap();
+        fs::write(folder.join("table.csv"), "t,f\n0,0\n1,2\n").unwrap();
+    }
+    let files = [&own, &other].map(|folder| folder.join("box.toml"));
+    assert_eq!(messages(&files[0], &files[1]), [None, None, None]);
+    fs::write(other.join("table.csv"), "t,f\n0,0\n1,3\n").unwrap();
+    for message in messages(&files[0], &files[1]) {
+        assert!(message.is_some_and(|text| text.contains("rank 2 has other files of histories: 2 rows")));
+    }
 }

@@ -15,7 +15,7 @@ use super::frame_names::{self, Layout, remove_frames_where, stem};
 use super::pieces::Pieces;
 use super::{FrameTime, Precision, escaped, name_of};
 use crate::team::{agreed, on_first_rank};
-use crate::whole_file::replace;
+use crate::whole_file::{named, replace};
 
 /// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell
 /// data, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
@@ -79,7 +79,10 @@ impl FrameFiles {
 
     fn new(directory: &Path, frame: Frame, pieces: Option<Pieces>) -> io::Result<Self> {
         let subdomain = pieces.as_ref().map(|pieces| &*pieces.subdomain);
-        on_first_rank(subdomain, || fs::create_dir_all(directory.join(FRAMES)))?;
+        on_first_rank(subdomain, || {
+            let folder = directory.join(FRAMES);
+            fs::create_dir_all(&folder).map_err(named(&folder))
+        })?;
         let name = name_of(directory);
         let name = subdomain.map_or(name.clone(), |subdomain| team::text_of(&**subdomain.team(), 0, &name));
         let directory = directory.to_path_buf();
@@ -155,7 +158,7 @@ impl FrameFiles {
         let subdomain = self.subdomain();
         let stem = stem(&self.name, step);
         let folder = self.directory.join(FRAMES).join(&stem);
-        on_first_rank(subdomain, || fs::create_dir_all(&folder))?;
+        on_first_rank(subdomain, || fs::create_dir_all(&folder).map_err(named(&folder)))?;
         let own = || {
             let path = folder.join(frame_names::piece(pieces.subdomain.rank()));
             replace(&path, self.frame.xml(time, &pieces.fields(fields)).as_bytes())

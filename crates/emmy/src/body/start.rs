@@ -3,6 +3,10 @@
 use super::{Body, InitialVelocity};
 use crate::error::{Error, Result};
 
+/// Part of the momentum of a node at the largest velocity that rounding may change, also by the solution of
+/// `M v = p` for driven bodies.
+const OF_ROUNDING: f64 = 1e-8;
+
 impl Body {
     /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`. Fixed components
     /// are at rest, driven ones follow their motion.
@@ -43,6 +47,50 @@ impl Body {
         let mut momentum = vec![0.0; self.n_dofs()];
         self.mass_product(velocity, &mut momentum);
         Ok(momentum)
+    }
+
+    /// Checks that the motion at a start belongs to the body: p = M v, and nodes that a support holds are at rest. Momenta of
+    /// the lumped mass, which central differences have, become M v.
+    ///
+    /// # Errors
+    /// [`Error::StartMomentum`], [`Error::StartHeld`].
+    pub(crate) fn fit_momentum(&self, velocity: &[f64], momentum: &mut [f64]) -> Result<()> {
+        let norm = |vector: [f64; 3]| vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let at = |field: &[f64], node: usize| [0, 1, 2].map(|d| field[3 * node + d]);
+        let nodes = || 0..self.mesh.n_nodes();
+        let (_, fastest) = self.largest_node(nodes().map(|node| norm(at(velocity, node))));
+
+        let mut held = self.fixed.clone();
+        self.driven_dofs().for_each(|dof| held[dof] = false);
+        let held_velocity =
+            |node| [0, 1, 2].map(|d| if held[3 * node + d] { velocity[3 * node + d] } else { 0.0 });
+        let (node, speed) = self.largest_node(nodes().map(|node| norm(held_velocity(node))));
+        if speed > OF_ROUNDING * fastest {
+            return Err(Error::StartHeld { node, velocity: self.at_node(node, |node| at(velocity, node)) });
+        }
+
+        let mut product = vec![0.0; self.n_dofs()];
+        self.mass_product(velocity, &mut product);
+        let lumped = |node: usize| at(velocity, node).map(|v| self.lumped_mass[node] * v);
+        let worst = |momentum: &[f64], of_velocity: &dyn Fn(usize) -> [f64; 3]| {
+            self.largest_node(nodes().map(|node| {
+                let (p, other) = (at(momentum, node), of_velocity(node));
+                let differences = [0, 1, 2].map(|d| (p[d] - other[d]).abs());
+                let fits = |difference| difference <= OF_ROUNDING * self.lumped_mass[node] * fastest;
+                // A number that is not finite fits nothing.
+                if differences.into_iter().all(fits) { 0.0 } else { norm(differences).max(f64::MIN_POSITIVE) }
+            }))
+        };
+        let (node, excess) = worst(momentum, &|node| at(&product, node));
+        if excess == 0.0 {
+            return Ok(());
+        }
+        if worst(momentum, &lumped).1 == 0.0 {
+            momentum.copy_from_slice(&product);
+            return Ok(());
+        }
+        let [momentum, product] = [&*momentum, &product].map(|p| self.at_node(node, |node| at(p, node)));
+        Err(Error::StartMomentum { node, momentum, product })
     }
 
     /// Checks that driven nodes are where their motion begins.

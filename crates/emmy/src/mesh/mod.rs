@@ -5,13 +5,13 @@ mod builder;
 mod connectivity;
 mod groups;
 pub(crate) mod quality;
-mod shapes;
+pub(crate) mod shapes;
 mod share;
 
 pub use builder::MeshBuilder;
 pub use groups::{Facet, Groups};
 pub use quality::{Quality, Worst, check, quality};
-pub use shapes::{block, l_block, rectangle};
+pub use shapes::{MAX_CELLS, block, l_block, rectangle};
 pub use share::{Share, Shares, owners};
 
 pub use crate::element::{CellKind, FacetKind};

@@ -5,12 +5,23 @@ use std::collections::HashMap;
 use super::{CellKind, Facet, Mesh, MeshBuilder};
 use crate::error::{Error, Result};
 
+/// Largest number of cells of a built-in shape: more are probably a typing error, and would not fit into memory.
+pub const MAX_CELLS: f64 = 2e7;
+
+/// Checks the number of cells of a built-in shape before it is made.
+///
+/// # Errors
+/// [`Error::TooManyCells`].
+pub fn check_count(count: f64) -> Result<()> {
+    if count <= MAX_CELLS { Ok(()) } else { Err(Error::TooManyCells { count }) }
+}
+
 /// Box `[0, size]` of equal hex8 cells, groups `body` and `x-min` ... `z-max`.
 ///
 /// `size`: edge lengths \[length\]; `cells`: number of cells along each edge.
 ///
 /// # Errors
-/// [`Error::NotPositive`] if an edge or a number of cells is not positive.
+/// [`Error::NotPositive`] if an edge or a number of cells is not positive; [`Error::TooManyCells`].
 ///
 /// ```
 /// let mesh = emmy::mesh::block([2.0, 8.0, 2.0], [2, 8, 2])?;
@@ -22,6 +33,7 @@ pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
         positive("box size", size[i])?;
         positive("number of box cells", cells[i] as f64)?;
     }
+    check_count(cells.map(|n| n as f64).iter().product())?;
     let mut grid = Grid::new([0, 1, 2].map(|i| size[i] / cells[i] as f64));
     grid.fill([[0, cells[0]], [0, cells[1]], [0, cells[2]]])?;
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
@@ -37,7 +49,7 @@ pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
 /// `size`: edge lengths \[length\]; `cells`: number of cells along each edge.
 ///
 /// # Errors
-/// [`Error::NotPositive`] if an edge or a number of cells is not positive.
+/// [`Error::NotPositive`] if an edge or a number of cells is not positive; [`Error::TooManyCells`].
 ///
 /// ```
 /// let mesh = emmy::mesh::rectangle([2.0, 8.0], [2, 8])?;
@@ -49,6 +61,7 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
         positive("rectangle size", size[i])?;
         positive("number of rectangle cells", cells[i] as f64)?;
     }
+    check_count(cells.map(|n| n as f64).iter().product())?;
     let [dx, dy] = [0, 1].map(|i| size[i] / cells[i] as f64);
     let mut grid = Grid::new([dx, dy, 1.0]);
     for i in 0..cells[0] {
@@ -74,9 +87,10 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
 /// ```
 ///
 /// # Errors
-/// [`Error::NotPositive`], or [`Error::CellSize`] if the cell size is not 1/n for a whole number n.
+/// [`Error::NotPositive`], [`Error::TooManyCells`], or [`Error::CellSize`] if the cell size is not 1/n for a whole number n.
 pub fn l_block(cell_size: f64) -> Result<Mesh> {
     positive("cell size", cell_size)?;
+    check_count(117.0 / cell_size.powi(3))?;
     let r = (1.0 / cell_size).round() as usize;
     if r == 0 || (cell_size * r as f64 - 1.0).abs() > 1e-6 {
         return Err(Error::CellSize { value: cell_size });
@@ -190,6 +204,22 @@ mod tests {
                 assert!((mesh.points()[node as usize][axis] - value).abs() < 1e-15, "{name}");
             }
         }
+    }
+
+    #[test]
+    fn shapes_of_more_cells_than_memory_are_rejected_at_once() {
+        let count = |made: Result<Mesh>| match made {
+            Err(Error::TooManyCells { count }) => count,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(count(block([1.0; 3], [1000; 3])), 1e9);
+        assert_eq!(count(block([1.0; 3], [usize::MAX; 3])), (2f64.powi(64)).powi(3));
+        assert_eq!(count(rectangle([1.0; 2], [5000, 4001])), 20_005_000.0);
+        assert!((count(l_block(1e-9)) / 117e27 - 1.0).abs() < 1e-12);
+        assert_eq!(
+            block([1.0; 3], [1000; 3]).unwrap_err().to_string(),
+            "this makes 1.0e9 cells; the most is 2e7"
+        );
     }
 
     #[test]

@@ -102,10 +102,25 @@ impl<'a> Motion<'a> {
         Motion::starting(self.body, self.scheme, settings, self.state)
     }
 
-    /// A motion that starts from a state, with all settings.
+    /// A motion that starts from a state, with all settings. Its momentum must be M v with the mass of the body, consistent or
+    /// lumped: a state whose velocity was changed, and one of a body with other masses, come from [`State::transferred`].
+    ///
+    /// ```
+    /// # use emmy::prelude::*;
+    /// # let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// # let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+    /// # let scheme = TimeElement::discrete_gradient(1)?;
+    /// let mut kicked = State::initial(&body, 0.0, &[])?;
+    /// kicked.velocity.iter_mut().step_by(3).for_each(|v| *v += 3.0);
+    /// assert!(Motion::new(&body, scheme)?.from(kicked.clone()).is_err()); // p = 0
+    /// let motion = Motion::new(&body, scheme)?.from(kicked.transferred(&body, 0.0)?)?;
+    /// assert!((motion.record().kinetic_energy - 9.0).abs() < 1e-14); // m v^2/2
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// As [`Scheme::stepper`]; [`Error::Memory`] for a state of another body.
+    /// As [`Scheme::stepper`]; [`Error::Memory`], [`Error::StartMomentum`] or [`Error::StartHeld`] for a state of another
+    /// body.
     pub fn starting(
         body: &'a Body,
         scheme: impl Into<Scheme>,
@@ -116,6 +131,7 @@ impl<'a> Motion<'a> {
         body.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
         body.clear_guests(&mut state.momentum);
+        body.fit_momentum(&state.velocity, &mut state.momentum)?;
         let stepper = scheme.stepper(body, settings, &mut state)?;
         let degree = scheme.degree();
         let record =
@@ -153,7 +169,7 @@ impl<'a> Motion<'a> {
     /// bit-identical to the motion of the snapshot. A degree chosen by the control is taken from the snapshot.
     ///
     /// # Errors
-    /// As [`Scheme::stepper`] and [`Stepper::restore`]; [`Error::Memory`] for a state of another body.
+    /// As [`Motion::starting`] and [`Stepper::restore`].
     pub fn resumed(
         mut body: &'a Body,
         scheme: impl Into<Scheme>,

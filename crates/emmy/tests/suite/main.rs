@@ -31,6 +31,7 @@ mod resumed_motions;
 mod shared;
 mod solid_elements;
 mod solvers;
+mod starts;
 mod stiff_bodies;
 mod teams;
 mod teams_solvers;

@@ -19,26 +19,36 @@ pub(crate) struct Arguments {
     input: Input,
 }
 
+impl Arguments {
+    /// The flags in which the ranks of a team must agree.
+    pub(super) fn compared(&self) -> String {
+        self.input.compared()
+    }
+}
+
 /// Prints the report.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    // First, since a body cannot be divided among any number of ranks.
+    let of_ranks = host.team().map(|team| {
+        let problem =
+            emmy_io::input::read_on_team(&arguments.input.file, &arguments.input.overrides(), team)?;
+        Ok::<_, Failure>(ranks::report(&problem))
+    });
+    let of_ranks = of_ranks.transpose()?;
     let whole = if is_first(host) { run_alone(arguments, host) } else { Ok(()) };
     agreed(host, whole)?;
-    let Some(team) = host.team() else { return Ok(()) };
-    let problem = emmy_io::input::read_on_team(&arguments.input.file, &arguments.input.overrides(), team)?;
-    print::result(host, &ranks::report(&problem))
+    of_ranks.map_or(Ok(()), |text| print::result(host, &text))
 }
 
 /// Prints the report on the whole body.
 fn run_alone(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let problem = arguments.input.read_alone(host)?;
+    emmy_io::directory::check_run(&problem)?;
     let Report { text, notes, .. } = whole_report(&problem)?;
     if let Some(warning) = unresolved_steps(&problem) {
         message!(host, "{warning}");
     }
     notes.iter().for_each(|note| message!(host, "note: {note}"));
-    if let Err(error) = emmy_io::directory::check_run(&problem) {
-        message!(host, "note: `emmy run` will reject this: {error}");
-    }
     let mut file = Report::default();
     file.line("input", &arguments.input.file.display().to_string());
     print::result(host, &(file.text + &text))

@@ -56,7 +56,20 @@ pub(super) struct RunOptions {
     pub estimate_error: bool,
 }
 
+impl Arguments {
+    /// The flags in which the ranks of a team must agree.
+    pub(super) fn compared(&self) -> String {
+        format!("{} {}", self.input.compared(), self.options.compared())
+    }
+}
+
 impl RunOptions {
+    /// As [`Arguments::compared`].
+    pub(super) fn compared(&self) -> String {
+        let RunOptions { threads: _, quiet, json, wall_limit, started: _, estimate_error } = self;
+        format!("{quiet} {json} {wall_limit:?} {estimate_error}")
+    }
+
     /// When the time of the run is over.
     fn end(&self) -> Option<Instant> {
         self.wall_limit.map(|seconds| self.started + Duration::from_secs(seconds.into()))

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::stored;
 use crate::vtk::FrameTime;
-use crate::whole_file::{named, remove};
+use crate::whole_file::{self, named, remove};
 
 /// Ending of the file, after the name of the series.
 pub(super) const ENDING: &str = ".journal";
@@ -62,7 +62,7 @@ impl Journal {
 
     /// Removes the file.
     pub(super) fn remove(&self) -> io::Result<()> {
-        remove(&self.path).map_err(named(&self.path))
+        remove(&self.path)
     }
 }
 
@@ -109,7 +109,7 @@ pub(super) struct Entries {
 impl Entries {
     /// The entries of a file, up to the first incomplete one.
     pub(super) fn read(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
+        let file = whole_file::open(path)?;
         let end = file.metadata()?.len();
         let mut found = Entries { file: BufReader::new(file), entries: Vec::new() };
         let mut offset = 8;

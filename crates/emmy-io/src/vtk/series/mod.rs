@@ -29,14 +29,15 @@ pub use reader::SeriesReader;
 pub use writer::Series;
 
 use super::name_of;
+use crate::whole_file;
 
 /// Attribute with the program that wrote the file.
 const CREATOR: &str = "Creator";
 
 /// Whether a file is a series of frames that Emmy wrote.
 pub(crate) fn is_series(path: &Path) -> bool {
-    let creator = H5File::open(path).and_then(|file| file.attr_string(CREATOR));
-    creator.is_ok_and(|creator| creator.starts_with("Emmy"))
+    let creator = || H5File::open(path).and_then(|file| file.attr_string(CREATOR));
+    whole_file::check_kind(path).is_ok() && creator().is_ok_and(|creator| creator.starts_with("Emmy"))
 }
 
 /// The series of a directory and its fields, if it can be read and has a frame.

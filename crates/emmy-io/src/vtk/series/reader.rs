@@ -9,6 +9,7 @@ use rust_hdf5::H5File;
 
 use super::{groups, rejected};
 use crate::vtk::{FACETS, GROUP, Precision, cell_type};
+use crate::whole_file;
 
 /// Reads a `.vtkhdf` that Emmy wrote.
 ///
@@ -51,6 +52,7 @@ impl SeriesReader {
     /// # Errors
     /// Errors of the system, and files of another kind.
     pub fn open(path: &Path) -> io::Result<Self> {
+        whole_file::check_kind(path)?;
         let file = H5File::options().best_effort_locking().open(path).map_err(rejected)?;
         let count = |name: &str| -> io::Result<usize> {
             let numbers: Vec<i64> = read(&file, &format!("VTKHDF/{name}"))?;

@@ -16,7 +16,7 @@ use super::{CREATOR, SeriesReader, groups, rejected, without_slash};
 use crate::vtk::array::LEVEL;
 use crate::vtk::marks::marks;
 use crate::vtk::{FrameTime, Place, Precision, cell_type, name_of};
-use crate::whole_file::{PART, with_ending};
+use crate::whole_file::{PART, named, with_ending};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
 ///
@@ -82,7 +82,7 @@ impl Series {
         mesh: &Mesh,
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
-        fs::create_dir_all(directory)?;
+        fs::create_dir_all(directory).map_err(named(directory))?;
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let journal = Journal::create(&with_ending(&path, journal::ENDING))?;
         Series::new(path, journal, precision, mesh, region_of_cell)
@@ -131,8 +131,8 @@ impl Series {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         let growing = with_ending(&path, PART);
-        let file = H5File::options().best_effort_locking().create(&growing).map_err(rejected)?;
-        write_static(&file, mesh, region_of_cell).map_err(rejected)?;
+        let file = H5File::options().best_effort_locking().create(&growing).map_err(failed(&growing))?;
+        write_static(&file, mesh, region_of_cell).map_err(failed(&growing))?;
         Ok(Series {
             path,
             growing,
@@ -173,12 +173,12 @@ impl Series {
         }
         for field in &self.fields {
             let values = fields.iter().find(|values| values.name == field.name).ok_or_else(other_fields)?;
-            field.write(self.n_frames, &values.numbers).map_err(rejected)?;
+            field.write(self.n_frames, &values.numbers).map_err(failed(&self.growing))?;
         }
         if fields.len() != self.fields.len() {
             return Err(other_fields());
         }
-        self.write_step(time).map_err(rejected)?;
+        self.write_step(time).map_err(failed(&self.growing))?;
         (self.n_frames, self.last_step) = (self.n_frames + 1, Some(step));
         Ok(())
     }
@@ -190,8 +190,8 @@ impl Series {
     pub fn finish(&mut self) -> io::Result<()> {
         let Some(file) = self.file.take() else { return Ok(()) };
         self.fields.clear();
-        file.close_no_sync().map_err(rejected)?;
-        fs::rename(&self.growing, &self.path)?;
+        file.close_no_sync().map_err(failed(&self.growing))?;
+        fs::rename(&self.growing, &self.path).map_err(named(&self.path))?;
         self.journal.remove()
     }
 
@@ -209,14 +209,15 @@ impl Series {
     fn publish(&mut self) -> io::Result<()> {
         let start = Instant::now();
         if let Some(file) = self.file.take() {
-            file.close_no_sync().map_err(rejected)?;
+            file.close_no_sync().map_err(failed(&self.growing))?;
         }
         let copy = with_ending(&self.path, ".copy");
-        fs::copy(&self.growing, &copy)?;
-        fs::rename(&copy, &self.path)?;
-        let file = H5File::options().best_effort_locking().open_rw(&self.growing).map_err(rejected)?;
+        fs::copy(&self.growing, &copy).map_err(named(&copy))?;
+        fs::rename(&copy, &self.path).map_err(named(&self.path))?;
+        let file =
+            H5File::options().best_effort_locking().open_rw(&self.growing).map_err(failed(&self.growing))?;
         for field in &mut self.fields {
-            field.reopen(&file).map_err(rejected)?;
+            field.reopen(&file).map_err(failed(&self.growing))?;
         }
         self.file = Some(file);
         self.journal.clear()?;
@@ -244,8 +245,9 @@ impl Series {
         Ok(FieldDataset {
             name,
             chunks,
-            dataset: dataset.map_err(rejected)?,
-            offsets: table::<i64>(file, &format!("{offsets}/{name}"), false).map_err(rejected)?,
+            dataset: dataset.map_err(failed(&self.growing))?,
+            offsets: table::<i64>(file, &format!("{offsets}/{name}"), false)
+                .map_err(failed(&self.growing))?,
         })
     }
 
@@ -290,6 +292,11 @@ impl FieldDataset {
         self.offsets = file.dataset_writer(&format!("{offsets}/{}", self.name))?;
         Ok(())
     }
+}
+
+/// An error of a file, with its path.
+fn failed(path: &Path) -> impl Fn(rust_hdf5::Hdf5Error) -> io::Error + '_ {
+    move |error| named(path)(rejected(error))
 }
 
 fn other_fields() -> io::Error {

@@ -817,3 +817,37 @@ fn what_a_team_does_not_compute_is_rejected() {
             .all(|error| error.contains("the share of rank 0 on rank 1 is not possible on a team"))
     );
 }
+
+/// A changed velocity is found on every rank, at the same node of the whole mesh; states of a driven team are not.
+#[test]
+fn starts_of_a_team_belong_to_the_body() {
+    let mesh = mesh::l_block(1.0).unwrap();
+    let node = mesh.n_nodes() - 1;
+    let start = |builder: BodyBuilder| -> Result<()> {
+        let body = builder.region(rubber()).build()?;
+        let mut state = State::initial(&body, 0.0, &[])?;
+        let own = body
+            .subdomain()
+            .map_or(Some(node), |part| part.nodes().iter().position(|&whole| whole as usize == node));
+        own.into_iter().for_each(|own| state.velocity[3 * own] = 1.0);
+        Motion::starting(&body, DGM, NewtonSettings::default(), state).map(|_| ())
+    };
+    let whole = start(Body::builder(mesh.clone())).unwrap_err();
+    assert!(matches!(whole, Error::StartMomentum { .. }), "{whole}");
+    for error in on_team(&mesh, 3, |share, team| start(Body::shared(share, team)).unwrap_err()) {
+        assert_eq!(error.to_string(), whole.to_string());
+    }
+    let driven = |builder: BodyBuilder| -> Result<()> {
+        let angle = TimeFunction::smooth("t^2", |t| [t * t, 2.0 * t, 2.0]);
+        let rotation = Rotation { axis: [0.0, 0.0, 1.0], about: [0.0; 3], angle };
+        let turned = Support { group: "face-a".into(), rotation: Some(rotation), ..Default::default() };
+        let body = builder.region(rubber()).support(turned).build()?;
+        let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
+        let mut first = Motion::starting(&body, DGM, settings, State::initial(&body, 0.0, &[])?)?;
+        (0..3).try_for_each(|_| first.step(0.05).map(|_| ()))?;
+        Motion::starting(&body, at(DGM, 2), settings, first.state().clone()).map(|_| ())
+    };
+    for outcome in on_team(&mesh, 3, |share, team| driven(Body::shared(share, team))) {
+        outcome.unwrap();
+    }
+}
