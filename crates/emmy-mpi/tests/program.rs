@@ -176,6 +176,22 @@ fn assert_near(own: &Path, other: &Path, tolerance: f64, name: &str) {
     assert!(compared >= 10, "{name}: columns are missing");
 }
 
+/// Compares the peaks of the probe in the summary with those of the rows of the history.
+fn assert_peaks(directory: &Path) {
+    let (history, summary) = (history(directory), fs::read_to_string(directory.join("summary.json")).unwrap());
+    let of = |name: &str| {
+        let found = summary.lines().find_map(|line| line.trim().strip_prefix(&format!("\"{name}\": ")));
+        found.unwrap_or_else(|| panic!("{name}")).trim_end_matches(',').parse::<f64>().unwrap()
+    };
+    for axis in ["x", "y", "z"] {
+        let name = format!("tip_{axis}");
+        let [low, high] = [f64::min, f64::max].map(|of| history[&name].iter().copied().reduce(of).unwrap());
+        let time = |number: f64| history["time"][history[&name].iter().position(|own| *own == number).unwrap()];
+        let own = ["_min", "_min_time", "_max", "_max_time", ""].map(|ending| of(&format!("{name}{ending}")));
+        assert_eq!(own, [low, time(low), high, time(high), *history[&name].last().unwrap()], "{name}");
+    }
+}
+
 fn input(name: &str) -> String {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("inputs").join(name).display().to_string()
 }
@@ -225,6 +241,10 @@ fn a_run_moves_between_one_process_and_ranks() {
     run_well(2, at, &["resume", "there", "--quiet", "--until", "0.6"]);
     emmy(&["resume", there.to_str().unwrap(), "--quiet", "--until", "1"]);
     assert_near(&there, &alone, 1e-12, "one process, two ranks, one process");
+    assert_peaks(&there);
+    run_well(2, at, &["run", &file, "--quiet", "--output", "ranks", "--until", "0.6"]);
+    run_well(3, at, &["resume", "ranks", "--quiet", "--until", "1"]);
+    assert_peaks(&at.join("ranks"));
 }
 
 #[test]

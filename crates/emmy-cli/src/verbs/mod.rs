@@ -57,7 +57,7 @@ pub(crate) enum Verb {
     /// the history is the same as without the interruption. Step size, scheme, degree, end, output and limits may
     /// change; body, loads and supports may not.
     Resume(resume::Arguments),
-    /// Show several runs side by side: a page, charts and a table
+    /// Show several runs side by side: a page, charts and a table; or the rows of sweeps
     Compare(compare::Arguments),
     /// Measure the error over the step size
     ///
