@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import ResultsError
+from ._errors import ResultsError, regular
 
 if TYPE_CHECKING:
     from ._results import Run
@@ -40,6 +40,7 @@ def run(results: Run) -> str:
         return html.escape(repr(results))
     if not results.report.exists():
         return page
+    regular(results.report)
     report = html.escape(results.report.read_text(encoding="utf-8"), quote=True)
     frame = f'<iframe srcdoc="{report}" style="width:100%;height:640px;border:1px solid #ccc" title="report"></iframe>'
     return page + f"<details><summary>Report</summary>{frame}</details>"

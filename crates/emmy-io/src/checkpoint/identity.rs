@@ -154,7 +154,20 @@ fn body_of(input: &toml::Table) -> toml::Table {
         .collect();
     remove_history_files(&mut body);
     take_file(&mut body);
+    body.iter_mut().for_each(|(_, value)| forget_numbers(value));
     body
+}
+
+/// Removes the numbers of functions of a program from their texts, `<function name>3`: they differ between processes.
+fn forget_numbers(value: &mut toml::Value) {
+    match value {
+        toml::Value::String(text) if text.starts_with("<function ") => {
+            text.truncate(text.rfind('>').map_or(text.len(), |end| end + 1));
+        }
+        toml::Value::Array(items) => items.iter_mut().for_each(forget_numbers),
+        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| forget_numbers(value)),
+        _ => {}
+    }
 }
 
 fn take_file(input: &mut toml::Table) -> Option<toml::Value> {
@@ -265,5 +278,9 @@ mod tests {
         // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
         assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
+        let pushed =
+            |history: &str| identity(&old.replace("[1, 2, 3]", &format!("[1, 2, 3]\nhistory = '{history}'")));
+        assert!(pushed("<function ramp>1").has_same_stepper(&pushed("<function ramp>7")));
+        assert!(!pushed("<function ramp>1").has_same_stepper(&pushed("<function wave>1")));
     }
 }

@@ -8,7 +8,7 @@ use super::{SWEEP_WITNESS, SweepError};
 use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::history::{csv_cells, csv_line};
 use crate::message::shown;
-use crate::whole_file::{remove, replace};
+use crate::whole_file::{self, remove, replace};
 
 /// A row of a sweep.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl SweepTable {
     /// [`SweepError`] if there is none, or if it is damaged.
     pub fn read(directory: &Path) -> Result<Self, SweepError> {
         let path = directory.join(ROWS);
-        let text = std::fs::read_to_string(&path)
+        let text = whole_file::read_text(&path)
             .map_err(|error| SweepError::Unreadable { path: path.clone(), error })?;
         let damaged = |line: usize, reason: &str| SweepError::Damaged {
             path: path.clone(),
@@ -80,7 +80,7 @@ impl SweepTable {
         let rows =
             lines.map(|(at, line)| row(line).ok_or_else(|| damaged(at, "this is no row of the sweep")));
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
-        let witness = std::fs::read_to_string(directory.join(SWEEP_WITNESS)).unwrap_or_default();
+        let witness = whole_file::read_text(&directory.join(SWEEP_WITNESS)).unwrap_or_default();
         let named = witness.lines().find_map(|line| line.strip_prefix(NAMED)).map_or(Vec::new(), csv_cells);
         let columns = head[status + 1..head.len() - 1].to_vec();
         let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
