@@ -4,14 +4,18 @@
 //! CONTRIBUTING.md describes faults and how to repeat them.
 #![cfg(unix)]
 
+pub mod agreement;
 pub mod attack;
 pub mod attacks;
 pub mod base;
+pub mod case;
 pub mod comparison;
 pub mod draw;
 pub mod emmy;
 pub mod faults;
+pub mod features;
 pub mod motions;
 pub mod mutation;
 pub mod place;
+pub mod reference;
 pub mod table;

@@ -8,11 +8,12 @@ mod motions;
 mod paths;
 mod readers;
 mod streams;
+mod triples;
 
 use crate::attack::Attack;
 
 /// All attacks.
-pub const ALL: [Attack; 8] = [
+pub const ALL: [Attack; 9] = [
     motions::ATTACK,
     readers::ATTACK,
     kills::ATTACK,
@@ -21,6 +22,7 @@ pub const ALL: [Attack; 8] = [
     streams::ATTACK,
     paths::ATTACK,
     combinations::ATTACK,
+    triples::ATTACK,
 ];
 
 /// The attack of a name.
