@@ -46,7 +46,9 @@ pub fn pole(function: impl Fn(f64) -> f64, [start, end]: [f64; 2]) -> Option<f64
             sides.map(size).fold(0.0, f64::max)
         };
         let near: [f64; DISTANCES] = std::array::from_fn(|k| beside(farthest * 0.1f64.powi(k as i32)));
-        near.windows(2).all(|pair| pair[1] >= LEAST_GROWTH * pair[0] && pair[1] > 0.0)
+        // Their differences are free of the regular part, and those of a function without a pole are rounding.
+        let grows = |three: &[f64]| three[2] - three[1] >= LEAST_GROWTH * (three[1] - three[0]).abs();
+        near[DISTANCES - 1] > 2.0 * near[0] && near.windows(3).all(grows)
     };
     let around = |i: usize| [at(i.saturating_sub(1)), at((i + 1).min(SAMPLES))];
     let peaks = (0..=SAMPLES).filter(is_peak);
