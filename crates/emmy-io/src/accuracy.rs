@@ -133,8 +133,8 @@ pub fn lowest_period(problem: &Problem) -> Option<f64> {
     lowest_elastic_mode(&problem.body).ok()?.map(|(mode, _)| mode.period())
 }
 
-/// Whether a step is too long for a period: a vibration of this period then has a phase error above 1 % with degree 2 and
-/// higher ones, `(omega h)^(2k)/C` with C = 720 and 100800, and above 10 % with degree 1, C = 12.
+/// Whether a step is too long for a period: a vibration of this period then has a phase error of about 1 % or more with degree 2
+/// and higher ones, `(omega h)^(2k)/C` with C = 720 and 100800, and above 10 % with degree 1, C = 12.
 pub fn is_coarse(step: f64, period: f64, scheme: Scheme) -> bool {
     let longest = match scheme.degree() {
         1 => 0.2,
