@@ -462,3 +462,17 @@ def test_random_settings_end_in_an_input_error_or_a_type_error():
     random_motion()
     # All ends are reached often.
     assert all(ENDS.count(end) >= 10 for end in (None, emmy.InputError, TypeError)), ENDS
+
+
+@pytest.mark.parametrize(
+    ("made", "count"),
+    [
+        (lambda: emmy.Mesh.box((1, 1, 1), (1000, 1000, 1000)), "1.0e9"),
+        (lambda: emmy.Mesh.box((1, 1, 1), (10**6, 10**6, 10**6)), "1.0e18"),
+        (lambda: emmy.Mesh.rectangle((1, 1), (10**5, 10**5)), "1.0e10"),
+        (lambda: emmy.Mesh.l_block(1e-9), "1.2e29"),
+    ],
+)
+def test_shapes_of_more_cells_than_memory_are_rejected_at_once(made, count):
+    with pytest.raises(emmy.InputError, match=f"this makes {count} cells; the most is 2e7"):
+        made()

@@ -116,3 +116,12 @@ def test_body_of_a_large_mesh():
     else:
         pytest.fail("no signal came while a body was made")
     assert emmy.Body(mesh, region).n_dofs == 3 * 29**3
+
+
+def test_making_a_large_mesh():
+    # 3.4 million cells take seconds.
+    interrupt_after(0.3)
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        emmy.Mesh.box((1, 1, 1), (150, 150, 150))
+    assert time.perf_counter() - start < 1.5

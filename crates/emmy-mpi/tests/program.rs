@@ -30,7 +30,7 @@ struct Ended {
 impl Ranks {
     fn start(size: usize, directory: &Path, arguments: &[&str]) -> Ranks {
         let size = size.to_string();
-        Ranks::start_as(directory, &[&["-n", &size, env!("CARGO_BIN_EXE_emmy-mpi")], arguments].concat())
+        Ranks::start_as(directory, &[&["-n", &size, env!("CARGO_BIN_EXE_emmy-mpi")][..], arguments].concat())
     }
 
     /// `mpirun` with some arguments.
@@ -422,7 +422,7 @@ const SPINNING: &str = "mesh.box = { size = [1, 4, 1], cells = [2, 8, 2] }\n[[re
 
 /// Two ranks with commands of their own.
 fn run_two(directory: &Path, first: &[&str], second: &[&str]) -> Ended {
-    Ranks::start_as(directory, &[&["-n", "1"], first, &[":", "-n", "1"], second].concat()).end()
+    Ranks::start_as(directory, &[&["-n", "1"][..], first, &[":", "-n", "1"], second].concat()).end()
 }
 
 #[test]
@@ -469,7 +469,7 @@ fn a_limit_on_files_is_a_message_with_the_name_of_the_file() {
     fs::write(at.join("own.toml"), SPINNING).unwrap();
     let program = env!("CARGO_BIN_EXE_emmy-mpi");
     let command = [program, "run", "own.toml", "--output", "out", "--quiet"];
-    let limited = [&["bash", "-c", "ulimit -f 2; exec \"$0\" \"$@\""], &command[..]].concat();
+    let limited = [&["bash", "-c", "ulimit -f 2; exec \"$0\" \"$@\""][..], &command].concat();
     let ended = run_two(at, &command, &limited);
     assert_eq!(ended.code, Some(1), "{}", ended.messages);
     assert!(
