@@ -198,6 +198,9 @@ fn cells(name: &str, needs_two: bool) -> (Kind, usize) {
         "wedge6" => (Kind::Wedge6, 1),
         "quad4" => (Kind::Quad4, 2),
         "quad8" => (Kind::Quad8, 2),
+        "hex27" => (Kind::Hex27, 1 + usize::from(needs_two)),
+        "wedge15" => (Kind::Wedge15, 1),
+        "quad9" => (Kind::Quad9, 2),
         "tri3" => (Kind::Tri3, 2),
         _ => (Kind::Tri6, 1),
     }
@@ -223,9 +226,9 @@ fn materials(choice: &Choice, kind: Kind, rng: &mut Rng) -> [Material; 2] {
         "viscous-shear" => [0.0, 0.3, 0.2],
         _ => [0.0; 3],
     };
-    let is_quadrilateral = matches!(kind, Kind::Quad8 | Kind::Hex20);
+    let takes_linear = matches!(kind, Kind::Quad8 | Kind::Quad9 | Kind::Wedge15 | Kind::Hex20 | Kind::Hex27);
     let formulation = match chosen(choice, "formulation") {
-        "projected-volume" if is_quadrilateral => Formulation::Linear,
+        "projected-volume" if takes_linear => Formulation::Linear,
         "projected-volume" => Formulation::Constant,
         "incompatible-modes" => Formulation::Modes,
         _ => Formulation::Standard,

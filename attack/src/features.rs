@@ -15,7 +15,13 @@ const fn axis(name: &'static str, values: &'static [&'static str]) -> Axis {
 
 /// All axes.
 pub const AXES: [Axis; 13] = [
-    axis("cells", &["hex8", "hex20", "tet4", "tet10", "wedge6", "quad4", "quad8", "tri3", "tri6"]),
+    axis(
+        "cells",
+        &[
+            "hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "quad4", "quad8", "quad9",
+            "tri3", "tri6",
+        ],
+    ),
     axis("formulation", &["standard", "projected-volume", "incompatible-modes"]),
     axis("material", &["neo-hooke", "saint-venant-kirchhoff", "mooney-rivlin", "formula", "fibres", "two"]),
     axis(
@@ -100,7 +106,7 @@ const REFUSED: [(&str, &[&str], &str, &[&str], &str); 17] = [
     ("cells", &["tet4", "tri3"], "formulation", &["projected-volume"], "project"),
     (
         "cells",
-        &["hex20", "tet4", "tet10", "wedge6", "quad8", "tri3", "tri6"],
+        &["hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "quad8", "quad9", "tri3", "tri6"],
         "formulation",
         &["incompatible-modes"],
         "incompatible",

@@ -380,7 +380,7 @@ impl Cell {
         let mass_points: Vec<(f64, Vec<f64>)> = kind.mass_rule().into_iter().map(mass_point).collect();
         let total: f64 = mass_points.iter().map(|point| point.0).sum();
         let squares: f64 = mass_points.iter().map(|(weight, shapes)| weight * dot(shapes, shapes)).sum();
-        let lumped = |(_, shapes): &(f64, Vec<f64>)| match kind.edges().is_empty() {
+        let lumped = |(_, shapes): &(f64, Vec<f64>)| match kind.middles().is_empty() {
             true => shapes.clone(),
             false => shapes.iter().map(|shape| shape * shape * total / squares).collect(),
         };

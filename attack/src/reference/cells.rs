@@ -28,6 +28,12 @@ pub enum Kind {
     Hex8,
     /// Hexahedron with nodes at its edges.
     Hex20,
+    /// Biquadratic quadrilateral.
+    Quad9,
+    /// Wedge with nodes at its edges.
+    Wedge15,
+    /// Triquadratic hexahedron.
+    Hex27,
 }
 
 /// Points with weights.
@@ -50,33 +56,46 @@ impl Kind {
         match self {
             Kind::Line2 | Kind::Line3 => 2,
             Kind::Tri3 | Kind::Tri6 => 3,
-            Kind::Quad4 | Kind::Quad8 | Kind::Tet4 | Kind::Tet10 => 4,
-            Kind::Wedge6 => 6,
-            Kind::Hex8 | Kind::Hex20 => 8,
+            Kind::Quad4 | Kind::Quad8 | Kind::Quad9 | Kind::Tet4 | Kind::Tet10 => 4,
+            Kind::Wedge6 | Kind::Wedge15 => 6,
+            Kind::Hex8 | Kind::Hex20 | Kind::Hex27 => 8,
         }
     }
 
-    /// Pairs of corners with a node between them, in the order of Gmsh.
-    pub fn edges(self) -> &'static [[usize; 2]] {
+    /// Corners with a node in their middle, in the order of Gmsh.
+    pub fn middles(self) -> &'static [&'static [usize]] {
+        static HEX27: [&[usize]; 19] = [
+            &[0, 1],
+            &[0, 3],
+            &[0, 4],
+            &[1, 2],
+            &[1, 5],
+            &[2, 3],
+            &[2, 6],
+            &[3, 7],
+            &[4, 5],
+            &[4, 7],
+            &[5, 6],
+            &[6, 7],
+            &[0, 3, 2, 1],
+            &[0, 1, 5, 4],
+            &[0, 4, 7, 3],
+            &[1, 2, 6, 5],
+            &[2, 3, 7, 6],
+            &[4, 5, 6, 7],
+            &[0, 1, 2, 3, 4, 5, 6, 7],
+        ];
         match self {
-            Kind::Line3 => &[[0, 1]],
-            Kind::Tri6 => &[[0, 1], [1, 2], [2, 0]],
-            Kind::Quad8 => &[[0, 1], [1, 2], [2, 3], [3, 0]],
-            Kind::Tet10 => &[[0, 1], [1, 2], [2, 0], [3, 0], [3, 2], [3, 1]],
-            Kind::Hex20 => &[
-                [0, 1],
-                [0, 3],
-                [0, 4],
-                [1, 2],
-                [1, 5],
-                [2, 3],
-                [2, 6],
-                [3, 7],
-                [4, 5],
-                [4, 7],
-                [5, 6],
-                [6, 7],
-            ],
+            Kind::Line3 => &[&[0, 1]],
+            Kind::Tri6 => &[&[0, 1], &[1, 2], &[2, 0]],
+            Kind::Quad8 => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+            Kind::Quad9 => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0], &[0, 1, 2, 3]],
+            Kind::Tet10 => &[&[0, 1], &[1, 2], &[2, 0], &[3, 0], &[3, 2], &[3, 1]],
+            Kind::Wedge15 => {
+                &[&[0, 1], &[0, 2], &[0, 3], &[1, 2], &[1, 4], &[2, 5], &[3, 4], &[3, 5], &[4, 5]]
+            }
+            Kind::Hex20 => HEX27.split_at(12).0,
+            Kind::Hex27 => &HEX27,
             _ => &[],
         }
     }
@@ -85,10 +104,12 @@ impl Kind {
     pub fn facets(self) -> &'static [&'static [usize]] {
         match self {
             Kind::Tri3 | Kind::Tri6 => &[&[0, 1], &[1, 2], &[2, 0]],
-            Kind::Quad4 | Kind::Quad8 => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+            Kind::Quad4 | Kind::Quad8 | Kind::Quad9 => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
             Kind::Tet4 | Kind::Tet10 => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
-            Kind::Wedge6 => &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
-            Kind::Hex8 | Kind::Hex20 => {
+            Kind::Wedge6 | Kind::Wedge15 => {
+                &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]]
+            }
+            Kind::Hex8 | Kind::Hex20 | Kind::Hex27 => {
                 &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
             }
             Kind::Line2 | Kind::Line3 => &[],
@@ -97,8 +118,9 @@ impl Kind {
 
     /// The kind of a facet with some corners.
     pub fn facet(self, corners: usize) -> Kind {
-        let is_quadratic = !self.edges().is_empty();
+        let is_quadratic = !self.middles().is_empty();
         match (corners, is_quadratic) {
+            (4, true) if self == Kind::Hex27 => Kind::Quad9,
             (2, false) => Kind::Line2,
             (2, true) => Kind::Line3,
             (3, false) => Kind::Tri3,
@@ -122,6 +144,9 @@ impl Kind {
             Kind::Tet10 => 11,
             Kind::Quad8 => 16,
             Kind::Hex20 => 17,
+            Kind::Quad9 => 10,
+            Kind::Wedge15 => 18,
+            Kind::Hex27 => 12,
         }
     }
 
@@ -129,7 +154,7 @@ impl Kind {
     pub fn dimension(self) -> usize {
         match self {
             Kind::Line2 | Kind::Line3 => 1,
-            Kind::Tri3 | Kind::Tri6 | Kind::Quad4 | Kind::Quad8 => 2,
+            Kind::Tri3 | Kind::Tri6 | Kind::Quad4 | Kind::Quad8 | Kind::Quad9 => 2,
             _ => 3,
         }
     }
@@ -149,11 +174,13 @@ impl Kind {
                 let n = self.dimension();
                 let rest = xi[..n].iter().fold(one, |sum, &x| sum - x);
                 let linear: Vec<Dual> = [rest].into_iter().chain(xi[..n].iter().copied()).collect();
-                if self.edges().is_empty() {
+                if self.middles().is_empty() {
                     return linear;
                 }
                 let corners = linear.iter().map(|&l| l * (l * 2.0 - 1.0));
-                corners.chain(self.edges().iter().map(|&[a, b]| linear[a] * linear[b] * 4.0)).collect()
+                corners
+                    .chain(self.middles().iter().map(|ends| linear[ends[0]] * linear[ends[1]] * 4.0))
+                    .collect()
             }
             Kind::Wedge6 => {
                 let linear = [one - xi[0] - xi[1], xi[0], xi[1]];
@@ -171,13 +198,45 @@ impl Kind {
                 let product = |c: &[f64; 3]| (0..n).fold(one, |p, d| p * between(xi[d], c[d]));
                 let sum = |c: &[f64; 3]| (0..n).fold(Dual::constant(1.0 - n as f64), |s, d| s + xi[d] * c[d]);
                 let corners = CUBE[..self.corners()].iter().map(|c| product(c) * sum(c));
-                let edge = |&[a, b]: &[usize; 2]| {
+                let edge = |ends: &&[usize]| {
+                    let [a, b] = [ends[0], ends[1]];
                     (0..n).fold(one, |p, d| match CUBE[a][d] == CUBE[b][d] {
                         true => p * between(xi[d], CUBE[a][d]),
                         false => p * (one - xi[d] * xi[d]),
                     })
                 };
-                corners.chain(self.edges().iter().map(edge)).collect()
+                corners.chain(self.middles().iter().map(edge)).collect()
+            }
+            Kind::Quad9 | Kind::Hex27 => {
+                let n = self.dimension();
+                // -1, 0 or 1 along each axis.
+                let place = |corners: &[usize], d: usize| {
+                    corners.iter().map(|&c| CUBE[c][d]).sum::<f64>() / corners.len() as f64
+                };
+                let along = |x: Dual, node: f64| match node == 0.0 {
+                    true => one - x * x,
+                    false => x * (x + node) * 0.5,
+                };
+                let shape = |corners: &[usize]| (0..n).fold(one, |p, d| p * along(xi[d], place(corners, d)));
+                let corners = (0..self.corners()).map(|corner| shape(&[corner]));
+                corners.chain(self.middles().iter().map(|corners| shape(corners))).collect()
+            }
+            Kind::Wedge15 => {
+                let linear = [one - xi[0] - xi[1], xi[0], xi[1]];
+                let ends = [between(xi[2], -1.0), between(xi[2], 1.0)];
+                let bubble = one - xi[2] * xi[2];
+                let corner = |c: usize| {
+                    let (l, end) = (linear[c % 3], ends[c / 3]);
+                    l * (l * 2.0 - 1.0) * end - l * bubble * 0.5
+                };
+                let middle = |pair: &&[usize]| {
+                    let [a, b] = [pair[0], pair[1]];
+                    match a % 3 == b % 3 {
+                        true => linear[a % 3] * bubble,
+                        false => linear[a % 3] * linear[b % 3] * ends[a / 3] * 4.0,
+                    }
+                };
+                (0..6).map(corner).chain(self.middles().iter().map(middle)).collect()
             }
         }
     }
@@ -187,7 +246,7 @@ impl Kind {
         match self {
             Kind::Tri3 | Kind::Tri6 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
             Kind::Tet4 | Kind::Tet10 => [0.25; 3],
-            Kind::Wedge6 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            Kind::Wedge6 | Kind::Wedge15 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
             _ => [0.0; 3],
         }
     }
@@ -210,7 +269,17 @@ impl Kind {
                 let layer = |&(z, w): &(f64, f64)| triangle.map(|[x, y]| ([x, y, 2.0 * z - 1.0], w / 3.0));
                 ends.iter().flat_map(layer).collect()
             }
-            _ => self.product_rule(if self.edges().is_empty() { 2 } else { 3 }),
+            Kind::Wedge15 => {
+                let triangle = Kind::Tri6.facet_rule();
+                let layer = |&(z, w): &(f64, f64)| {
+                    triangle
+                        .iter()
+                        .map(move |([x, y, _], v)| ([*x, *y, 2.0 * z - 1.0], 2.0 * w * v))
+                        .collect::<Rule>()
+                };
+                gauss(3).iter().flat_map(layer).collect()
+            }
+            _ => self.product_rule(if self.middles().is_empty() { 2 } else { 3 }),
         }
     }
 
@@ -306,7 +375,10 @@ mod tests {
 
     #[test]
     fn shape_functions_are_one_at_their_nodes_and_add_up_to_one() {
-        for kind in [Kind::Tri6, Kind::Quad8, Kind::Tet10, Kind::Wedge6, Kind::Hex8, Kind::Hex20] {
+        let linear = [Kind::Wedge6, Kind::Hex8];
+        let quadratic =
+            [Kind::Tri6, Kind::Quad8, Kind::Quad9, Kind::Tet10, Kind::Wedge15, Kind::Hex20, Kind::Hex27];
+        for kind in linear.into_iter().chain(quadratic) {
             for (at, _) in kind.strain_rule() {
                 let shapes = kind.shapes(at);
                 let sum = shapes.iter().skip(1).fold(shapes[0], |sum, &shape| sum + shape);

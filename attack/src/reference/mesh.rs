@@ -68,8 +68,8 @@ impl Mesh {
                     &[0, 4, 5, 6],
                     &[0, 5, 1, 6],
                 ],
-                Kind::Wedge6 => &[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]],
-                Kind::Quad4 | Kind::Quad8 => &[&[0, 1, 2, 3]],
+                Kind::Wedge6 | Kind::Wedge15 => &[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]],
+                Kind::Quad4 | Kind::Quad8 | Kind::Quad9 => &[&[0, 1, 2, 3]],
                 _ => &[&[0, 1, 2, 3, 4, 5, 6, 7]],
             };
             corners.extend(parts.iter().map(|part| part.iter().map(|&at| base[at]).collect::<Vec<_>>()));
@@ -89,7 +89,7 @@ impl Mesh {
         mesh
     }
 
-    fn facets_at(&mut self, y: f64, middles: &mut BTreeMap<[usize; 2], usize>, rng: &mut Rng) -> Vec<Item> {
+    fn facets_at(&mut self, y: f64, middles: &mut BTreeMap<Vec<usize>, usize>, rng: &mut Rng) -> Vec<Item> {
         let mut facets = Vec::new();
         for cell in self.cells.clone() {
             for local in cell.kind.facets() {
@@ -155,23 +155,31 @@ fn with_middles(
     kind: Kind,
     corners: &[usize],
     points: &mut Vec<[f64; 3]>,
-    middles: &mut BTreeMap<[usize; 2], usize>,
+    middles: &mut BTreeMap<Vec<usize>, usize>,
     rng: &mut Rng,
 ) -> Vec<usize> {
     let mut nodes = corners.to_vec();
-    for edge in kind.edges() {
-        let mut ends = edge.map(|end| corners[end]);
-        ends.sort_unstable();
-        nodes.push(*middles.entry(ends).or_insert_with(|| {
-            let [a, b] = ends.map(|end| points[end]);
-            let is_plane = points.iter().all(|point| point[2] == 0.0);
-            let is_at_end = a[1] == b[1] && (a[1] == 0.0 || a[1] == HEIGHT);
-            let mut aside = [0, 1, 2].map(|_| 0.06 * (rng.f64() - 0.5));
-            aside[1] *= f64::from(!is_at_end);
-            aside[2] *= f64::from(!is_plane);
-            points.push(std::array::from_fn(|d| 0.5 * (a[d] + b[d]) + aside[d]));
-            points.len() - 1
-        }));
+    for corners_of in kind.middles() {
+        let mut around: Vec<usize> = corners_of.iter().map(|&corner| corners[corner]).collect();
+        around.sort_unstable();
+        if let Some(&node) = middles.get(&around) {
+            nodes.push(node);
+            continue;
+        }
+        let is_plane = points.iter().all(|point| point[2] == 0.0);
+        let mean = |d: usize| around.iter().map(|&node| points[node][d]).sum::<f64>() / around.len() as f64;
+        let is_at = |y: f64| around.iter().all(|&node| points[node][1] == y);
+        let mut aside = [0, 1, 2].map(|_| 0.06 * (rng.f64() - 0.5));
+        aside[2] *= f64::from(!is_plane);
+        let mut place: [f64; 3] = std::array::from_fn(|d| mean(d) + aside[d]);
+        for y in [0.0, HEIGHT] {
+            if is_at(y) {
+                place[1] = y;
+            }
+        }
+        points.push(place);
+        nodes.push(points.len() - 1);
+        middles.insert(around, points.len() - 1);
     }
     nodes
 }

@@ -474,7 +474,12 @@ impl Motion<'_> {
             let stages = self.stages(&start, &rates(x)).residuals;
             stages.iter().flat_map(|own| free.iter().map(|&dof| own[dof])).collect()
         };
-        let guess = (0..k).flat_map(|_| free.iter().map(|&dof| h * state.v[dof])).collect();
+        let a = self.at_rest_of_step(&state.u, t, t).a;
+        let along = |c: &f64| {
+            let own = |dof: &usize| h * state.v[*dof] + c * h * h * a[*dof];
+            free.iter().map(own).collect::<Vec<f64>>()
+        };
+        let guess = element.c.iter().flat_map(along).collect();
         let x = rates(&solve(guess, 0.1, residual)?);
         let mut step = Step::new(self);
         let Stages { forces, loads, damping, dissipated, .. } = self.stages(&start, &x);
