@@ -74,10 +74,9 @@ struct Reference {
     mass: ReferenceTable<3>,
     /// Whether both have the same points.
     has_same_points: bool,
+    /// Determinants of the Jacobians of a cell.
+    dets: Vec<f64>,
 }
-
-/// Largest number of points of a cell.
-const MAX_POINTS: usize = 64;
 
 /// Relative difference that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -107,18 +106,18 @@ impl Reference {
         };
         let matrix: Vec<f64> = (0..n * n).map(|at| entry(at / n, at % n)).collect();
         let has_same_points = energy.points == mass.points;
-        Ok(Reference { kind, laplacian: largest_eigenvalue(&matrix)?, energy, mass, has_same_points })
+        Ok(Reference { kind, laplacian: largest_eigenvalue(&matrix)?, energy, mass, has_same_points, dets: Vec::new() })
     }
 
     /// Bound of a cell, with c / rho = 1.
-    fn factor(&self, mesh: &Mesh, cell: Cell<'_>) -> f64 {
+    fn factor(&mut self, mesh: &Mesh, cell: Cell<'_>) -> f64 {
         let X = positions(mesh, cell.nodes);
         let mut stiffness: f64 = 0.0;
-        let mut dets = [0.0; MAX_POINTS];
-        for (q, own) in dets.iter_mut().enumerate().take(self.energy.weights.len()) {
+        self.dets.clear();
+        for q in 0..self.energy.weights.len() {
             let J = jacobian(self.kind, &X, self.energy.gradients_at(q));
             let det = det(&J);
-            *own = det;
+            self.dets.push(det);
             let mut inverse = inverse(&J, det);
             if self.kind.dimension() == 2 {
                 // Nothing changes across the plane.
@@ -133,7 +132,7 @@ impl Reference {
         let (mut least, mut most, mut volume, mut reference) = (f64::INFINITY, 0f64, 0.0, 0.0);
         for (q, weight) in self.mass.weights.iter().enumerate() {
             let det = match self.has_same_points {
-                true => dets[q],
+                true => self.dets[q],
                 false => det(&jacobian(self.kind, &X, self.mass.gradients_at(q))),
             };
             (least, most) = (least.min(det), most.max(det));

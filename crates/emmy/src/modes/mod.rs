@@ -57,6 +57,9 @@ const TOLERANCE: f64 = 1e-9;
 /// Largest relative residual of a mode; beyond it the search has failed.
 pub const MAX_RESIDUAL: f64 = 1e-6;
 
+/// Relative difference of shifts that find the same.
+const SAME_SHIFT: f64 = 1e-3;
+
 /// Number of shifts that are tried.
 const MAX_SHIFTS: usize = 6;
 
@@ -211,11 +214,15 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
         let is_rigid = found.values.iter().any(|value| value.abs() <= zero);
         residual = found.largest_residual(count);
         let is_found = found.is_complete && residual <= MAX_RESIDUAL;
+        let before = shift;
         match lowest {
             Some(lowest) if !is_found => shift = lowest,
             Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
             None if !is_found => shift = 0.01 * pencil.shift(),
             _ => return Ok(described(body, found, zero)),
+        }
+        if (shift / before - 1.0).abs() < SAME_SHIFT {
+            break;
         }
     }
     Err(Error::Modes { count, residual, limit: MAX_RESIDUAL })
