@@ -23,7 +23,7 @@ from ._mesh import Mesh
 from ._motion import Motion
 from ._results import read_table, stamp
 from ._run import StrPath, call, directory_of, flags
-from ._state import State
+from ._state import Snapshot, State
 from ._tables import loads, masses, regions, supports
 
 #: Tables of the input that describe the body.
@@ -184,6 +184,8 @@ class Modes:
         Effective masses along x, y and z.
     rigid : int
         Number of rigid modes.
+    residuals : array (count,)
+        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in the squared frequencies.
 
     Examples
     --------
@@ -196,10 +198,11 @@ class Modes:
     shapes: NDArray[np.float64]
     effective_masses: NDArray[np.float64]
     rigid: int
+    residuals: NDArray[np.float64]
 
 
-def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
-    """Natural modes of a body about its reference configuration, or about an equilibrium.
+def modes(body: Body, count: int = 10, *, state: State | Snapshot | None = None) -> Modes:
+    """Natural modes of a body about its reference configuration, or about a state such as an equilibrium.
 
     Parameters
     ----------
@@ -207,8 +210,9 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
         Body.
     count : int, optional
         Number of modes, rigid ones included.
-    state : State, optional
-        Equilibrium.
+    state : State or Snapshot, optional
+        Equilibrium, or another state whose positions count as those of a body at rest: its velocities have no effect. The
+        body itself has no start; that of an input is ``problem.motion().state``.
 
     Returns
     -------
@@ -219,7 +223,9 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     InputError
         If the number is not positive.
     TypeError
-        If `body` is not a `Body`, or `state` is not a `State`.
+        If `body` is not a `Body`, or `state` is neither a `State` nor a `Snapshot`.
+    ConvergenceError
+        If a residual exceeds 1e-6.
 
     Examples
     --------
@@ -228,9 +234,11 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     >>> modes.shapes.shape, bool(modes.frequencies[6] > 0.0)
     ((7, 20, 3), True)
     """
-    about = None if state is None else words.one(state, State, "state")._tuple()
+    about: Any = state._native if isinstance(state, Snapshot) else None
+    if about is None and state is not None:
+        about = words.one(state, State, "state")._tuple()
     own = words.one(body, Body, "body")._native.modes(words.count(count, 1, "count"), about)
-    return Modes(own["frequencies"], own["shapes"], own["effective_masses"], own["rigid"])
+    return Modes(own["frequencies"], own["shapes"], own["effective_masses"], own["rigid"], own["residuals"])
 
 
 def equilibrium(body: Body, load_steps: int = 10, *, tolerance: float = 1e-10, max_iterations: int = 20) -> State:

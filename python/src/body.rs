@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::equilibrium;
+use emmy::motion::State;
 use emmy_io::input::{self, Overrides, Tree};
 use numpy::ndarray::{Array3, ArrayView2};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::function::Callables;
 use crate::mesh::{Mesh, table_of, vectors};
-use crate::snapshot::{StateArrays, StateTuple, arrays, nodal, tuple};
+use crate::snapshot::{Snapshot, StateArrays, StateTuple, arrays, nodal, tuple};
 use crate::tree::tree;
 use crate::{errors, pool};
 
@@ -319,23 +320,28 @@ impl Body {
         Err(errors::library(py, &inverted))
     }
 
-    /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `rigid`.
+    /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `residuals`,
+    /// `rigid`.
     #[pyo3(signature = (count, state=None))]
     fn modes<'py>(
         &self,
         py: Python<'py>,
         count: usize,
-        state: Option<StateArrays<'py>>,
+        state: Option<About<'py>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let state = state.map(|state| arrays(py, self.inner(), state)).transpose()?;
+        let state = state.map(|about| about.state(py, self.inner())).transpose()?;
         let found = pool::work(py, || match &state {
             Some(state) => emmy::modes::modes_about(self.inner(), state, count),
             None => emmy::modes::modes(self.inner(), count),
         })?;
-        let modes = found.map_err(|error| errors::library(py, &error))?;
+        let modes = found.map_err(|error| match error {
+            emmy::Error::Modes { .. } | emmy::Error::Linear { .. } => errors::step(py, &error),
+            error => errors::library(py, &error),
+        })?;
         let table = PyDict::new(py);
         let list = |number: fn(&emmy::modes::Mode) -> f64| PyArray1::from_iter(py, modes.iter().map(number));
         table.set_item("frequencies", list(|mode| mode.frequency()))?;
+        table.set_item("residuals", list(|mode| mode.residual))?;
         table.set_item("rigid", modes.iter().filter(|mode| mode.angular_frequency == 0.0).count())?;
         let masses = modes.iter().flat_map(|mode| mode.effective_mass).collect();
         table.set_item("effective_masses", table_of(py, masses, 3)?)?;
@@ -349,6 +355,27 @@ impl Body {
     #[getter]
     fn has_functions(&self) -> bool {
         !self.callables.is_empty()
+    }
+}
+
+/// The state about which a body vibrates.
+#[derive(FromPyObject)]
+enum About<'py> {
+    Snapshot(Py<Snapshot>),
+    State(StateArrays<'py>),
+}
+
+impl About<'_> {
+    fn state(self, py: Python<'_>, body: &emmy::body::Body) -> PyResult<State> {
+        match self {
+            About::State(given) => arrays(py, body, given),
+            About::Snapshot(snapshot) => {
+                let state = snapshot.get().checkpoint.state(body);
+                let state = state.map_err(|error| errors::argument(py, "state", &error.to_string()))?;
+                let time = state.time;
+                state.transferred(body, time).map_err(|error| errors::library(py, &error))
+            }
+        }
     }
 }
 

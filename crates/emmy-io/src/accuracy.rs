@@ -3,7 +3,7 @@
 
 use emmy::body::{InitialVelocity, Load, LoadKind};
 use emmy::internals::number::short;
-use emmy::modes::lowest_elastic_mode;
+use emmy::modes::{lowest_elastic_mode, lowest_elastic_mode_about};
 use emmy::motion::{Phase, RunStatistics, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
@@ -128,9 +128,30 @@ fn is_period_wanted(problem: &Problem, statistics: &RunStatistics) -> bool {
     is_cheap && is_strained && is_known
 }
 
-/// The lowest elastic period of a problem; none if it is not found.
+/// Largest product of degrees of freedom and increments of an equilibrium that is computed for a period alone: a second or
+/// two.
+const MAX_INCREMENTS: usize = 30_000;
+
+/// Whether the equilibrium from which a motion starts, if it does, is cheap beside its lowest period.
+pub fn has_cheap_equilibrium(problem: &Problem) -> bool {
+    let n_increments = match problem.start {
+        Start::Equilibrium { load_steps } => load_steps,
+        Start::Undeformed if problem.is_static() => problem.plan.n_steps(),
+        Start::Undeformed | Start::Run(_) => 0,
+    };
+    problem.body.n_dofs().saturating_mul(n_increments) <= MAX_INCREMENTS
+}
+
+/// The lowest elastic period of a problem about its start; none if it is not found, or takes long.
 pub fn lowest_period(problem: &Problem) -> Option<f64> {
-    lowest_elastic_mode(&problem.body).ok()?.map(|(mode, _)| mode.period())
+    if !has_cheap_equilibrium(problem) {
+        return None;
+    }
+    let found = match problem.state_of_vibration().ok()? {
+        Some(state) => lowest_elastic_mode_about(&problem.body, &state),
+        None => lowest_elastic_mode(&problem.body),
+    };
+    found.ok()?.map(|(mode, _)| mode.period())
 }
 
 /// Whether a step is too long for a period: a vibration of this period then has a phase error of about 1 % or more with degree 2

@@ -22,7 +22,7 @@ pub const TABLE: &str = "modes.csv";
 
 /// Columns of [`TABLE`].
 const COLUMNS: &str =
-    "mode,angular_frequency,frequency,period,effective_mass_x,effective_mass_y,effective_mass_z";
+    "mode,angular_frequency,frequency,period,effective_mass_x,effective_mass_y,effective_mass_z,residual";
 
 /// Largest displacement of a mode in a frame, relative to the diagonal of the body.
 const AMPLITUDE: f64 = 0.08;
@@ -73,7 +73,7 @@ fn input(problem: &Problem) -> String {
 fn csv(modes: &[Mode]) -> String {
     let row = |(index, mode): (usize, &Mode)| {
         let [x, y, z] = mode.effective_mass;
-        let numbers = [mode.angular_frequency, mode.frequency(), mode.period(), x, y, z];
+        let numbers = [mode.angular_frequency, mode.frequency(), mode.period(), x, y, z, mode.residual];
         format!("{},{}\n", index + 1, numbers.map(|number| format!("{number:.16e}")).join(","))
     };
     format!("{COLUMNS}\n{}", modes.iter().enumerate().map(row).collect::<String>())

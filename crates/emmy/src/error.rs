@@ -594,6 +594,18 @@ pub enum Error {
         /// Number of free degrees of freedom.
         free: usize,
     },
+    /// Natural modes that were not found: the relative residual of one is too large, or infinite if one is missing.
+    #[error(
+        "the search for {count} natural modes did not converge: the largest relative residual is {residual:.1e}, more than {limit:e}"
+    )]
+    Modes {
+        /// Number of modes that are wanted.
+        count: usize,
+        /// Largest relative residual.
+        residual: f64,
+        /// Largest relative residual of a mode.
+        limit: f64,
+    },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {

@@ -43,8 +43,8 @@ pub(crate) enum Verb {
     Run(run::Arguments),
     /// Compute natural modes: frequencies, effective masses, mode shapes
     ///
-    /// The modes of the supported body about its reference configuration, or about its `[equilibrium]`, without viscosity
-    /// and drag. Rigid modes are counted among them, with the frequency 0.
+    /// The modes of the supported body about the start of the motion (the reference configuration, `[equilibrium]`, or
+    /// `initial.state`), without viscosity and drag. Rigid modes are counted among them, with the frequency 0.
     Modes(modes::Arguments),
     /// Write report.html of a run again
     ///

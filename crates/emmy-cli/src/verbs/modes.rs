@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::body::RegionSummary;
+use emmy::equilibrium::unbalanced_force;
 use emmy::modes::{Mode, modes, modes_about, n_modes};
-use emmy_io::input::{self, Overrides, Problem, Start, StartError};
+use emmy::motion::State;
+use emmy_io::input::{self, Overrides, Problem, Start};
 
 use super::with_threads;
 use crate::failure::Failure;
@@ -50,12 +52,15 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     }
     let directory = arguments.directory(&problem);
     emmy_io::modes::check(&directory, &problem)?;
-    let (displacement, modes) = computed(&problem, arguments.count)?;
+    let state = problem.state_of_vibration()?;
+    let modes = computed(&problem, state.as_ref(), arguments.count)?;
+    let displacement =
+        state.as_ref().map_or_else(|| vec![0.0; problem.body.n_dofs()], |state| state.displacement.clone());
     emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
     print::result(host, &table(&problem, &modes))?;
     let page = emmy_io::report::write(&directory)?;
     if !arguments.quiet {
-        about(&problem, &displacement, host);
+        about(&problem, state.as_ref(), host)?;
         remarks(&modes, host);
         message!(host, "written: {}", directory.join(emmy_io::modes::TABLE).display());
         message!(host, "to look at: {}", page.display());
@@ -73,17 +78,15 @@ impl Arguments {
     }
 }
 
-/// The displacement about which the body vibrates, and its modes.
-fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode>), Failure> {
+/// The modes about a state, or about the undeformed body.
+fn computed(problem: &Problem, state: Option<&State>, count: Option<u32>) -> Result<Vec<Mode>, Failure> {
     let body = &problem.body;
     let count = count.map_or(DEFAULT_COUNT.min(n_modes(body).max(1)), |count| count as usize);
-    let Some(equilibrium) = problem.equilibrium()? else {
-        let modes = modes(body, count).map_err(failure)?;
-        return Ok((vec![0.0; body.n_dofs()], modes));
+    let found = match state {
+        Some(state) => modes_about(body, state, count),
+        None => modes(body, count),
     };
-    let state = equilibrium.start(problem.newton, &[], &mut []).map_err(StartError::from)?;
-    let modes = modes_about(body, &state, count).map_err(failure)?;
-    Ok((state.displacement, modes))
+    found.map_err(failure)
 }
 
 /// An iteration that does not converge is no fault of the input.
@@ -95,6 +98,10 @@ fn failure(error: emmy::Error) -> Failure {
                 free => format!("take at most {free}"),
             };
             Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+        }
+        emmy::Error::Modes { .. } => {
+            let help = "nothing was written; thin cells and stiff springs leave the lowest modes few digits";
+            Failure::Study { message: error.to_string(), help: help.to_string() }
         }
         emmy::Error::Linear { .. } => {
             Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
@@ -125,29 +132,54 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
     columns(rows.chain([sums.collect()]).collect())
 }
 
-/// Says about which state the body vibrates, unless it is the reference configuration of the input.
-fn about(problem: &Problem, displacement: &[f64], host: &dyn Host) {
-    match problem.start {
-        Start::Run(_) => {
-            message!(
-                host,
-                "note: the modes are about the reference configuration; `initial.state` has no effect"
-            )
-        }
-        _ if displacement.iter().all(|u| *u == 0.0) => {}
-        _ => {
-            let lengths =
-                displacement.as_chunks::<3>().0.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt());
-            let largest = problem.units.number(lengths.fold(0.0, f64::max), "length");
-            message!(host, "about the equilibrium under the loads at t = 0; largest displacement {largest}");
-        }
+/// Says about which state the body vibrates, and what of the start does not count.
+fn about(problem: &Problem, state: Option<&State>, host: &dyn Host) -> Result<(), Failure> {
+    let body = &problem.body;
+    if problem.initial.iter().any(|field| field.angular_velocity != [0.0; 3]) {
+        message!(host, "note: the modes are those of the body at rest; its initial rotation does not count");
     }
+    let Some(state) = state else { return Ok(()) };
+    let largest = |vectors: &[f64], dimension| problem.units.number(largest_length(vectors), dimension);
+    let displaced = format!("largest displacement {}", largest(&state.displacement, "length"));
+    let Start::Run(directory) = &problem.start else {
+        if state.displacement.iter().any(|u| *u != 0.0) {
+            message!(host, "about the equilibrium under the loads at t = 0; {displaced}");
+        }
+        return Ok(());
+    };
+    message!(host, "about the last state of the run in {}; {displaced}", directory.display());
+    let mut faults = Vec::new();
+    if state.velocity.iter().any(|v| *v != 0.0) {
+        faults
+            .push(format!("it moves, with velocities of up to {}", largest(&state.velocity, "length/time")));
+    }
+    let mut forces = unbalanced_force(body, &state.displacement, state.time)?;
+    let all = largest_length(&forces);
+    forces.iter_mut().zip(body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(force, _)| *force = 0.0);
+    if largest_length(&forces) > UNBALANCED * all {
+        let size = largest(&forces, "force");
+        faults.push(format!("nodal forces of up to {size} are not balanced under the loads at t = 0"));
+    }
+    if !faults.is_empty() {
+        let faults = faults.join(", and ");
+        message!(
+            host,
+            "note: this state is no equilibrium ({faults}); the modes are about its positions alone"
+        );
+    }
+    Ok(())
 }
 
-/// Largest relative residual without a warning.
-const MAX_RESIDUAL: f64 = 1e-4;
+/// Unbalanced force, relative to the largest reaction, that rounding and the end of an iteration explain.
+const UNBALANCED: f64 = 1e-6;
 
-/// Remarks on rigid, unstable and inaccurate modes.
+/// Largest length of a vector, `[n_nodes][3]`.
+fn largest_length(vectors: &[f64]) -> f64 {
+    let length = |[x, y, z]: &[f64; 3]| (x * x + y * y + z * z).sqrt();
+    vectors.as_chunks().0.iter().map(length).fold(0.0, f64::max)
+}
+
+/// Remarks on rigid and unstable modes.
 fn remarks(modes: &[Mode], host: &dyn Host) {
     let rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
     let unstable = modes.iter().filter(|mode| mode.angular_frequency < 0.0).count();
@@ -159,13 +191,6 @@ fn remarks(modes: &[Mode], host: &dyn Host) {
         message!(
             host,
             "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
-        );
-    }
-    let residual = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
-    if residual > MAX_RESIDUAL {
-        message!(
-            host,
-            "warning: relative residuals of up to {residual:.0e}: the lowest modes have few correct digits"
         );
     }
 }

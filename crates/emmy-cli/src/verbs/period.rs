@@ -1,19 +1,23 @@
 //! The lowest period of a body, and the steps that resolve it, for `emmy check`.
 
+use std::borrow::Cow;
+
 use emmy::internals::time::CentralDifferences;
-use emmy::modes::{Mode, lowest_elastic_mode};
+use emmy::modes::{Mode, lowest_elastic_mode, lowest_elastic_mode_about};
+use emmy::motion::State;
 use emmy::time::Scheme;
 use emmy_io::accuracy;
-use emmy_io::input::Problem;
+use emmy_io::input::{Problem, Start, StartError};
 
 use super::check::Report;
+use crate::failure::with_causes;
 use crate::print::number;
 
 /// Largest body whose modes are computed by a check, in degrees of freedom: a second or two.
 const MAX_DOFS: usize = 30_000;
 
-/// Reports on the lowest elastic mode about the reference configuration.
-pub(super) fn report(report: &mut Report, problem: &Problem) {
+/// Reports on the lowest elastic mode of the start.
+pub(super) fn report(report: &mut Report, problem: &Problem, start: Option<&State>) {
     let body = &problem.body;
     if body.n_dofs() > MAX_DOFS {
         let text = format!(
@@ -21,19 +25,50 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
         );
         report.line("period", &text);
     } else {
-        match lowest_elastic_mode(body) {
-            Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, n_rigid),
-            Ok(None) => report.line("period", "none: the lowest modes of this body are rigid or unstable"),
-            Err(error) => report.line("period", &format!("not found: {error}")),
-        }
+        of_start(report, problem, start);
     }
     if problem.scheme != Scheme::CentralDifferences && !problem.is_static() {
         explicit(report, problem);
     }
 }
 
+/// The lowest elastic mode about the state from which the motion starts.
+fn of_start(report: &mut Report, problem: &Problem, start: Option<&State>) {
+    let (about, state) = match state(problem, start) {
+        Ok(found) => found,
+        Err(error) => {
+            return report.line("period", &format!("not found: no equilibrium: {}", with_causes(&error)));
+        }
+    };
+    let found = match &state {
+        Some(state) => lowest_elastic_mode_about(&problem.body, state),
+        None => lowest_elastic_mode(&problem.body),
+    };
+    match found {
+        Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, (n_rigid, about)),
+        Ok(None) => report.line("period", &format!("none: the lowest modes {about} are rigid or unstable")),
+        Err(error) => report.line("period", &format!("not found: {error}")),
+    }
+}
+
+/// The state about which the body vibrates, in words and as a state; `None`: the undeformed body. The equilibrium of a larger
+/// body takes too long for a check.
+fn state<'a>(
+    problem: &Problem,
+    start: Option<&'a State>,
+) -> Result<(&'static str, Option<Cow<'a, State>>), StartError> {
+    match problem.start {
+        Start::Run(_) => Ok(("about the state of that run", start.map(Cow::Borrowed))),
+        Start::Undeformed if !problem.is_static() => Ok(("", None)),
+        _ if accuracy::has_cheap_equilibrium(problem) => {
+            Ok(("about the equilibrium", problem.state_of_vibration()?.map(Cow::Owned)))
+        }
+        _ => Ok(("about the undeformed body: `emmy modes` has those about the equilibrium", None)),
+    }
+}
+
 /// The period, and the steps of the plan over it.
-fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
+fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about): (usize, &str)) {
     let units = problem.units;
     let period = mode.period();
     let frequency = units.number(mode.frequency(), "frequency");
@@ -47,6 +82,9 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
         units.number(period, "time")
     );
     report.line("period", &text);
+    if !about.is_empty() {
+        report.line("", about);
+    }
     let plan = &problem.plan;
     if plan.adaptivity().is_some() || problem.is_static() {
         return;
@@ -76,17 +114,24 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
     }
 }
 
-/// The critical step of the explicit scheme, for comparison; there is none with incompatible modes, which have no mass.
+/// The critical step of the explicit scheme, for comparison: of a large body a bound from its cells, which needs no matrix.
+/// There is none with incompatible modes, which have no mass.
 fn explicit(report: &mut Report, problem: &Problem) {
     if problem.body.n_dofs() > problem.body.mesh().n_dofs() {
         return;
     }
-    let rest = vec![0.0; problem.body.n_dofs()];
-    if let Ok([critical, _]) = CentralDifferences::critical_steps(&problem.body, &rest) {
-        let text = match critical.is_finite() {
-            true => problem.units.number(critical, "time"),
-            false => "infinite: nothing is stiff".to_string(),
-        };
-        report.line("", &format!("critical step of central differences {text}"));
-    }
+    let body = &problem.body;
+    let step = if body.n_dofs() > MAX_DOFS {
+        let bound = body.frequency_bound().ok().flatten();
+        bound.map(|square| (2.0 / square.sqrt(), "at least "))
+    } else {
+        let rest = vec![0.0; body.n_dofs()];
+        CentralDifferences::critical_steps(body, &rest).ok().map(|[critical, _]| (critical, ""))
+    };
+    let Some((critical, least)) = step else { return };
+    let text = match critical.is_finite() {
+        true => format!("{least}{}", problem.units.number(critical, "time")),
+        false => "infinite: nothing is stiff".to_string(),
+    };
+    report.line("", &format!("critical step of central differences {text}"));
 }

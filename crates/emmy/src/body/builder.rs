@@ -9,9 +9,9 @@ use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::regions::{self, RegionOfCell};
 use super::supports::{Constraints, supported_groups};
-use super::{Body, GroundSpring, Load, PointTerms, Region, Support, elimination, nodal, term};
+use super::{Body, GroundSpring, Load, PointTerms, Region, Support, nodal};
 use crate::error::{Error, Result};
-use crate::mesh::{Mesh, Share};
+use crate::mesh::{Cell, Mesh, Share};
 use crate::sparse::Pattern;
 use crate::team::{Subdomain, Team};
 
@@ -178,28 +178,18 @@ impl Body {
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
         let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal, counts)?;
-        let n_counted_terms = terms.len();
-        if team.is_some() {
-            terms.extend(regions::terms(&mesh, &regions, &of_cell, &internal, |cell| !counts(cell))?);
-        }
+        let has_pressures = regions::check_terms(&mesh, &regions, of_cell.indices())?;
         let n_own = team.as_ref().map_or(mesh.n_nodes(), |team| team.subdomain.n_own);
         let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass, n_own)?;
-        let couplings = terms.iter().flat_map(|term| {
-            let (nodes, length) = term.couplings();
-            nodes.chunks_exact(length)
-        });
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let pattern = Pattern::new(internal.n_all(), couplings).with_inner_from(mesh.n_nodes());
+        let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
         let has_rows_after_guests = team.is_none() || !internal.dofs().is_empty();
         let n_rows = if has_rows_after_guests { internal.n_all() } else { n_own };
         let parts = pattern.divided_until(n_rows, n_parts);
-        terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
-        elimination::number(&mut terms, &parts);
-        let has_pressures = terms.iter().any(|term| term.pressure_cells().is_some());
+        ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
@@ -222,7 +212,7 @@ impl Body {
             pressures: Arc::new(followers),
             release: None,
             drag,
-            viscous_time: term::time_of(term::traces(terms.iter())),
+            viscous_time: 0.0,
             held_axes: constraints.held_axes(),
             inactive,
             fixed: constraints.fixed,
@@ -234,8 +224,7 @@ impl Body {
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
             node_order: Arc::new(OnceLock::new()),
-            terms: Arc::new(terms),
-            n_counted_terms,
+            terms: Arc::new(OnceLock::new()),
             has_pressures,
             n_dofs_of_ranks: internal.dofs().end,
             subdomain: team.map(|team| team.subdomain),
@@ -245,6 +234,7 @@ impl Body {
             internal: Arc::new(internal),
             mesh: Arc::new(mesh),
         };
+        let body = Body { viscous_time: body.own_viscous_time(), ..body };
         body.with_releases(&supports, &nodal.springs)
     }
 
@@ -267,4 +257,16 @@ impl Body {
         }
         Ok(Body { release, ..self })
     }
+}
+
+/// The pattern of the nodes that cells couple.
+fn couplings(mesh: &Mesh, internal: &InternalNodes) -> Pattern {
+    if internal.dofs().is_empty() {
+        return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
+    }
+    let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
+        cell.nodes.iter().copied().chain(internal.of_cell(index as u32)).collect()
+    };
+    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).collect();
+    Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))
 }

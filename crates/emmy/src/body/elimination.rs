@@ -54,7 +54,7 @@ impl Body {
     }
 
     pub(super) fn pressure_cells(&self) -> impl Iterator<Item = PressureCells<'_>> {
-        self.terms.iter().filter_map(|term| term.pressure_cells())
+        self.terms().iter().filter_map(|term| term.pressure_cells())
     }
 
     /// Copies the pressures of the deformation assembled last, `[function][l]`.

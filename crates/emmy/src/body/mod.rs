@@ -13,6 +13,7 @@ mod field;
 mod field_load;
 mod fields;
 mod followers;
+mod frequency_bound;
 mod geometry;
 mod held;
 mod input;
@@ -42,6 +43,7 @@ pub(crate) mod system;
 mod target;
 mod team;
 mod term;
+mod terms;
 mod time_function;
 mod viscosity;
 

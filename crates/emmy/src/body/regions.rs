@@ -1,12 +1,15 @@
 //! Regions: their cells, terms, masses and summaries.
 
-use super::geometry::{CellTable, for_each_volume_point};
+use super::batches::PointGeometry;
+use super::geometry::{CellTable, ReferenceTable, for_each_volume_point, positions, reserved};
 use super::internal_nodes::InternalNodes;
 use super::term::Term;
 use super::{Region, Viscosity};
+use crate::element::{element, jacobian};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Mesh};
 use crate::sparse::Pattern;
+use crate::tensor::{LANES, det};
 
 /// Volume, mass, centre and inertia of a region in the reference configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,13 +132,13 @@ impl RegionOfCell {
     pub(super) fn into_indices(self) -> Vec<u32> {
         self.0
     }
+}
 
-    /// Cells of each region, ascending.
-    fn cells_by_region(&self, n_regions: usize) -> Vec<Vec<u32>> {
-        let mut cells = vec![Vec::new(); n_regions];
-        self.0.iter().zip(0..).for_each(|(&region, cell)| cells[region as usize].push(cell));
-        cells
-    }
+/// Cells of each region, ascending.
+fn cells_by_region(region_of_cell: &[u32], n_regions: usize) -> Vec<Vec<u32>> {
+    let mut cells = vec![Vec::new(); n_regions];
+    region_of_cell.iter().zip(0..).for_each(|(&region, cell)| cells[region as usize].push(cell));
+    cells
 }
 
 impl Region {
@@ -150,16 +153,49 @@ impl Region {
     }
 }
 
+/// Checks all that the terms of the cells need, but makes none: formulations, Jacobians, room for the geometry. Returns
+/// whether some cells have pressures.
+///
+/// # Errors
+/// [`Error::Formulation`], [`Error::InvertedCell`], [`Error::OutOfMemory`].
+pub(super) fn check_terms(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32]) -> Result<bool> {
+    let mut has_pressures = false;
+    let mut n_points = 0;
+    let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
+    let mut seen = vec![[false; CellKind::ALL.len()]; regions.len()];
+    for ((index, cell), &region) in mesh.cells().enumerate().zip(region_of_cell) {
+        let kind = cell.kind;
+        if !std::mem::replace(&mut seen[region as usize][kind as usize], true) {
+            let region = &regions[region as usize];
+            let split = region.material.split(region.formulation, kind);
+            has_pressures |= split.map_err(|reason| Error::Formulation { cell: index, reason })?.is_some();
+        }
+        let table = tables[kind as usize].get_or_insert_with(|| {
+            ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes())
+        });
+        let X = positions(mesh, cell.nodes);
+        n_points += table.weights.len();
+        for point in 0..table.weights.len() {
+            let det = det(&jacobian(kind, &X, table.gradients_at(point)));
+            if det <= 0.0 || det.is_nan() {
+                return Err(Error::InvertedCell { cell: index, kind, det });
+            }
+        }
+    }
+    reserved::<PointGeometry>(n_points.div_ceil(LANES))?;
+    Ok(has_pressures)
+}
+
 /// One term for each region and kind of the cells that are `chosen`.
 pub(super) fn terms(
     mesh: &Mesh,
     regions: &[Region],
-    of_cell: &RegionOfCell,
+    region_of_cell: &[u32],
     internal: &InternalNodes,
     chosen: impl Fn(u32) -> bool,
 ) -> Result<Vec<Box<dyn Term>>> {
     let mut terms: Vec<Box<dyn Term>> = Vec::new();
-    for (region, of_region) in regions.iter().zip(of_cell.cells_by_region(regions.len())) {
+    for (region, of_region) in regions.iter().zip(cells_by_region(region_of_cell, regions.len())) {
         for kind in CellKind::ALL {
             let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind && chosen(*cell);
             let cells: Vec<u32> = of_region.iter().copied().filter(is_of_kind).collect();
@@ -184,11 +220,19 @@ pub(super) fn mass(
     point_masses: &[f64],
 ) -> Vec<f64> {
     let mut mass = vec![0.0; pattern.n_blocks()];
+    let mut positions: Vec<Option<usize>> = Vec::new();
+    let mut last = usize::MAX;
     for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
-        for (&row, N_A) in nodes.iter().zip(point.shapes) {
+        if cell != last {
+            last = cell;
+            positions.clear();
+            let row = |&row: &u32| nodes.iter().map(move |&column| (row as usize, column as usize));
+            positions.extend(nodes.iter().flat_map(row).map(|(row, column)| pattern.position(row, column)));
+        }
+        for (positions, N_A) in positions.chunks_exact(nodes.len()).zip(point.shapes) {
             let factor = density_of_cell[cell] * point.weight * N_A;
-            for (&column, N_B) in nodes.iter().zip(point.shapes) {
-                if let Some(position) = pattern.position(row as usize, column as usize) {
+            for (position, N_B) in positions.iter().zip(point.shapes) {
+                if let Some(position) = *position {
                     mass[position] += factor * N_B;
                 }
             }
@@ -204,15 +248,19 @@ pub(super) fn mass(
 
 /// Lumped mass of every node: row sums for linear cells, scaled diagonals for quadratic ones.
 pub(super) fn lumped_mass(mesh: &Mesh, density_of_cell: &[f64]) -> Vec<f64> {
-    // Mass of each cell over the sum of its diagonal.
+    // Volume of each quadratic cell, and the sum of the diagonal of its mass.
     let mut sums = vec![(0.0, 0.0); mesh.n_cells()];
-    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, _, point| {
+    let is_quadratic = |cell: &u32| {
+        let cell = mesh.cell(*cell as usize);
+        cell.kind.n_corners() != cell.nodes.len()
+    };
+    for_each_volume_point(mesh, (0..mesh.n_cells() as u32).filter(is_quadratic), |cell, _, point| {
         sums[cell].0 += point.weight;
         sums[cell].1 += point.weight * point.shapes.iter().map(|N| N * N).sum::<f64>();
     });
     let mut masses = vec![0.0; mesh.n_nodes()];
     for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
-        let is_linear = mesh.cell(cell).kind.n_corners() == nodes.len();
+        let is_linear = !is_quadratic(&(cell as u32));
         let mass = density_of_cell[cell] * point.weight;
         for (&node, N) in nodes.iter().zip(point.shapes) {
             masses[node as usize] += mass * if is_linear { *N } else { N * N * sums[cell].0 / sums[cell].1 };
@@ -228,7 +276,7 @@ pub(super) fn summaries(
     of_cell: &RegionOfCell,
     chosen: impl Fn(u32) -> bool,
 ) -> Vec<RegionSummary> {
-    let mut cells = of_cell.cells_by_region(regions.len());
+    let mut cells = cells_by_region(of_cell.indices(), regions.len());
     cells.iter_mut().for_each(|cells| cells.retain(|&cell| chosen(cell)));
     regions.iter().zip(cells).map(|(region, cells)| summary(mesh, region, cells)).collect()
 }

@@ -12,6 +12,7 @@ use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::pressures::PressureResults;
 use super::supports::SupportedGroup;
+use super::term::Terms;
 use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
 use crate::average::Request;
 use crate::error::Result;
@@ -36,10 +37,8 @@ pub struct Body {
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
-    /// Terms of the cells; those of cells that count on another rank are last.
-    pub(super) terms: Arc<Vec<Box<dyn Term>>>,
-    /// Number of terms whose cells count here.
-    pub(super) n_counted_terms: usize,
+    /// Terms of the cells, made on first use.
+    pub(super) terms: Arc<OnceLock<Terms>>,
     /// Whether some cell, of any rank, has pressures.
     pub(super) has_pressures: bool,
     /// Number of degrees of freedom on all ranks.
@@ -198,18 +197,13 @@ impl Body {
         }
     }
 
-    /// Terms of the cells that count here.
-    pub(super) fn counted_terms(&self) -> impl Iterator<Item = &Box<dyn Term>> {
-        self.terms[..self.n_counted_terms].iter()
-    }
-
     /// Memory for the assembly with time elements of a degree.
     #[doc(hidden)]
     pub fn assembly(&self, degree: usize) -> Assembly {
-        let terms = || self.terms.iter().chain(self.ground.iter());
+        let terms = || self.terms().iter().chain(self.ground.iter());
         let n_nodes = terms().map(|term| term.couplings().1).max().unwrap_or(0);
         let n_points = terms().map(|term| term.n_points()).max().unwrap_or(0);
-        let n_pressure_terms = self.terms.iter().filter(|term| term.pressure_cells().is_some()).count();
+        let n_pressure_terms = self.terms().iter().filter(|term| term.pressure_cells().is_some()).count();
         let scratch = || Scratch::new(degree, n_nodes, n_points, n_pressure_terms);
         let part = || Part { scratch: scratch(), outcome: Ok(()) };
         Assembly {
@@ -239,7 +233,7 @@ impl Body {
             if request == Request::Tangent {
                 sink.set_blocks(&self.mass, mass_coefficients);
             }
-            let terms = self.terms.iter().map(|term| (term, step));
+            let terms = self.terms().iter().map(|term| (term, step));
             let mut terms = terms.chain(self.ground.iter().map(|term| (term, &ground)));
             part.outcome = terms
                 .try_for_each(|(term, step)| term.assemble(step, request, index, &mut part.scratch, sink));
@@ -292,7 +286,7 @@ impl Body {
     /// ```
     pub(crate) fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
-        let terms = self.terms.iter().chain(self.ground.iter());
+        let terms = self.terms().iter().chain(self.ground.iter());
         terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
     }
 

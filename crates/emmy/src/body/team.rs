@@ -49,7 +49,7 @@ impl Body {
         let mut has_pressures = [f64::from(u8::from(self.has_pressures))];
         subdomain.largest("cells with pressures", &mut has_pressures);
         self.has_pressures = has_pressures[0] > 0.0;
-        let mut of_cells = traces(self.counted_terms());
+        let mut of_cells = if self.is_viscous() { traces(self.counted_terms()) } else { [0.0; 2] };
         subdomain.sum("viscosity and stiffness", &mut of_cells);
         self.viscous_time = time_of(of_cells);
         let read = |masses: &Vec<f64>, node: usize, mass: &mut [f64]| mass[0] = masses[node];

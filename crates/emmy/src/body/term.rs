@@ -48,6 +48,15 @@ impl StrainState {
     }
 }
 
+/// Terms of the cells, attached to the pattern.
+#[derive(Debug)]
+pub(super) struct Terms {
+    /// One for each region and kind; those of cells that count on another rank are last.
+    pub(super) all: Vec<Box<dyn Term>>,
+    /// Number of terms whose cells count here.
+    pub(super) n_counted: usize,
+}
+
 /// Part of the internal force: stage averages f_i, their derivatives, and the stored energy.
 pub(crate) trait Term: fmt::Debug + Send + Sync {
     /// Nodes that the term couples, one list for each coupling (such as a cell), all of the same length: `(nodes,

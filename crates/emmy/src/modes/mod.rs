@@ -28,8 +28,9 @@ pub struct Mode {
     /// Effective mass of each direction, `(v^T M e_d)^2` with the rigid translation e_d \[mass\]. The sums over all modes
     /// of a free body are its mass.
     pub effective_mass: [f64; 3],
-    /// Relative residual `|K v - omega^2 M v| / ((omega^2 + s) |M v|)` of the computed mode, with a shift s of the size of
-    /// the lowest elastic omega^2.
+    /// Relative residual `|r| / sqrt(omega^2 + s)` of the computed mode, `r = K v - omega^2 M v` in the norm of
+    /// `(K + s M)^-1`, with a shift s up to about the lowest elastic omega^2; at most [`MAX_RESIDUAL`]. An exact
+    /// `omega^2 + s` is as near, relatively.
     pub residual: f64,
 }
 
@@ -52,6 +53,12 @@ impl Mode {
 
 /// Relative residual of the Ritz vectors at which the iteration ends; the errors of the eigenvalues are its square.
 const TOLERANCE: f64 = 1e-9;
+
+/// Largest relative residual of a mode; beyond it the search has failed.
+pub const MAX_RESIDUAL: f64 = 1e-6;
+
+/// Relative difference of shifts that find the same.
+const SAME_SHIFT: f64 = 1e-3;
 
 /// Number of shifts that are tried.
 const MAX_SHIFTS: usize = 6;
@@ -77,7 +84,7 @@ const MAX_SEARCHED: usize = 56;
 /// as the body has them, then rotations and mechanisms.
 ///
 /// # Errors
-/// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Linear`] if the iteration does not converge.
+/// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Modes`] if a residual exceeds [`MAX_RESIDUAL`].
 ///
 /// ```
 /// use emmy::modes::modes;
@@ -93,8 +100,10 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
     solved(body, &mut Linearised::at_reference(body)?, count)
 }
 
-/// The modes about an equilibrium, with the stiffness of its displacement and of its follower pressures (their symmetric
-/// part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is unstable if the equilibrium is.
+/// The modes about a state, such as an equilibrium, with the stiffness of its displacement and of its follower pressures
+/// (their symmetric part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is unstable if the
+/// equilibrium is. Velocities have no effect, nor have forces that are not balanced: the positions of a motion at an instant
+/// count as those of a body at rest.
 ///
 /// # Errors
 /// As [`modes`], and [`Error::Inverted`].
@@ -108,9 +117,14 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// assert_eq!(modes_about(&body, &state, 8)?, modes(&body, 8)?);
 /// # Ok::<(), emmy::Error>(())
 /// ```
-pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec<Mode>> {
+pub fn modes_about(body: &Body, state: &State, count: usize) -> Result<Vec<Mode>> {
     body.check_whole("a search for natural modes")?;
-    solved(body, &mut Linearised::at(body, &equilibrium.displacement, Some(equilibrium.time))?, count)
+    solved(body, &mut about(body, state)?, count)
+}
+
+/// The body linearised about a state.
+fn about(body: &Body, state: &State) -> Result<Linearised> {
+    Linearised::at(body, &state.displacement, Some(state.time))
 }
 
 /// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not count.
@@ -144,11 +158,34 @@ pub fn n_modes(body: &Body) -> usize {
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     body.check_whole("a search for natural modes")?;
-    let mut linearised = Linearised::at_reference(body)?;
+    lowest_elastic(body, &mut Linearised::at_reference(body)?)
+}
+
+/// The lowest elastic mode about a state, and the number of rigid ones, as [`modes_about`] has them; `None` if the 56 lowest
+/// modes are rigid or unstable.
+///
+/// # Errors
+/// As [`modes_about`].
+///
+/// ```
+/// use emmy::modes::{lowest_elastic_mode, lowest_elastic_mode_about};
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let state = State::initial(&body, 0.0, &[])?;
+/// assert_eq!(lowest_elastic_mode_about(&body, &state)?, lowest_elastic_mode(&body)?);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn lowest_elastic_mode_about(body: &Body, state: &State) -> Result<Option<(Mode, usize)>> {
+    body.check_whole("a search for natural modes")?;
+    lowest_elastic(body, &mut about(body, state)?)
+}
+
+fn lowest_elastic(body: &Body, linearised: &mut Linearised) -> Result<Option<(Mode, usize)>> {
     let most = MAX_SEARCHED.min(n_modes(body));
     let mut count = RIGID_AND_ONE.min(most);
     loop {
-        let modes = if count == 0 { Vec::new() } else { solved(body, &mut linearised, count)? };
+        let modes = if count == 0 { Vec::new() } else { solved(body, linearised, count)? };
         let n_rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
         let elastic = modes.into_iter().find(Mode::is_elastic);
         if elastic.is_some() || count == most {
@@ -168,20 +205,27 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
     check_memory(body.n_dofs(), max_vectors.min(free))?;
     let mut pencil = BodyPencil::new(body, linearised)?;
     let mut shift = pencil.suggested_shift();
+    let mut residual = f64::INFINITY;
     for _ in 0..MAX_SHIFTS {
         pencil.factorize(shift)?;
         let found = smallest(&mut pencil, count, TOLERANCE, max_vectors);
         let zero = pencil.rounding();
         let lowest = found.values.iter().copied().find(|value| *value > zero);
         let is_rigid = found.values.iter().any(|value| value.abs() <= zero);
+        residual = found.largest_residual(count);
+        let is_found = found.is_complete && residual <= MAX_RESIDUAL;
+        let before = shift;
         match lowest {
-            Some(lowest) if !found.is_converged => shift = 0.1 * lowest,
+            Some(lowest) if !is_found => shift = lowest,
             Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
-            None if !found.is_converged => shift = 0.01 * pencil.shift(),
+            None if !is_found => shift = 0.01 * pencil.shift(),
             _ => return Ok(described(body, found, zero)),
         }
+        if (shift / before - 1.0).abs() < SAME_SHIFT {
+            break;
+        }
     }
-    Err(Error::Linear { reason: format!("the iteration for {count} modes does not converge") })
+    Err(Error::Modes { count, residual, limit: MAX_RESIDUAL })
 }
 
 /// Checks that there is memory for the basis and its products with the mass.

@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case)]
 
-use super::n_modes;
 use crate::average::Request;
 use crate::body::{Assembly, Body};
 use crate::error::Result;
@@ -150,8 +149,9 @@ impl Pencil for BodyPencil<'_> {
         self.body.n_dofs()
     }
 
-    fn dimension(&self) -> usize {
-        n_modes(self.body)
+    fn free(&self) -> Vec<usize> {
+        let with_mass = self.body.mesh().n_dofs();
+        (0..with_mass).filter(|&dof| !self.body.fixed()[dof]).collect()
     }
 
     fn shift(&self) -> f64 {

@@ -67,6 +67,17 @@ pub fn null_space(matrix: &[f64]) -> Result<Vec<Vec<f64>>> {
     Ok((0..n).filter(is_null).map(|m| (0..n).map(|i| eigen.U()[(i, m)]).collect()).collect())
 }
 
+/// Largest eigenvalue of a small symmetric matrix, given row by row.
+///
+/// # Errors
+/// [`Error::Linear`] if the iteration does not converge.
+pub(crate) fn largest_eigenvalue(matrix: &[f64]) -> Result<f64> {
+    let n = matrix.len().isqrt();
+    let A = Mat::from_fn(n, n, |i, j| matrix[i * n + j]);
+    let failed = |_| Error::Linear { reason: "eigenvalues of a symmetric matrix".into() };
+    Ok(A.self_adjoint_eigen(Side::Lower).map_err(failed)?.S()[n - 1])
+}
+
 /// Eigenvalues below this are zero but for rounding.
 const NULL: f64 = 1e-12;
 

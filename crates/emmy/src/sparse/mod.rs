@@ -33,6 +33,7 @@ pub use block_cholesky::BlockCholesky;
 pub use cholesky::Cholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
+pub(crate) use dense::largest_eigenvalue;
 pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};
 pub use gmres::{Gmres, LinearSystem, Solution};

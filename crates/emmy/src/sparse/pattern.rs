@@ -18,7 +18,7 @@ pub struct Pattern {
 
 impl Pattern {
     /// The pattern that couples all nodes of each list with each other.
-    pub fn new<'a>(n_rows: usize, lists: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+    pub fn new<'a>(n_rows: usize, lists: impl Iterator<Item = &'a [u32]>) -> Self {
         let (begin, list_of_row, lists) = lists_by_row(n_rows, lists);
         let mut row_begin = vec![0];
         let mut columns = Vec::new();

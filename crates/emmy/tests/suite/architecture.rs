@@ -88,6 +88,8 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "pressure",
             "system",
             "elimination",
+            "terms",
+            "frequency_bound",
             "team",
             "builder",
             "mass",

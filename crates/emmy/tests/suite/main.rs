@@ -29,6 +29,7 @@ mod reactions;
 mod reference_cases;
 mod resumed_motions;
 mod shared;
+mod small_modes;
 mod solid_elements;
 mod solvers;
 mod starts;

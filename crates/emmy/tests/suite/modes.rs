@@ -11,6 +11,7 @@ use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::element::element;
 use emmy::internals::quadrature::Quadrature;
+use emmy::internals::time::CentralDifferences;
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
 use emmy::modes::{Mode, lowest_elastic_mode, modes, modes_about};
@@ -315,6 +316,41 @@ fn there_are_as_many_modes_as_free_degrees_of_freedom() {
     let held = body(mesh(), 10.0, 0.2, &[Support::fixed("x-min")]);
     assert_eq!(modes(&held, 12).unwrap().len(), 12);
     assert_eq!(modes(&held, 13), Err(Error::TooManyModes { count: 13, free: 12 }));
+}
+
+/// The largest frequency of a body is at most that of a cell, and the bound of a cell is close for well-shaped ones.
+#[test]
+fn cells_bound_the_largest_frequency() {
+    for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27] {
+        for (distortion, least) in [(0.0, 0.5), (0.1, 0.3)] {
+            let plain = brick(kind, [2.0, 1.0, 1.0], [4, 2, 2]);
+            let mut builder = MeshBuilder::new();
+            for [x, y, z] in plain.points() {
+                let wave = |s: f64, t: f64| distortion * (5.0 * s).sin() * (3.0 * t + 1.0).cos();
+                builder.point([x + wave(*y, *z), y + wave(*z, *x), z + wave(*x, *y)]);
+            }
+            plain.cells().for_each(|cell| _ = builder.cell(cell.kind, cell.nodes).unwrap());
+            check_bound(&body(builder.build().unwrap(), 100.0, 0.3, &[]), least);
+        }
+    }
+    let steel = || Region::new(NeoHooke::from_engineering(100.0, 0.3).unwrap(), 2.0);
+    let plane =
+        Body::builder(mesh::rectangle([3.0, 1.0], [6, 3]).unwrap()).region(steel().with_thickness(1e-3));
+    check_bound(&plane.build().unwrap(), 0.5);
+    check_bound(&Body::builder(mesh::l_block(1.0).unwrap()).region(steel()).build().unwrap(), 0.5);
+    // Links and springs have stiffness without mass of their own.
+    let link = Region::links(Link::spring(3.0, None).unwrap(), 0.0);
+    let nodal = PointTerms { masses: masses(&[1.0, 1.0]), ..Default::default() };
+    let pair =
+        Body::builder(network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]])).region(link).point_terms(nodal);
+    assert_eq!(pair.build().unwrap().frequency_bound(), Ok(None));
+}
+
+/// Compares the bound of a body with its largest frequency, by power iteration to six digits.
+fn check_bound(body: &Body, least: f64) {
+    let [critical, _] = CentralDifferences::critical_steps(body, &vec![0.0; body.n_dofs()]).unwrap();
+    let bound = 2.0 / body.frequency_bound().unwrap().unwrap().sqrt();
+    assert!(bound < critical * (1.0 + 1e-3) && bound > least * critical, "{bound} {critical}");
 }
 
 /// The L-shaped block of rubber, held at one end.

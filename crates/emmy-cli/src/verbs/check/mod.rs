@@ -90,7 +90,7 @@ fn whole_report(problem: &Problem) -> Result<Report, Failure> {
         let step = problem.units.number(step, "time");
         report.line("stability", &format!("critical step {step} at the start"));
     }
-    period::report(&mut report, problem);
+    period::report(&mut report, problem, state.as_ref());
     report.output(problem);
     problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
     Ok(report)

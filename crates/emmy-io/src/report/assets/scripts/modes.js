@@ -75,7 +75,7 @@ function kindOfMode({ frequency }) {
 }
 
 function modeTable(run, choose) {
-  const columns = [["frequency", "frequency"], ["period", "period"], ["angular_frequency", "angular frequency"], ...["x", "y", "z"].map((axis) => [`effective_mass_${axis}`, `effective mass ${axis}`])];
+  const columns = [["frequency", "frequency"], ["period", "period"], ["angular_frequency", "angular frequency"], ...["x", "y", "z"].map((axis) => [`effective_mass_${axis}`, `effective mass ${axis}`]), ["residual", "residual"]].filter(([key]) => key in run.modes[0]);
   // Rounding beside the effective masses of other modes or directions.
   const least = 1e-6 * Math.max(...run.modes.flatMap((mode) => ["x", "y", "z"].map((axis) => mode[`effective_mass_${axis}`])));
   const text = (key, value) => number(key.startsWith("effective") && value < least ? 0 : value);

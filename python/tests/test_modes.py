@@ -1,0 +1,44 @@
+"""Natural modes about states, and their residuals."""
+
+import numpy as np
+import pytest
+
+import emmy
+
+
+def chain() -> emmy.Body:
+    """A mass of 0.5 between two springs of stiffness 3 and rest length 1, whose other ends are held."""
+    mesh = emmy.Mesh.network([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1), (1, 2)], groups={"ends": [0, 2], "middle": [1]})
+    return emmy.Body(
+        mesh,
+        emmy.Region(emmy.Spring(stiffness=3.0)),
+        supports=emmy.Support("ends", fix="xyz"),
+        masses=[emmy.Mass("ends", mass=1.0), emmy.Mass("middle", mass=0.5)],
+    )
+
+
+def test_a_state_and_a_snapshot_count():
+    # Both springs are stretched to 1.1: the tension 0.3 holds the mass across with 4 T/L.
+    body = chain()
+    u = np.array([[0.0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]])
+    zero = np.zeros((3, 3))
+    state = emmy.State(0.0, u, zero, zero)
+    expected = np.sqrt(4 * 0.3 / 2.2 / 0.5) / (2 * np.pi)
+    motion = emmy.Motion(body, steps=(1.0, 0.1), start=state)
+    for about in (state, motion.snapshot()):
+        modes = emmy.modes(body, 1, state=about)
+        assert modes.frequencies[0] == pytest.approx(expected, rel=1e-12)
+        assert modes.residuals.shape == (1,) and modes.residuals[0] < 1e-6
+    assert emmy.modes(body, 3).rigid == 2
+    assert emmy.modes(body, 3).frequencies[2] == pytest.approx(np.sqrt(6 / 0.5) / (2 * np.pi), rel=1e-12)
+
+
+def test_two_masses_on_a_spring():
+    # omega^2 = k (1/m_1 + 1/m_2), whatever the number of modes.
+    mesh = emmy.Mesh.network([(0, 0, 0), (1, 2, 0.5)], [(0, 1)], groups={"a": [0], "b": [1]})
+    masses = [emmy.Mass("a", mass=2.0), emmy.Mass("b", mass=3.0)]
+    body = emmy.Body(mesh, emmy.Region(emmy.Spring(stiffness=12.0)), masses=masses)
+    for count in range(1, 7):
+        modes = emmy.modes(body, count)
+        assert modes.rigid == min(count, 5) and np.all(modes.residuals < 1e-6)
+    assert modes.frequencies[5] == pytest.approx(np.sqrt(10.0) / (2 * np.pi), rel=1e-12)
