@@ -3,8 +3,10 @@
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
 use crate::body::{Assembly, Body, LoadMemory, StepDamping, StepInput};
+use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
+use crate::time::State;
 
 /// A parameter theta of a body, by which a goal is differentiated: of a material, a density, a load, or any other part
 /// of the body.
@@ -100,6 +102,20 @@ impl Parameter {
         let mut sum = 0.0;
         for (weight, body) in &self.variations {
             sum += weight * memory.product(body, step, mu)?;
+        }
+        Ok(sum)
+    }
+
+    /// `mu . d(f - F)/dtheta` of the equations of equilibrium at a state.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub(super) fn equilibrium_product(&self, state: &State, mu: &[f64]) -> Result<f64> {
+        let mut sum = 0.0;
+        for (weight, body) in &self.variations {
+            // The loads of the time in full, before a jump there, as they act in the equilibrium.
+            let loaded = body.in_proportion(state.time);
+            sum += weight * dot(mu, &unbalanced_force(&loaded, &state.displacement, 1.0)?);
         }
         Ok(sum)
     }
