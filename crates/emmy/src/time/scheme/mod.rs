@@ -287,6 +287,12 @@ impl Scheme {
         Ok(())
     }
 
+    /// The body as the scheme moves it, with loads on the mass that the scheme has: [`Body::lumped`] for central
+    /// differences, else the body itself.
+    pub fn body(self, body: &Body) -> &Body {
+        if self == Scheme::CentralDifferences { body.lumped() } else { body }
+    }
+
     /// The stepper of the scheme, for a state. A scheme with its own mass matrix sets the momentum of the state with
     /// it.
     ///
