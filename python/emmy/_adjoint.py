@@ -147,10 +147,12 @@ class Parameter:
     body : function
         Makes the body for a value.
     linear : bool, optional
-        Whether the forces are linear in the parameter, as in Lame's parameters, densities and dead loads; then one
-        difference is exact.
+        Whether the forces are linear in the parameter, as in Lame's parameters, densities and dead loads; then one wide
+        difference is exact, of two bodies in place of six. In anything else, such as an exponent, Poisson's ratio or the
+        place of a node, it would be wrong.
     scale : float, optional
-        Size of a significant change; the value if not given.
+        Size of a significant change; the value if not given. Bodies are made for values up to 3/200 of it away, with
+        ``linear=True`` half of it.
 
     Raises
     ------
@@ -169,10 +171,14 @@ class Parameter:
     """
 
     def __init__(
-        self, value: float, body: Callable[[float], Body], *, linear: bool = True, scale: float | None = None
+        self, value: float, body: Callable[[float], Body], *, linear: bool = False, scale: float | None = None
     ) -> None:
         def native(varied: float) -> _emmy.Body:
-            made = body(varied)
+            try:
+                made = body(varied)
+            except Exception as error:
+                error.add_note(f"Parameter: the body for the value {varied:.6g}; a smaller `scale` stays closer to {value:.6g}")
+                raise
             if not isinstance(made, Body):
                 raise TypeError(
                     f"body: the function {words.name_of(body)} returned {type(made).__name__} in place of a Body"
@@ -197,7 +203,8 @@ class Gradient:
     displacement, velocity, momentum : array (n, 3)
         By the state at the start.
     parameters : array (m,)
-        By the parameters.
+        By the parameters. With ``equilibrium=True`` the displacement at the start changes with them; any other start
+        does not.
 
     Examples
     --------

@@ -37,7 +37,12 @@ impl Begin {
         Ok(match given {
             None => Begin::Input,
             Some(Given::State(given)) => Begin::State(arrays(py, inner, given)?),
-            Some(Given::Snapshot(snapshot)) => Begin::Snapshot(Box::new(snapshot.get().checkpoint.clone())),
+            Some(Given::Snapshot(snapshot)) => {
+                let mut own = snapshot.get().checkpoint.clone();
+                // It may come from another body, whose equilibrium is data here.
+                own.snapshot.state.is_equilibrium = false;
+                Begin::Snapshot(Box::new(own))
+            }
             Some(Given::Velocity(array)) => {
                 let velocity = nodal(py, inner, &array, "initial")?;
                 let state = pool::work(py, || {

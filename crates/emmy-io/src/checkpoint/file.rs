@@ -213,7 +213,16 @@ fn check(checkpoint: &Checkpoint) -> Result<(), String> {
 
 /// Whether all numbers of a state are finite.
 pub(super) fn is_finite(state: &State) -> bool {
-    let State { time, step: _, displacement, momentum, velocity, displacement_low, momentum_error } = state;
+    let State {
+        time,
+        step: _,
+        displacement,
+        momentum,
+        velocity,
+        displacement_low,
+        momentum_error,
+        is_equilibrium: _,
+    } = state;
     let lists = [displacement, momentum, velocity, displacement_low, &momentum_error[..]];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }

@@ -104,7 +104,7 @@ const ENERGY_RESIDUAL: &str =
 const ANGULAR: &str = "angular momentum about the origin";
 const MOMENTUM_RESIDUAL: &str =
     "norm of the change of linear momentum in this step minus the impulse of loads and reactions";
-const ANGULAR_RESIDUAL: &str = "norm of the same for the angular momentum";
+const ANGULAR_RESIDUAL: &str = "norm of the same for the angular momentum; with plane cells its z component, the planes bear couples about x and y";
 const DETERMINANT: &str =
     "smallest det F at the quadrature points at the end of the step; `inf` for a body of links only";
 
@@ -144,7 +144,9 @@ fn in_statics(column: ColumnInfo) -> ColumnInfo {
         "time" => ("", "load fraction"),
         "step_size" => ("", "increment of the load fraction"),
         "linear_momentum_residual" => ("force", "norm of the resultant of all forces"),
-        "angular_momentum_residual" => ("force·length", "norm of the moment of all forces about the origin"),
+        "angular_momentum_residual" => {
+            ("force·length", "norm of the moment of all forces about the origin; with plane cells about z")
+        }
         _ => return column,
     };
     ColumnInfo { dimension: dimension.to_string(), meaning: meaning.to_string(), ..column }

@@ -57,7 +57,8 @@ impl Problem {
         match &self.start {
             Start::Undeformed => Ok(State::initial(&self.body, self.plan.start(), &self.initial)?),
             Start::Equilibrium { load_steps } => {
-                let equilibrium = Equilibrium::new(&self.body, self.plan.start(), *load_steps)?;
+                let body = self.scheme.body(&self.body);
+                let equilibrium = Equilibrium::new(body, self.plan.start(), *load_steps)?;
                 Ok(equilibrium.start(self.newton, &self.initial, observers)?)
             }
             Start::Run(directory) => self.state_of(directory),
@@ -127,7 +128,8 @@ impl Problem {
     /// # Errors
     /// [`emmy::Error::Plan`].
     pub fn equilibrium(&self) -> emmy::Result<Option<Equilibrium<'_>>> {
-        let equilibrium = |time, load_steps| Equilibrium::new(&self.body, time, load_steps).map(Some);
+        let body = self.scheme.body(&self.body);
+        let equilibrium = |time, load_steps| Equilibrium::new(body, time, load_steps).map(Some);
         match self.start {
             Start::Equilibrium { load_steps } => equilibrium(self.plan.start(), load_steps),
             _ if self.is_static() => equilibrium(self.plan.end(), self.plan.n_steps()),

@@ -25,7 +25,8 @@ pub struct Gradient {
     pub velocity: Vec<f64>,
     /// By the momentum at the start, `M^-1` times the derivative by the velocity \[goal time/(mass length)\].
     pub momentum: Vec<f64>,
-    /// By the parameters, in their order; displacement and velocity at the start do not change with them.
+    /// By the parameters, in their order. The displacement at the start changes with them if it is an equilibrium
+    /// ([`crate::motion::State::is_equilibrium`]); any other displacement, and the velocity at the start, do not.
     pub parameters: Vec<f64>,
 }
 

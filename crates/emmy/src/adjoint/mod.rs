@@ -25,6 +25,17 @@
 //! to the discrete motion, to the tolerance of Newton's iteration: an optimiser gets the gradient of the function that
 //! it evaluates.
 //!
+//! *A start from an equilibrium* solves `f(u_0) = F`, which depends on the parameters too. With the multipliers of these
+//! equations it adds
+//!
+//! ```math
+//! K^T mu = ubar_0,      dJ/dtheta -= mu . d(f - F)/dtheta
+//! ```
+//!
+//! with the stiffness K of the equilibrium: one more linear system for all parameters. The state of
+//! [`crate::equilibrium::Equilibrium::start`] says that it is one ([`crate::motion::State::is_equilibrium`]). Any other
+//! start is data.
+//!
 //! *Step sizes are data.* If they are chosen by the error, the gradient is the gradient of the motion with these step
 //! sizes; the choice is not differentiated.
 //!

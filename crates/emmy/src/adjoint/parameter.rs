@@ -3,8 +3,10 @@
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
 use crate::body::{Assembly, Body, LoadMemory, StepDamping, StepInput};
+use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
+use crate::time::State;
 
 /// A parameter theta of a body, by which a goal is differentiated: of a material, a density, a load, or any other part
 /// of the body.
@@ -16,11 +18,11 @@ use crate::sparse::reduce::dot;
 /// mu . dR/dtheta = sum_m c_m mu . [R(theta + m d) - R(theta - m d)] / (2 m d)
 /// ```
 ///
-/// Energies are linear in most parameters of materials (Lame's parameters, stiffnesses, the parameters of Mooney and
-/// Rivlin), and densities and dead loads enter linearly as well. Then one difference is exact up to rounding, and it
-/// may be wide ([`Parameter::linear`]). Otherwise, three of them (c = 3/2, -3/5, 1/10) have an error of order d^6, with
-/// d a 200th of the scale on which the equations change: relative 1e-12 ([`Parameter::smooth`]). No difference of
-/// motions is taken; it would lose digits to Newton's tolerance.
+/// For any parameter, three of them (c = 3/2, -3/5, 1/10) have an error of order d^6, with d a 200th of the scale on which
+/// the equations change: relative 1e-12 ([`Parameter::smooth`]). Energies are linear in many parameters of materials
+/// (Lame's parameters, stiffnesses, the parameters of Mooney and Rivlin), and densities and dead loads enter linearly as
+/// well. Then one difference is exact up to rounding, and it may be wide ([`Parameter::linear`]). No difference of motions
+/// is taken; it would lose digits to Newton's tolerance.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -44,7 +46,8 @@ const SMOOTH: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
 
 impl Parameter {
     /// A parameter in which the equations of a step are linear; `scale`: a positive size of it, such as its value. The
-    /// values of the bodies differ by half of the scale.
+    /// values of the bodies are half of the scale away. An exponent, a power, Poisson's ratio or the place of a node are not
+    /// linear: with them the derivative is wrong, and nothing tells.
     ///
     /// # Errors
     /// As `body`; [`Error::NotPositive`] for the scale.
@@ -100,6 +103,20 @@ impl Parameter {
         let mut sum = 0.0;
         for (weight, body) in &self.variations {
             sum += weight * memory.product(body, step, mu)?;
+        }
+        Ok(sum)
+    }
+
+    /// `mu . d(f - F)/dtheta` of the equations of equilibrium at a state.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub(super) fn equilibrium_product(&self, state: &State, mu: &[f64]) -> Result<f64> {
+        let mut sum = 0.0;
+        for (weight, body) in &self.variations {
+            // The loads of the time in full, before a jump there, as they act in the equilibrium.
+            let loaded = body.in_proportion(state.time);
+            sum += weight * dot(mu, &unbalanced_force(&loaded, &state.displacement, 1.0)?);
         }
         Ok(sum)
     }

@@ -5,6 +5,7 @@ use super::segment::{Checkpoint, Segment, StepSize};
 use super::step::{AdjointState, AdjointStep, StepData, check_body};
 use super::{Goal, GoalError, Gradient, Parameter};
 use crate::body::{Body, MassSolver};
+use crate::equilibrium::multipliers;
 use crate::error::{Error, Result};
 use crate::motion::{Motion, NewtonSettings, Observer, View};
 use crate::sparse::reduce::dot;
@@ -111,7 +112,8 @@ impl<'a> Trajectory<'a> {
         self.checkpoints.len()
     }
 
-    /// Derivatives of a goal at the last state by the first one and by parameters.
+    /// Derivatives of a goal at the last state by the first one and by parameters. The displacement of a motion that
+    /// starts from its equilibrium ([`State::is_equilibrium`]) changes with the parameters; any other start does not.
     ///
     /// # Errors
     /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the
@@ -126,6 +128,13 @@ impl<'a> Trajectory<'a> {
             }
             Ok(())
         })?;
+        let first = &self.checkpoints[0].state;
+        if first.is_equilibrium && !parameters.is_empty() {
+            let multipliers = multipliers(self.body, first, &adjoint.displacement)?;
+            for (sum, parameter) in sums.iter_mut().zip(parameters) {
+                *sum -= parameter.equilibrium_product(first, &multipliers)?;
+            }
+        }
         let mut momentum = vec![0.0; self.body.n_dofs()];
         MassSolver::new(self.body)?.velocity(self.body, &adjoint.velocity, &mut momentum)?;
         let AdjointState { displacement, velocity } = adjoint;

@@ -4,12 +4,13 @@ use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
 use super::field_load::FieldLoad;
+use super::geometry::MassKind;
 use super::internal_nodes::InternalNodes;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::regions::{self, RegionOfCell};
 use super::supports::{Constraints, supported_groups};
-use super::{Body, GroundSpring, Load, PointTerms, Region, Support, nodal};
+use super::{Body, GroundSpring, Load, PointTerms, Region, Support, Term, nodal};
 use crate::error::{Error, Result};
 use crate::mesh::{Cell, Mesh, Share};
 use crate::sparse::Pattern;
@@ -115,6 +116,13 @@ impl BodyBuilder {
     }
 }
 
+/// Loads and ground of a body, which act on a kind of its mass.
+struct External {
+    loads: Arc<Vec<LoadVector>>,
+    fields: Arc<Vec<FieldLoad>>,
+    ground: Arc<Vec<Box<dyn Term>>>,
+}
+
 /// The part of a rank.
 #[derive(Debug)]
 struct TeamPart {
@@ -174,13 +182,17 @@ impl Body {
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
         let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
-        let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
-        lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
+        let masses = |kind: MassKind| {
+            let cells = 0..mesh.n_cells() as u32;
+            let mut masses = regions::nodal_masses(&mesh, cells, &density_of_cell, kind);
+            masses.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
+            masses
+        };
+        let mut lumped_mass = masses(MassKind::Lumped);
         let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
         let has_pressures = regions::check_terms(&mesh, &regions, of_cell.indices())?;
         let n_own = team.as_ref().map_or(mesh.n_nodes(), |team| team.subdomain.n_own);
-        let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass, n_own)?;
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
@@ -189,26 +201,40 @@ impl Body {
         let has_rows_after_guests = team.is_none() || !internal.dofs().is_empty();
         let n_rows = if has_rows_after_guests { internal.n_all() } else { n_own };
         let parts = pattern.divided_until(n_rows, n_parts);
-        ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
         }
-        let (mut vectors, mut fields, mut followers) = (Vec::new(), Vec::new(), Vec::new());
+        let tables = (&section[..], &density_of_cell[..], &point_masses[..]);
+        let own_nodes = team.as_ref().map(|_| n_own);
+        let acting_on = |kind: MassKind| -> Result<External> {
+            let attracted = if nodal.attractions.is_empty() { Vec::new() } else { masses(kind) };
+            let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
+            ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
+            let (mut vectors, mut fields) = (Vec::new(), Vec::new());
+            for (index, load) in loads.iter().enumerate() {
+                vectors.extend(LoadVector::new(&mesh, index, load, tables, kind, own_nodes)?);
+                fields.extend(FieldLoad::new(&mesh, index, load, tables, kind)?);
+            }
+            Ok(External { loads: Arc::new(vectors), fields: Arc::new(fields), ground: Arc::new(ground) })
+        };
+        let External { loads: vectors, fields, ground } = acting_on(MassKind::Consistent)?;
+        let acts_on_mass = !nodal.attractions.is_empty() || loads.iter().any(|load| load.kind.acts_on_mass());
+        let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
+        let on_lumped_mass =
+            (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
+        let mut followers = Vec::new();
         for (index, load) in loads.iter().enumerate() {
-            let own_nodes = team.as_ref().map(|_| n_own);
-            let tables = (&section[..], &density_of_cell[..], &point_masses[..]);
-            vectors.extend(LoadVector::new(&mesh, index, load, tables, own_nodes)?);
-            fields.extend(FieldLoad::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
         let inactive = constraints.inactive(n_own..mesh.n_nodes());
         nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
+        let has_plane_cells = mesh.cells().any(|cell| cell.kind.dimension() == 2);
         lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
-            loads: Arc::new(vectors),
-            fields: Arc::new(fields),
+            loads: vectors,
+            fields,
             pressures: Arc::new(followers),
             release: None,
             drag,
@@ -226,16 +252,22 @@ impl Body {
             node_order: Arc::new(OnceLock::new()),
             terms: Arc::new(OnceLock::new()),
             has_pressures,
+            has_plane_cells,
             n_dofs_of_ranks: internal.dofs().end,
             subdomain: team.map(|team| team.subdomain),
-            ground: Arc::new(ground),
+            ground,
+            lumped: None,
             pattern: Arc::new(pattern),
             parts,
             internal: Arc::new(internal),
             mesh: Arc::new(mesh),
         };
         let body = Body { viscous_time: body.own_viscous_time(), ..body };
-        body.with_releases(&supports, &nodal.springs)
+        let lumped = on_lumped_mass.map(|External { loads, fields, ground }| {
+            let body = Body { loads, fields, ground, ..body.clone() };
+            body.with_releases(&supports, &nodal.springs).map(Box::new)
+        });
+        Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &nodal.springs)? })
     }
 
     /// The body and its successors after each release of a support, which share its tables.

@@ -1,7 +1,7 @@
 //! Loads given by a function of position and time.
 
 use super::field::Field;
-use super::geometry::{for_each_facet_point, for_each_volume_point};
+use super::geometry::{MassKind, for_each_facet_point, for_each_mass_point};
 use super::load_vector::cells_of;
 use super::pole::pole;
 use super::target::SignalTarget;
@@ -59,7 +59,7 @@ pub(super) fn samples(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 impl FieldLoad {
     /// The load; `None` if it is not a field. `section`: thickness of plane cells, `density_of_cell`: mass per measure of
-    /// each cell, `point_masses: [n_nodes]`.
+    /// each cell, `point_masses: [n_nodes]`, `mass`: the kind of mass on which body forces and accelerations act.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].
@@ -67,9 +67,8 @@ impl FieldLoad {
         mesh: &Mesh,
         index: usize,
         load: &Load,
-        section: &[f64],
-        density_of_cell: &[f64],
-        point_masses: &[f64],
+        (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
+        mass: MassKind,
     ) -> Result<Option<Self>> {
         let Some((field, domain)) = load.kind.field() else { return Ok(None) };
         let mut table = FieldLoad {
@@ -89,13 +88,13 @@ impl FieldLoad {
             }
             FieldDomain::Cells(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+                for_each_mass_point(mesh, cells.into_iter(), mass, &mut |cell, nodes, point| {
                     table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
                 });
             }
             FieldDomain::Masses(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+                for_each_mass_point(mesh, cells.into_iter(), mass, &mut |cell, nodes, point| {
                     table.push(nodes, point.position, density_of_cell[cell] * point.weight, point.shapes);
                 });
                 let masses = point_masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0);

@@ -135,7 +135,31 @@ pub(super) fn for_each_volume_point(
     cells: impl Iterator<Item = u32>,
     mut visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
 ) {
+    for_each_mass_point(mesh, cells, MassKind::Consistent, &mut visit);
+}
+
+/// How mass and body forces act on the nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MassKind {
+    /// By the shape functions N_A.
+    Consistent,
+    /// By the functions whose integrals are the lumped masses; those of quadratic cells are no shape functions:
+    ///
+    /// ```math
+    /// N_A^2 V / sum_B integral N_B^2 dV
+    /// ```
+    Lumped,
+}
+
+/// The same with the functions of a kind of mass in place of the shape functions.
+pub(super) fn for_each_mass_point(
+    mesh: &Mesh,
+    cells: impl Iterator<Item = u32>,
+    mass: MassKind,
+    visit: &mut dyn FnMut(usize, &[u32], QuadraturePoint<'_>),
+) {
     let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
+    let (mut weights, mut scaled) = (Vec::new(), Vec::new());
     for cell in cells {
         let kind = mesh.cell(cell as usize).kind;
         let table = tables[kind as usize].get_or_insert_with(|| {
@@ -143,10 +167,24 @@ pub(super) fn for_each_volume_point(
         });
         let nodes = mesh.cell(cell as usize).nodes;
         let X = positions(mesh, nodes);
-        for point in 0..table.weights.len() {
-            let weight = table.weights[point] * det(&jacobian(kind, &X, table.gradients_at(point)));
-            let shapes = table.shapes_at(point);
+        let weight =
+            |point: usize| table.weights[point] * det(&jacobian(kind, &X, table.gradients_at(point)));
+        weights.clear();
+        weights.extend((0..table.weights.len()).map(weight));
+        let is_scaled = mass == MassKind::Lumped && nodes.len() > kind.n_corners();
+        let (mut volume, mut diagonal) = (0.0, 0.0);
+        for (point, weight) in weights.iter().enumerate().filter(|_| is_scaled) {
+            volume += weight;
+            diagonal += weight * table.shapes_at(point).iter().map(|N| N * N).sum::<f64>();
+        }
+        for (point, &weight) in weights.iter().enumerate() {
+            let mut shapes = table.shapes_at(point);
             let position = interpolated(&X, shapes);
+            if is_scaled {
+                scaled.clear();
+                scaled.extend(shapes.iter().map(|N| N * N * volume / diagonal));
+                shapes = &scaled;
+            }
             visit(cell as usize, nodes, QuadraturePoint { weight, position, shapes });
         }
     }

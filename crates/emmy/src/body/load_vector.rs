@@ -1,6 +1,7 @@
 //! Dead loads: nodal vectors with a factor over time.
 
-use super::geometry::{add_facet_areas, for_each_volume_point};
+use super::geometry::{MassKind, add_facet_areas};
+use super::regions::nodal_masses;
 use super::target::SignalTarget;
 use super::time_function::NotFinite;
 use super::{Load, LoadKind, TimeFunction};
@@ -20,7 +21,8 @@ pub(super) struct LoadVector {
 
 impl LoadVector {
     /// Equivalent nodal forces of a load; `None` if the load is not one vector times a factor. `section`: thickness of
-    /// plane cells, `density`: mass per measure of each cell, `own_nodes`: their number on a team.
+    /// plane cells, `density`: mass per measure of each cell, `mass`: its kind, on which accelerations act, `own_nodes`: their
+    /// number on a team.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
@@ -29,6 +31,7 @@ impl LoadVector {
         index: usize,
         load: &Load,
         (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
+        mass: MassKind,
         own_nodes: Option<usize>,
     ) -> Result<Option<Self>> {
         let mut own_area = None;
@@ -51,7 +54,8 @@ impl LoadVector {
             }
             LoadKind::NodalForce { group, force } => (ones(mesh, group)?, *force),
             LoadKind::Acceleration { group, acceleration } => {
-                let mut masses = nodal_masses(mesh, group.as_deref(), density_of_cell)?;
+                let cells = cells_of(mesh, group.as_deref())?.into_iter();
+                let mut masses = nodal_masses(mesh, cells, density_of_cell, mass);
                 if group.is_none() {
                     masses.iter_mut().zip(point_masses).for_each(|(sum, mass)| *sum += mass);
                 }
@@ -92,16 +96,4 @@ pub(super) fn cells_of(mesh: &Mesh, group: Option<&str>) -> Result<Vec<u32>> {
         Some(name) => Ok(mesh.groups().cells(name)?.to_vec()),
         None => Ok((0..mesh.n_cells() as u32).collect()),
     }
-}
-
-/// Integrals of density times the shape functions over a cell group.
-fn nodal_masses(mesh: &Mesh, group: Option<&str>, density_of_cell: &[f64]) -> Result<Vec<f64>> {
-    let cells = cells_of(mesh, group)?;
-    let mut masses = vec![0.0; mesh.n_nodes()];
-    for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
-        for (&node, N) in nodes.iter().zip(point.shapes) {
-            masses[node as usize] += density_of_cell[cell] * point.weight * N;
-        }
-    });
-    Ok(masses)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::geometry::{CellTable, add_facet_areas};
+use super::geometry::{CellTable, for_each_facet_point};
 use super::input::{GroundAttraction, GroundSpring, PointMass, PointTerms};
 use super::integral::Scratch;
 use super::regions::RegionSummary;
@@ -36,19 +36,18 @@ pub(super) fn check_masses(mesh: &Mesh, lumped_mass: &[f64], fixed: &[bool]) -> 
     }
 }
 
-/// Terms of all springs and attractions to the ground at the first `n_own` nodes.
+/// Terms of all springs and attractions to the ground at the first `n_own` nodes; `masses`: those that are attracted,
+/// `[n_nodes]`.
 pub(super) fn ground_terms(
     mesh: &Mesh,
     nodal: &PointTerms,
     section: &[f64],
-    lumped_mass: &[f64],
+    masses: &[f64],
     n_own: usize,
 ) -> Result<Vec<Box<dyn Term>>> {
     let springs = nodal.springs.iter().map(|spring| ground_springs(mesh, spring, section, n_own));
     let attractions = nodal.attractions.iter();
-    springs
-        .chain(attractions.map(|attraction| ground_attraction(mesh, attraction, lumped_mass, n_own)))
-        .collect()
+    springs.chain(attractions.map(|attraction| ground_attraction(mesh, attraction, masses, n_own))).collect()
 }
 
 /// The first `n_own` nodes of a group; without a name all of them.
@@ -76,12 +75,12 @@ pub(super) fn summary(mesh: &Mesh, mass: &PointMass, n_own: usize) -> Result<Reg
     Ok(RegionSummary { group: Some(mass.group.clone()), ..RegionSummary::combined(&points) })
 }
 
-/// Springs to the ground at single nodes: a linear force.
+/// Springs to the ground: a linear force.
 #[derive(Debug)]
 struct GroundSprings {
-    nodes: Vec<u32>,
-    stiffness: Vec<f64>,
-    /// Position in the pattern of each node with itself.
+    /// Node of the force, node of the displacement, and the stiffness between them; ascending.
+    pairs: Vec<(u32, u32, f64)>,
+    /// Position of each pair in the pattern.
     positions: Vec<u32>,
 }
 
@@ -97,18 +96,32 @@ fn ground_springs(
         return Err(Error::NotPositive { what: "stiffness of springs".into(), value: *stiffness });
     }
     let nodes = own_nodes(mesh, Some(group), n_own)?;
-    let mut shares = vec![1.0; mesh.n_nodes()];
-    if let Ok(facets) = mesh.groups().facets(group) {
-        shares.fill(0.0);
-        add_facet_areas(mesh, facets, section, &mut shares);
+    let Ok(facets) = mesh.groups().facets(group) else {
+        let pairs = nodes.into_iter().map(|node| (node, node, *stiffness)).collect();
+        return Ok(Box::new(GroundSprings { pairs, positions: Vec::new() }));
+    };
+    let mut all = Vec::new();
+    for_each_facet_point(mesh, facets, section, |nodes, point| {
+        for (&row, N_A) in nodes.iter().zip(point.shapes).filter(|(row, _)| (**row as usize) < n_own) {
+            let columns = nodes.iter().zip(point.shapes);
+            all.extend(columns.map(|(&column, N_B)| (row, column, stiffness * point.weight * N_A * N_B)));
+        }
+    });
+    all.sort_by_key(|&(row, column, _)| (row, column));
+    let mut pairs: Vec<(u32, u32, f64)> = Vec::new();
+    for (row, column, stiffness) in all {
+        match pairs.last_mut() {
+            Some(last) if (last.0, last.1) == (row, column) => last.2 += stiffness,
+            _ => pairs.push((row, column, stiffness)),
+        }
     }
-    let stiffness = nodes.iter().map(|&node| stiffness * shares[node as usize]).collect();
-    Ok(Box::new(GroundSprings { nodes, stiffness, positions: Vec::new() }))
+    Ok(Box::new(GroundSprings { pairs, positions: Vec::new() }))
 }
 
 impl Term for GroundSprings {
     fn couplings(&self) -> (&[u32], usize) {
-        (&self.nodes, 1)
+        // Those of the cells.
+        (&[], 1)
     }
 
     fn n_points(&self) -> usize {
@@ -116,8 +129,8 @@ impl Term for GroundSprings {
     }
 
     fn attach(&mut self, pattern: &Pattern, _: &[Range<usize>]) {
-        let diagonal = |&node: &u32| pattern.position(node as usize, node as usize);
-        self.positions = self.nodes.iter().filter_map(diagonal).map(|position| position as u32).collect();
+        let position = |&(row, column, _): &(u32, u32, f64)| pattern.position(row as usize, column as usize);
+        self.positions = self.pairs.iter().filter_map(position).map(|position| position as u32).collect();
     }
 
     fn assemble(
@@ -128,13 +141,12 @@ impl Term for GroundSprings {
         _: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let springs = self.nodes.iter().zip(&self.stiffness).zip(&self.positions);
-        for ((&node, &stiffness), &position) in springs {
-            if !sink.owns(node) {
+        for (&(row, column, stiffness), &position) in self.pairs.iter().zip(&self.positions) {
+            if !sink.owns(row) {
                 continue;
             }
             for i in 0..step.rule.degree() {
-                sink.add_force(i, node, spring_force(stiffness, node as usize, step, i));
+                sink.add_force(i, row, spring_force(stiffness, column as usize, step, i));
             }
             if request == Request::Stress {
                 continue;
@@ -153,29 +165,32 @@ impl Term for GroundSprings {
         stage: usize,
         visit: &mut dyn FnMut(usize, [f64; 3]),
     ) {
-        for (&node, &stiffness) in self.nodes.iter().zip(&self.stiffness) {
-            visit(node as usize, spring_force(stiffness, node as usize, step, stage));
+        for &(row, column, stiffness) in &self.pairs {
+            visit(row as usize, spring_force(stiffness, column as usize, step, stage));
         }
     }
 
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
         let n = step.displacement.len();
-        for (&node, stiffness) in self.nodes.iter().zip(&self.stiffness) {
-            for dof in 3 * node as usize..3 * node as usize + 3 {
-                let stages = step.rule.mean().start.iter().zip(adjoint[dof..].iter().step_by(n));
-                gradient[dof] += stiffness * stages.map(|(start, mu)| start * mu).sum::<f64>();
+        for &(row, column, stiffness) in &self.pairs {
+            for d in 0..3 {
+                let adjoint = adjoint[3 * row as usize + d..].iter().step_by(n);
+                let stages = step.rule.mean().start.iter().zip(adjoint);
+                gradient[3 * column as usize + d] +=
+                    stiffness * stages.map(|(start, mu)| start * mu).sum::<f64>();
             }
         }
     }
 
     fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        let square = |node: u32| displacement[3 * node as usize..][..3].iter().map(|u| u * u).sum::<f64>();
-        let energies = self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node));
+        let at = |node: u32| &displacement[3 * node as usize..][..3];
+        let product = |a: u32, b: u32| at(a).iter().zip(at(b)).map(|(a, b)| a * b).sum::<f64>();
+        let energies = self.pairs.iter().map(|&(row, column, k)| 0.5 * k * product(row, column));
         StrainState { strain_energy: energies.sum(), ..StrainState::NONE }
     }
 }
 
-/// Stage average of the force of a spring on the ground.
+/// Stage average of the force of a spring on the ground, by the displacement of a node.
 fn spring_force(stiffness: f64, node: usize, step: &StepInput<'_>, stage: usize) -> [f64; 3] {
     let k = step.rule.degree();
     let mean = step.rule.mean();
@@ -193,7 +208,7 @@ fn spring_force(stiffness: f64, node: usize, step: &StepInput<'_>, stage: usize)
 fn ground_attraction(
     mesh: &Mesh,
     attraction: &GroundAttraction,
-    lumped_mass: &[f64],
+    masses: &[f64],
     n_own: usize,
 ) -> Result<Box<dyn Term>> {
     let nodes = own_nodes(mesh, attraction.group.as_deref(), n_own)?;
@@ -212,7 +227,7 @@ fn ground_attraction(
         // The gradient of the shape function of the moving end, along the first coordinate: t/L.
         gradients.push([r.map(|x| x / square), [0.0; 3], [0.0; 3]]);
         // A node without mass has no attraction: a strength of zero is invalid.
-        let strength = attraction.strength * lumped_mass[node as usize];
+        let strength = attraction.strength * masses[node as usize];
         energies.push(
             Link::attraction(if strength == 0.0 { f64::MIN_POSITIVE } else { strength })?
                 .with_length(square.sqrt()),

@@ -45,6 +45,7 @@ impl Body {
             fields: Arc::default(),
             pressures: Arc::new(pressures.collect()),
             drives: body.drives.iter().map(|drive| drive.in_proportion(time)).collect(),
+            lumped: None,
             release: None,
             ..body.clone()
         }

@@ -22,6 +22,12 @@ impl Body {
         self.subdomain().filter(|part| part.size() > 1)
     }
 
+    /// Whether some cell, of any rank, is plane. The planes that hold it then also exert couples about x and y, by the
+    /// shears yz and xz, which no nodal force shows.
+    pub(crate) fn has_plane_cells(&self) -> bool {
+        self.has_plane_cells
+    }
+
     /// Number of degrees of freedom on all ranks of a team; [`Body::n_dofs`] of a body that is whole.
     pub fn n_dofs_of_ranks(&self) -> usize {
         self.n_dofs_of_ranks

@@ -1,7 +1,9 @@
 //! Regions: their cells, terms, masses and summaries.
 
 use super::batches::PointGeometry;
-use super::geometry::{CellTable, ReferenceTable, for_each_volume_point, positions, reserved};
+use super::geometry::{
+    CellTable, MassKind, ReferenceTable, for_each_mass_point, for_each_volume_point, positions, reserved,
+};
 use super::internal_nodes::InternalNodes;
 use super::term::Term;
 use super::{Region, Viscosity};
@@ -246,24 +248,19 @@ pub(super) fn mass(
     mass
 }
 
-/// Lumped mass of every node: row sums for linear cells, scaled diagonals for quadratic ones.
-pub(super) fn lumped_mass(mesh: &Mesh, density_of_cell: &[f64]) -> Vec<f64> {
-    // Volume of each quadratic cell, and the sum of the diagonal of its mass.
-    let mut sums = vec![(0.0, 0.0); mesh.n_cells()];
-    let is_quadratic = |cell: &u32| {
-        let cell = mesh.cell(*cell as usize);
-        cell.kind.n_corners() != cell.nodes.len()
-    };
-    for_each_volume_point(mesh, (0..mesh.n_cells() as u32).filter(is_quadratic), |cell, _, point| {
-        sums[cell].0 += point.weight;
-        sums[cell].1 += point.weight * point.shapes.iter().map(|N| N * N).sum::<f64>();
-    });
+/// Mass of every node in some cells: row sums of the consistent mass, or the lumped mass, which are scaled diagonals for
+/// quadratic cells.
+pub(super) fn nodal_masses(
+    mesh: &Mesh,
+    cells: impl Iterator<Item = u32>,
+    density_of_cell: &[f64],
+    kind: MassKind,
+) -> Vec<f64> {
     let mut masses = vec![0.0; mesh.n_nodes()];
-    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
-        let is_linear = !is_quadratic(&(cell as u32));
+    for_each_mass_point(mesh, cells, kind, &mut |cell, nodes, point| {
         let mass = density_of_cell[cell] * point.weight;
-        for (&node, N) in nodes.iter().zip(point.shapes) {
-            masses[node as usize] += mass * if is_linear { *N } else { N * N * sums[cell].0 / sums[cell].1 };
+        for (&node, share) in nodes.iter().zip(point.shapes) {
+            masses[node as usize] += mass * share;
         }
     });
     masses

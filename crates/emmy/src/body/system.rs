@@ -41,6 +41,8 @@ pub struct Body {
     pub(super) terms: Arc<OnceLock<Terms>>,
     /// Whether some cell, of any rank, has pressures.
     pub(super) has_pressures: bool,
+    /// Whether some cell, of any rank, is plane.
+    pub(super) has_plane_cells: bool,
     /// Number of degrees of freedom on all ranks.
     pub(super) n_dofs_of_ranks: usize,
     /// The part of this rank; `None`: the whole body is here.
@@ -66,6 +68,8 @@ pub struct Body {
     pub(super) loads: Arc<Vec<LoadVector>>,
     pub(super) fields: Arc<Vec<FieldLoad>>,
     pub(super) pressures: Arc<Vec<Pressure>>,
+    /// The body with loads and ground that act on the lumped mass, if that makes a difference.
+    pub(super) lumped: Option<Box<Body>>,
     /// When the first support is released, and the body afterwards.
     pub(super) release: Option<(f64, Box<Body>)>,
 }
@@ -183,6 +187,24 @@ impl Body {
     /// ```
     pub fn lumped_mass(&self) -> &[f64] {
         &self.lumped_mass
+    }
+
+    /// The body as central differences move it: accelerations, body forces and attractions act on the lumped mass, like the
+    /// inertia. It is the same body unless it has such loads on quadratic cells, whose row sums are no lumped masses.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = || Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    /// let weight = || Load::acceleration([0.0, 0.0, -10.0]);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber()).load(weight()).build()?;
+    /// assert!(std::ptr::eq(body.lumped(), &body));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// An equilibrium from which central differences start is one of this body
+    /// ([`Equilibrium::new`](crate::equilibrium::Equilibrium::new)).
+    pub fn lumped(&self) -> &Body {
+        self.lumped.as_deref().unwrap_or(self)
     }
 
     /// Fill-reducing order of the nodes, `order[new] = old`, computed on first use: explicit methods need none.

@@ -22,6 +22,12 @@ impl Body {
     /// The body with the sums of all ranks where its builder had those of this one.
     pub(super) fn with_sums_of_ranks(mut self) -> Body {
         let Some(subdomain) = self.subdomain.clone() else { return self };
+        // Whether any rank has quadratic cells.
+        let mut has_lumped = [f64::from(u8::from(self.lumped.is_some()))];
+        subdomain.largest("loads on the lumped mass", &mut has_lumped);
+        let own = self.lumped.take();
+        let lumped = (has_lumped[0] > 0.0).then(|| own.unwrap_or_else(|| Box::new(self.clone())));
+        self.lumped = lumped.map(|body| Box::new(body.with_sums_of_ranks()));
         let flatten = |region: &RegionSummary| {
             let RegionSummary { n_cells, volume, mass, centre, inertia, .. } = region;
             [&[*n_cells as f64, *volume, *mass], &centre[..], inertia.as_flattened()].concat()
@@ -46,9 +52,9 @@ impl Body {
         let mut n_internal = [self.internal.counted().len() as f64];
         subdomain.sum("internal nodes", &mut n_internal);
         self.n_dofs_of_ranks = 3 * (subdomain.n_nodes_of_ranks + n_internal[0] as usize);
-        let mut has_pressures = [f64::from(u8::from(self.has_pressures))];
-        subdomain.largest("cells with pressures", &mut has_pressures);
-        self.has_pressures = has_pressures[0] > 0.0;
+        let mut has = [self.has_pressures, self.has_plane_cells].map(|has| f64::from(u8::from(has)));
+        subdomain.largest("cells with pressures and plane cells", &mut has);
+        [self.has_pressures, self.has_plane_cells] = has.map(|has| has > 0.0);
         let mut of_cells = if self.is_viscous() { traces(self.counted_terms()) } else { [0.0; 2] };
         subdomain.sum("viscosity and stiffness", &mut of_cells);
         self.viscous_time = time_of(of_cells);
@@ -92,10 +98,12 @@ impl Body {
         }
         let (lumped_mass, loads, fields) = (&self.lumped_mass, &self.loads, &self.fields);
         let (regions, viscous_time) = (&self.regions, self.viscous_time);
-        let (has_pressures, n_dofs_of_ranks) = (self.has_pressures, self.n_dofs_of_ranks);
+        let (has_pressures, has_plane_cells) = (self.has_pressures, self.has_plane_cells);
+        let n_dofs_of_ranks = self.n_dofs_of_ranks;
         self.release = self.release.take().map(|(time, body)| {
             let body = Body {
                 has_pressures,
+                has_plane_cells,
                 n_dofs_of_ranks,
                 lumped_mass: lumped_mass.clone(),
                 loads: loads.clone(),

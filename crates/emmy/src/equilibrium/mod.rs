@@ -5,7 +5,7 @@ use crate::body::{Body, InitialVelocity};
 use crate::error::Result;
 use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, StepPlan};
 use crate::time::Scheme;
-use crate::time::classic::Forces;
+use crate::time::classic::{Forces, solve_stiffness};
 
 /// The static equilibrium `f(u) = F(u, t)` of a body under the loads, pressures and driven supports of a time t.
 ///
@@ -80,8 +80,21 @@ impl<'a> Equilibrium<'a> {
         motion.allow_cuts(None);
         motion.march(&self.plan, observers)?;
         let displacement = motion.state().displacement.clone();
-        Ok(State::displaced(self.body, self.time, displacement, fields)?)
+        let state = State::displaced(self.body, self.time, displacement, fields)?;
+        Ok(State { is_equilibrium: true, ..state })
     }
+}
+
+/// Multipliers mu of the equations of equilibrium at a state, `K mu = g` at the free degrees of freedom; `gradient`: a
+/// derivative g by the displacement, `[n_nodes][3]`. The change of the equilibrium with a parameter changes the goal by
+/// `-mu . d(f - F)`. Without follower loads K is symmetric.
+///
+/// # Errors
+/// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+pub(crate) fn multipliers(body: &Body, state: &State, gradient: &[f64]) -> Result<Vec<f64>> {
+    let mut forces = Forces::new(body);
+    forces.assemble(&state.displacement, Request::Tangent)?;
+    solve_stiffness(body, &mut forces.assembly.matrix, gradient)
 }
 
 /// The plan of a number of equal increments, from load fraction 0 to 1.

@@ -55,7 +55,8 @@ pub struct Record {
     pub angular_momentum: [f64; 3],
     /// Norm of the residual of the linear momentum balance of the step.
     pub linear_momentum_residual: f64,
-    /// Norm of the residual of the angular momentum balance of the step.
+    /// Norm of the residual of the angular momentum balance of the step; in plane strain of its z component, because the
+    /// planes that hold the cells exert couples about x and y.
     pub angular_momentum_residual: f64,
     /// Smallest det F at the quadrature points; a cell is inverted at 0. Infinite for links.
     pub smallest_determinant: f64,
@@ -133,20 +134,25 @@ impl Record {
         // T and V separately: they may be large and cancel in the change of their sum.
         let kinetic = record.kinetic_energy - self.kinetic_energy;
         let strain = record.strain_energy - self.strain_energy;
+        let angular = residual(record.angular_momentum, self.angular_momentum, impulses.angular);
         Record {
             energy_residual: kinetic + strain - impulses.work + impulses.dissipated,
-            linear_momentum_residual: residual(record.linear_momentum, self.linear_momentum, impulses.linear),
-            angular_momentum_residual: residual(
-                record.angular_momentum,
-                self.angular_momentum,
-                impulses.angular,
-            ),
+            linear_momentum_residual: norm(residual(
+                record.linear_momentum,
+                self.linear_momentum,
+                impulses.linear,
+            )),
+            angular_momentum_residual: if body.has_plane_cells() { angular[2].abs() } else { norm(angular) },
             ..record
         }
     }
 }
 
-/// Norm of `now - before - impulse`.
-fn residual(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> f64 {
-    (0..3).map(|i| (now[i] - before[i] - impulse[i]).powi(2)).sum::<f64>().sqrt()
+/// `now - before - impulse`
+fn residual(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| now[i] - before[i] - impulse[i])
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|x| x.powi(2)).sum::<f64>().sqrt()
 }

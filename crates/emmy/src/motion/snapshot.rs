@@ -47,8 +47,16 @@ impl Snapshot {
     /// The lists over nodes and cells, by their names. On a team they are those of a rank; all else is the same on all ranks.
     #[doc(hidden)]
     pub fn lists_mut<'a>(&'a mut self) -> impl Iterator<Item = (String, Entries, &'a mut Vec<f64>)> {
-        let State { time: _, step: _, displacement, momentum, velocity, displacement_low, momentum_error: _ } =
-            &mut self.state;
+        let State {
+            time: _,
+            step: _,
+            displacement,
+            momentum,
+            velocity,
+            displacement_low,
+            momentum_error: _,
+            is_equilibrium: _,
+        } = &mut self.state;
         let of_state = [
             ("displacement", displacement),
             ("momentum", momentum),

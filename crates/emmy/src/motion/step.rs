@@ -84,6 +84,7 @@ impl Motion<'_> {
     ) {
         self.state.time = end;
         self.state.step += 1;
+        self.state.is_equilibrium = false;
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
         self.reactions.clear();
         self.reactions.extend_from_slice(self.stepper.reactions());

@@ -128,6 +128,7 @@ impl<'a> Motion<'a> {
         mut state: State,
     ) -> Result<Self> {
         let scheme = scheme.into();
+        let body = scheme.body(body);
         body.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
         body.clear_guests(&mut state.momentum);
@@ -171,11 +172,13 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// As [`Motion::starting`] and [`Stepper::restore`].
     pub fn resumed(
-        mut body: &'a Body,
+        body: &'a Body,
         scheme: impl Into<Scheme>,
         settings: NewtonSettings,
         snapshot: Snapshot,
     ) -> Result<Self> {
+        let given = scheme.into();
+        let mut body = given.body(body);
         let Snapshot {
             state,
             record,
@@ -190,7 +193,6 @@ impl<'a> Motion<'a> {
             let Some((_, released)) = body.release() else { break };
             body = released;
         }
-        let given = scheme.into();
         let degree = control.as_ref().and_then(degree_of);
         let scheme = degree.map_or(Ok(given), |degree| given.at_degree(degree))?;
         let mut motion = Motion::starting(body, scheme, settings, state.clone())?;

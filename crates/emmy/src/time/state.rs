@@ -29,6 +29,10 @@ pub struct State {
     /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps remove it. Far from
     /// the origin it would have a long lever.
     pub momentum_error: [f64; 3],
+    /// Whether the displacement is the equilibrium under the loads of the time, from which a motion starts
+    /// ([`crate::equilibrium::Equilibrium::start`]): it then depends on the parameters of the body. A step ends this.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_equilibrium: bool,
 }
 
 impl State {
@@ -72,6 +76,7 @@ impl State {
             velocity,
             displacement_low,
             momentum_error: [0.0; 3],
+            is_equilibrium: false,
         })
     }
 
@@ -90,7 +95,15 @@ impl State {
         body.check_start(time, &self.displacement)?;
         let mut velocity = self.velocity;
         let momentum = body.momentum_of(time, &mut velocity)?;
-        Ok(State { time, step: 0, momentum, velocity, momentum_error: [0.0; 3], ..self })
+        Ok(State {
+            time,
+            step: 0,
+            momentum,
+            velocity,
+            momentum_error: [0.0; 3],
+            is_equilibrium: false,
+            ..self
+        })
     }
 
     /// Copies another state of the same body without allocation.
@@ -101,6 +114,7 @@ impl State {
         self.velocity.copy_from_slice(&other.velocity);
         self.displacement_low.clone_from(&other.displacement_low);
         self.momentum_error = other.momentum_error;
+        self.is_equilibrium = other.is_equilibrium;
     }
 
     /// Current position of a node.

@@ -25,6 +25,7 @@ mod next_steps;
 mod order_of_accuracy;
 mod plane_elements;
 mod pressure;
+mod quadratic_cells;
 mod reactions;
 mod reference_cases;
 mod resumed_motions;

@@ -9,9 +9,13 @@ use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFun
 use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::quadrature::gauss;
-use emmy::material::NeoHooke;
+use emmy::material::{
+    EnergyFormula, EngineeringConstants, Expression, HolzapfelGasserOgden, Invariant, NeoHooke, Orthotropic,
+    Volumetric,
+};
 use emmy::mesh::{CellKind, Mesh, block, rectangle};
 use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::time::Scheme;
 
 const THICKNESS: f64 = 0.4;
 
@@ -94,6 +98,52 @@ fn every_kind_flies_free_with_three_materials() {
         ..Default::default()
     };
     every_kind_flies(&CellKind::PLANES, |kind| plane_patch(kind, 3), &field);
+}
+
+/// Fibres that lean out of the plane make shears xz and yz, whose couples about x and y the planes bear: the balance of the
+/// angular momentum is that of its z component.
+#[test]
+fn fibres_out_of_the_plane_keep_the_balances() {
+    let fibre = [1.0, 0.3, 1.0];
+    let tissue =
+        HolzapfelGasserOgden::new(20.0, [30.0, 1.0], 0.0, &[fibre], 200.0, Volumetric::default()).unwrap();
+    let ply = EngineeringConstants {
+        youngs_moduli: [100.0, 30.0, 20.0],
+        poissons_ratios: [0.2, 0.25, 0.3],
+        shear_moduli: [15.0, 10.0, 12.0],
+    };
+    let ply = Orthotropic::new(ply, [[1.0, 2.0, -0.5], [0.0, 1.0, 1.0]]).unwrap();
+    let [i1, j, i4] = [Invariant::I1, Invariant::J, Invariant::I4].map(Expression::from);
+    let energy =
+        10.0 * (i1 - 3.0) - 20.0 * j.clone().ln() + 50.0 * j.ln().power(2.0) + 15.0 * (i4 - 1.0).power(2.0);
+    let formula = EnergyFormula::new(&energy, Some(fibre)).unwrap();
+    let regions = [Region::new(tissue, 1.2), Region::new(ply, 1.2), Region::new(formula, 1.2)];
+    let field = InitialVelocity {
+        angular_velocity: [0.0, 0.0, 2.0],
+        gradient: [[1.5, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]],
+        ..Default::default()
+    };
+    for region in regions {
+        let body = Body::builder(rectangle([1.0, 2.0], [2, 4]).unwrap()).region(region).build().unwrap();
+        for scheme in [at(DGM, 1), at(DGM, 2), Scheme::CentralDifferences] {
+            let state = State::initial(&body, 0.0, std::slice::from_ref(&field)).unwrap();
+            let settings = NewtonSettings { tolerance: 1e-13, ..Default::default() };
+            let mut motion = Motion::starting(&body, scheme, settings, state).unwrap();
+            let (first, mut sheared) = (motion.record().clone(), 0f64);
+            for _ in 1..=100 {
+                let record = motion.step(0.005).unwrap();
+                assert!(record.angular_momentum_residual < 1e-12, "{scheme}: {record:?}");
+                assert!(record.linear_momentum_residual < 1e-12, "{scheme}: {record:?}");
+                let turn = record.angular_momentum[2] - first.angular_momentum[2];
+                assert!(turn.abs() < 1e-11 * first.angular_momentum[2], "{scheme}: {record:?}");
+                let force = emmy::equilibrium::internal_force(&body, &motion.state().displacement).unwrap();
+                sheared =
+                    force.iter().skip(2).step_by(3).fold(sheared, |largest, force| largest.max(force.abs()));
+            }
+            // The shears are there: the planes bear forces along z.
+            assert!(sheared > 1e-2, "{scheme}: {sheared:e}");
+        }
+    }
 }
 
 /// History of a cantilever under a load at its end: energies and the position of a corner.

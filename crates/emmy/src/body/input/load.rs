@@ -160,6 +160,12 @@ pub enum FieldDomain<'a> {
 }
 
 impl LoadKind {
+    /// Whether it acts on mass or volume, not on a surface or at single nodes.
+    pub(crate) fn acts_on_mass(&self) -> bool {
+        use LoadKind::{Acceleration, AccelerationField, BodyForceField};
+        matches!(self, Acceleration { .. } | AccelerationField { .. } | BodyForceField { .. })
+    }
+
     /// The function of position and time of a load by a field, and where it acts.
     ///
     /// ```

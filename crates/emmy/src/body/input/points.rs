@@ -45,11 +45,11 @@ pub struct PointMass {
 /// Springs from the nodes of a group to the ground, equal in all directions and at rest in the reference configuration.
 ///
 /// ```math
-/// V = 1/2 sum_A k_A |u_A|^2
+/// nodes: V = k/2 sum_A |u_A|^2      facets: V = k/2 integral |u|^2 dA
 /// ```
 ///
-/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k
-/// for each node \[force/length\].
+/// In a group of facets k is a stiffness per reference area \[force/length^3\], which couples their nodes; else k for each
+/// node \[force/length\].
 ///
 /// ```
 /// use emmy::body::GroundSpring;
@@ -70,7 +70,9 @@ pub struct GroundSpring {
 /// V = -sum_A g m_A / |q_A - c|
 /// ```
 ///
-/// with the lumped masses m_A ([`crate::body::Body::lumped_mass`]).
+/// with the row sums m_A of the consistent mass, so that a uniform attraction gives all nodes the same acceleration; they
+/// may be negative at corners of quadratic cells. With central differences m_A are the lumped masses
+/// ([`crate::body::Body::lumped`]).
 ///
 /// ```
 /// use emmy::body::GroundAttraction;

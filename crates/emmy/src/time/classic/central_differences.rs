@@ -68,7 +68,7 @@ impl<'a> CentralDifferences<'a> {
     /// # Errors
     /// [`Error::Inverted`].
     pub fn critical_steps(body: &Body, displacement: &[f64]) -> Result<[f64; 2]> {
-        let critical = StabilityLimit::new(&mut Forces::new(body), displacement)?.critical_step;
+        let critical = StabilityLimit::new(&mut Forces::new(body.lumped()), displacement)?.critical_step;
         Ok([critical, SAFETY * critical])
     }
 

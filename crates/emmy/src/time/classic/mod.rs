@@ -18,6 +18,7 @@ pub(super) use forces::Start;
 pub(crate) use forces::{Forces, static_reactions};
 pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};
 pub use statics::StaticStepper;
+pub(crate) use statics::solve_stiffness;
 
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Rule;

@@ -287,6 +287,20 @@ impl Scheme {
         Ok(())
     }
 
+    /// The body as the scheme moves it, with loads on the mass that the scheme has: [`Body::lumped`] for central
+    /// differences, else the body itself.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+    /// assert!(std::ptr::eq("DGM".parse::<emmy::time::Scheme>()?.body(&body), &body));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn body(self, body: &Body) -> &Body {
+        if self == Scheme::CentralDifferences { body.lumped() } else { body }
+    }
+
     /// The stepper of the scheme, for a state. A scheme with its own mass matrix sets the momentum of the state with
     /// it.
     ///

@@ -2,6 +2,7 @@
 //! the true one.
 
 mod checkpoints;
+mod equilibrium;
 mod goal_error;
 mod parameters;
 mod problems;

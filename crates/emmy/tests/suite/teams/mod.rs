@@ -21,6 +21,7 @@ use emmy::team::{Team, Threads};
 use emmy::time::{Estimator, Scheme};
 use emmy::{Error, Result};
 
+use crate::shared::patch::Patch;
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe};
 use crate::shared::watch::Watch;
 
@@ -525,6 +526,38 @@ fn classic_steppers_are_those_of_the_whole_body() {
             scheme: name.parse().unwrap(),
             exact_tangent: false,
             plan: plan(0.1, 0.0025),
+        };
+        case.assert_equal([2, 3], 1e-11);
+    }
+}
+
+/// Weight, attraction and a bed of springs on quadratic cells, with the consistent and with the lumped mass.
+#[test]
+fn quadratic_cells_are_those_of_the_whole_body() {
+    for scheme in ["DGM", "central-differences"] {
+        let case = Case {
+            mesh: Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(CellKind::Hex20),
+            parts: |builder| {
+                let terms = PointTerms {
+                    springs: vec![GroundSpring { group: "x-max".to_string(), stiffness: 40.0 }],
+                    attractions: vec![GroundAttraction {
+                        group: None,
+                        centre: [5.0, 4.0, 3.0],
+                        strength: 20.0,
+                    }],
+                    ..Default::default()
+                };
+                let field = Field::new(|x, t| [3.0 * x[1], -2.0, t]);
+                builder
+                    .region(rubber())
+                    .point_terms(terms)
+                    .load(Load::acceleration([0.0, 1.0, -9.81]))
+                    .load(Load::new(LoadKind::BodyForceField { group: None, field }))
+            },
+            start: InitialVelocity { angular_velocity: [0.0, 1.0, 2.0], ..Default::default() },
+            scheme: scheme.parse().unwrap(),
+            exact_tangent: false,
+            plan: plan(0.02, 0.0005),
         };
         case.assert_equal([2, 3], 1e-11);
     }

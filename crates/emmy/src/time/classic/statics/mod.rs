@@ -7,7 +7,9 @@ use super::forces::TimePoint;
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome};
+use crate::sparse::StageMatrix;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
+use inverse::Inverse;
 use system::{StaticSystem, largest_node};
 
 /// An equilibrium farther away than this multiple of the step linearised at its start belongs to another path: near a limit
@@ -19,6 +21,41 @@ const FARTHEST_BACK: f64 = 10.0;
 
 /// Distances below this part of the size of the body are rounding.
 const NO_DISTANCE: f64 = 1e-9;
+
+/// Relative residual of a linear system at which refinement ends, and above which it counts as unsolved.
+const REFINED: f64 = 1e-14;
+const UNSOLVED: f64 = 1e-9;
+
+/// Solution of `K x = b` at the free degrees of freedom with a symmetric stiffness, refined; x is zero at the fixed ones.
+///
+/// # Errors
+/// [`Error::Linear`] for a stiffness that is singular but for rounding, [`Error::OutOfMemory`].
+pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64]) -> Result<Vec<f64>> {
+    let mut inverse = Inverse::new(body)?;
+    inverse.set(body, stiffness)?;
+    let mut x = vec![0.0; b.len()];
+    let mut residual = b.to_vec();
+    body.clear_inactive(&mut residual);
+    let size = body.norm(&residual);
+    let mut left = size;
+    while left > REFINED * size {
+        inverse.apply(body, &mut residual);
+        x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
+        stiffness.multiply(body.pattern(), &x, &mut residual);
+        residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+        body.clear_inactive(&mut residual);
+        let last = std::mem::replace(&mut left, body.norm(&residual));
+        if left.is_nan() || left > 0.5 * last {
+            break;
+        }
+    }
+    if left <= UNSOLVED * size {
+        return Ok(x);
+    }
+    let left = left / size;
+    let reason = format!("the stiffness at an equilibrium is singular: {left:.1e} of the right side is left");
+    Err(Error::Linear { reason })
+}
 
 /// Stepper of static equilibria, for a body under loads that grow with the time ([`Body::in_proportion`]). A step leads
 /// from one equilibrium to the next; there is no inertia, and no damping.
