@@ -290,7 +290,7 @@ fn the_summary_of_a_team_has_the_peaks_of_its_history() {
         let start = bent(&problem.body);
         let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, start).unwrap();
         motion.march(&problem.plan, &mut [&mut results]).unwrap();
-        assert!(results.finish(&motion, Status::Done, None).error.is_none());
+        assert!(results.finish(&problem, &motion, Status::Done, None).error.is_none());
     })
     .unwrap();
     let history = History::read(&temp.path().join("out/history.csv")).unwrap();
