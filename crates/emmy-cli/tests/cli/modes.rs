@@ -284,3 +284,19 @@ mass = [{ group = "a", mass = 2 }, { group = "b", mass = 3 }]
     assert!(report.contains("period     1.98692 in the lowest elastic mode"), "{report}");
     assert!(report.contains("beside 5 rigid modes"), "{report}");
 }
+
+/// A sheet whose thickness is 0.0003 of its length: `omega^2` of its cells is `12 c^2/t^2` and more, that of its lowest mode
+/// about `14 c^2 t^2/(12 L^4)`, `10^15` times less. No digit of it is left beside rounding.
+#[test]
+fn modes_without_digits_are_a_failure() {
+    let sheet =
+        BAR.replace("size = [6, 1, 1], cells = [24, 1, 1]", "size = [1, 1, 0.0003], cells = [10, 10, 1]");
+    let place = Place::with(&sheet[..sheet.find("[[support]]").unwrap()]);
+    let outcome = place.emmy(&["modes", "box.toml", "--count", "7", "--output", "own"]);
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (3, ""), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("the largest relative residual is"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("nothing was written"), "{}", outcome.stderr);
+    assert_eq!(place.names("."), ["box.toml"]);
+    let report = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(report.contains("period     not found: the search for 7 natural modes"), "{report}");
+}
