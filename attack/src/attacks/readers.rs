@@ -74,7 +74,7 @@ fn input(trial: &mut Trial<'_>) -> Result<(), String> {
 
 /// Checks `input.toml` and runs it for a while: both must agree on whether it is valid.
 fn check_and_run(trial: &Trial<'_>) -> Result<(), String> {
-    let checked = trial.emmy.call(trial.place.path(""), ["check", "input.toml"]).run();
+    let checked = trial.emmy.call(trial.place.path(""), ["check", "input.toml", "--output", "run"]).run();
     faults::ends_with(&checked, &[0, 2])?;
     faults::is_printable(&checked.stdout).map_err(|fault| format!("{fault}: {}", checked.call))?;
     let is_valid = checked.code == Some(0);
