@@ -26,7 +26,7 @@ pub use damping::Damping;
 pub use follower::FollowerRule;
 pub use mean::Mean;
 pub use start_tangent::StartTangent;
-pub use volume::{VolumeAverage, VolumeStart};
+pub use volume::{VolumeAverage, VolumeDamping, VolumeStart};
 
 use crate::material::Response;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};

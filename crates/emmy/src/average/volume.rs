@@ -11,12 +11,14 @@
 //! symmetric, so `P_i = F(c_i) S_i` has no moment. The first steps are in `path`, the last is in `pressure`. A standard
 //! rule takes theta, B and p at its time points.
 
+mod damping;
 mod path;
 mod pressure;
 mod start;
 #[cfg(test)]
 mod tests;
 
+pub use damping::VolumeDamping;
 pub use start::VolumeStart;
 
 use super::{Kind, Request, Rule, StressKind};
@@ -34,6 +36,8 @@ pub struct VolumeAverage<L> {
     pub start: L,
     /// Rates theta'_l at the Gauss points; for a standard rule theta at time point l. `[n_pressures]`
     pub change: Vec<L>,
+    /// theta'_l where `change` is not, after [`Rule::set_volume_rates`]. `[n_pressures]`
+    pub rate: Vec<L>,
     /// B_l, the second Piola-Kirchhoff stress of a unit pressure l. `[n_pressures]`
     pub direction: Vec<Sym<L>>,
     /// Derivatives dchange_l/dE'_m, `[l k + m]`; for a standard rule dtheta_l/dE_l, `[l]`.
@@ -57,6 +61,7 @@ impl<L: Lane> VolumeAverage<L> {
         VolumeAverage {
             start: zero,
             change: vec![zero; n],
+            rate: vec![zero; n],
             direction: vec![[zero; 6]; n],
             response: vec![[zero; 6]; n * k.max(1)],
             curvature: vec![[[zero; 6]; 6]; n * k.max(1)],

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use super::pressures::PressureCells;
 use super::{Assembly, Body, Term};
-use crate::average::Rule;
+use crate::average::{Rule, VolumeDamping};
 use crate::sparse::reduce::dot;
 
 /// A function of the pressure in a cell, as it was linearised last.
@@ -174,14 +174,15 @@ impl Body {
         }
     }
 
-    /// [`Body::add_pressure_response`] with one tangent for all stages, that of a rule with one stage.
+    /// [`Body::add_pressure_response`] with one tangent for all stages, that of a rule with one stage; `damping`: over the
+    /// stiffness of the volumes.
     ///
     /// ```math
-    /// dpi_l = factor sum_j integral_lj W dx_j
+    /// dpi_l = factor sum_j (integral_lj + damping_lj) W dx_j
     /// ```
     pub(crate) fn add_kept_pressure_response(
         &self,
-        rule: &Rule,
+        (rule, damping): (&Rule, &VolumeDamping),
         assembly: &Assembly,
         factor: f64,
         rates: &[f64],
@@ -193,7 +194,10 @@ impl Body {
             for (j, rates) in rates.chunks_exact(self.n_dofs()).enumerate() {
                 let change = factor * product(function.responses, function.nodes, rates);
                 let terms = own.iter_mut().enumerate();
-                terms.for_each(|(l, pressure)| *pressure += rule.pressure_integral(l, j) * change);
+                terms.for_each(|(l, pressure)| {
+                    *pressure +=
+                        (rule.pressure_integral(l, j) + rule.kept_volume_damping(damping, l, j)) * change;
+                });
             }
         }
     }

@@ -9,7 +9,7 @@ pub(crate) use memory::{BatchMemory, PointMemory, Scratch};
 
 use super::batches::CellBatches;
 use super::step::StepInput;
-use crate::average::{Average, Damping, Request, Rule};
+use crate::average::{Average, Damping, Request, Rule, VolumeDamping};
 use crate::material::Response;
 use crate::tensor::{
     Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3, three,
@@ -162,6 +162,8 @@ impl<R: Register> RegisterCells<'_, R> {
 pub(super) struct CellLaw<'a, R> {
     pub material: &'a dyn Response<R>,
     pub damping: Option<&'a Damping>,
+    /// Damping of a projected volume.
+    pub volume_damping: Option<VolumeDamping>,
 }
 
 impl<R: Register> CellLaw<'_, R> {

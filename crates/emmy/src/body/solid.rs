@@ -20,7 +20,7 @@ use super::projection::Projection;
 use super::step::StepInput;
 use super::term::{StrainState, Term};
 use super::viscosity::Viscosity;
-use crate::average::{Damping, Request};
+use crate::average::{Damping, Request, VolumeDamping};
 use crate::error::{Error, Result};
 use crate::material::{CompiledMaterial, LinkEnergy, Response};
 use crate::sparse::{Pattern, RowPart};
@@ -144,6 +144,16 @@ impl SolidTerm {
         Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.dissipation) })
     }
 
+    /// Damping of the projected volume in a step: that of the stiffness which [`SolidTerm::damping`] does not see.
+    fn volume_damping(&self, step: &StepInput<'_>) -> Option<VolumeDamping> {
+        let modulus = self.projection.as_ref()?.law.modulus();
+        let damping = VolumeDamping {
+            viscous: self.viscosity.time * step.damping.inverse_step_size * modulus,
+            dissipative: step.damping.dissipation * modulus,
+        };
+        Some(damping).filter(|damping| *damping != VolumeDamping::default())
+    }
+
     /// The cells of a batch, register by register, with the index of the first cell.
     #[inline(always)]
     fn registers<R: Register>(
@@ -168,9 +178,11 @@ impl SolidTerm {
     ) -> Result<()> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), &mut memory.nodal);
         self.gather_pressures(batch, step, memory);
+        let volume_damping = self.volume_damping(step);
         for (cells, cell) in self.registers(zero, batch) {
             let damping = self.damping(cell, step);
-            let law = CellLaw { material: self.materials.response(cell), damping: damping.as_ref() };
+            let material = self.materials.response(cell);
+            let law = CellLaw { material, damping: damping.as_ref(), volume_damping };
             match &self.projection {
                 None => integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory)),
                 Some(projection) => {
@@ -256,11 +268,15 @@ impl SolidTerm {
     ) -> f64 {
         let mut sum = 0.0;
         let mut energies = Packed([0.0; LANES]);
+        let volume_damping = self.volume_damping(step);
         for batch in 0..self.cells.len() {
             integral::gather(&self.cells, batch, step, true, &mut memory.nodal);
             for (cells, cell) in self.registers(zero, batch) {
                 let Some(damping) = self.damping(cell, step) else { continue };
-                let energy = integral::dissipated(cells, &damping, step, (memory, point_memory));
+                let mut energy = integral::dissipated(cells, &damping, step, (memory, point_memory));
+                if let Some(volume) = volume_damping.as_ref().zip(self.projection.as_ref()) {
+                    energy += projected::dissipated(cells, volume, step, (memory, point_memory));
+                }
                 energy.store(&mut energies, cells.part);
             }
             sum += energies.0[..self.cells.cells_of(batch).len()].iter().sum::<f64>();
@@ -383,9 +399,13 @@ impl Term for SolidTerm {
     }
 
     fn viscosity_and_stiffness(&self) -> [f64; 2] {
-        let trace =
-            |D: &Elasticity<f64>| (0..6).map(|a| D[a][a]).sum::<f64>() * self.cells.cells.len() as f64;
-        [trace(&self.viscosity.tensor(&self.at_rest)), trace(&self.at_rest)]
+        // The elasticity K I (x) I of a projected volume has the trace 3 K.
+        let volume = 3.0 * self.projection.as_ref().map_or(0.0, |projection| projection.law.modulus());
+        let trace = |D: &Elasticity<f64>, volume: f64| {
+            ((0..6).map(|a| D[a][a]).sum::<f64>() + volume) * self.cells.cells.len() as f64
+        };
+        let viscosity = self.viscosity.tensor(&self.at_rest);
+        [trace(&viscosity, self.viscosity.time * volume), trace(&self.at_rest, volume)]
     }
 
     fn dissipated(&self, step: &StepInput<'_>, scratch: &mut Scratch) -> f64 {

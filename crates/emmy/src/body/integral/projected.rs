@@ -1,7 +1,7 @@
 //! Stage forces of cells with a projected volume: one pass over the points for the volume, one for the stress.
 
 use super::{BatchMemory, CellLaw, PointMemory, RegisterCells, set_forces_of_stages, vector};
-use crate::average::{Request, Rule, VolumeAverage};
+use crate::average::{Request, Rule, VolumeAverage, VolumeDamping};
 use crate::body::projection::Projection;
 use crate::body::step::StepInput;
 use crate::tensor::{LANES, Mat3, Packed, Register, Sym, dot3, green_lagrange};
@@ -45,6 +45,7 @@ impl VolumeMemory {
         self.pressures.fill(ZERO);
         if request == Request::Tangent {
             self.forces.fill([ZERO; 3]);
+            self.responses.fill([ZERO; 3]);
             self.volumes.fill([ZERO; 3]);
             self.stiffness.fill(ZERO);
         }
@@ -61,7 +62,9 @@ pub(super) struct VolumeRegisters<R> {
     unit_stresses: Vec<(Mat3<R>, Sym<R>)>,
     /// Volumes of the cell, `[function][1 + n]`: at the start, then as in [`VolumeAverage::change`].
     of_cell: Vec<R>,
-    /// The same at a point, `[1 + n]`.
+    /// Rates of these volumes, `[function][n]`; for a damping alone.
+    rates: Vec<R>,
+    /// The volumes at a point, `[1 + n]`.
     of_point: Vec<R>,
     pressure: Vec<R>,
     stiffness: Vec<R>,
@@ -79,12 +82,27 @@ impl<R: Register> VolumeRegisters<R> {
             gradients: vec![[[zero; 3]; 3]; n_points * (1 + k)],
             unit_stresses: vec![([[zero; 3]; 3], [zero; 6]); n_points * n],
             of_cell: vec![zero; n_functions * (1 + n)],
+            rates: vec![zero; n_functions * n],
             of_point: vec![zero; 1 + n],
             pressure: vec![zero; n],
             stiffness: vec![zero; n * n],
             forces: vec![[[zero; 3]; 3]; n],
             responses: vec![[[zero; 3]; 3]; n * k],
         }
+    }
+
+    /// The registers for cells of a projection, made when they are needed first.
+    fn of<'a>(
+        kept: &'a mut Option<Self>,
+        rule: &Rule,
+        cells: RegisterCells<'_, R>,
+        projection: &Projection,
+    ) -> &'a mut Self {
+        let (n_points, n_functions) = (cells.cells.n_points, projection.n_functions);
+        if kept.as_ref().is_some_and(|registers| !registers.fits(rule, n_points, n_functions)) {
+            *kept = None;
+        }
+        kept.get_or_insert_with(|| VolumeRegisters::new(rule, n_points, n_functions, cells.zero))
     }
 
     fn fits(&self, rule: &Rule, n_points: usize, n_functions: usize) -> bool {
@@ -106,15 +124,16 @@ pub(in crate::body) fn integrate<R: Register>(
 ) {
     let rule = step.rule;
     let n_points = cells.cells.n_points;
-    let registers = match &mut point_memory.volume {
-        Some(registers) if registers.fits(rule, n_points, projection.n_functions) => registers,
-        volume => volume.insert(VolumeRegisters::new(rule, n_points, projection.n_functions, cells.zero)),
-    };
+    let damping = law.volume_damping.as_ref();
+    let registers = VolumeRegisters::of(&mut point_memory.volume, rule, cells, projection);
     if cells.part == 0 {
         memory.volume.clear(request);
     }
-    set_volumes(cells, n_fields, projection, step, memory, registers);
+    set_volumes(cells, n_fields, (projection, damping), step, memory, registers);
     set_pressures(cells, projection, (step, request), &mut memory.volume, registers);
+    if let Some(damping) = damping {
+        add_damping(cells, damping, (rule, request), &mut memory.volume, registers);
+    }
     let mut min_det = cells.zero.splat(f64::INFINITY);
     for point in 0..n_points {
         let fields = &registers.gradients[point * n_fields..(point + 1) * n_fields];
@@ -143,6 +162,10 @@ pub(in crate::body) fn integrate<R: Register>(
             rule.pressure_force(volume, &mut registers.forces);
             rule.volume_response(volume, rates, &mut registers.responses);
             add_unit_forces(cells, projection, point, memory, registers);
+            if let Some(damping) = damping.filter(|_| !rule.changes_are_rates()) {
+                rule.volume_rate_response(&registers.volume, rates, &mut registers.responses);
+                add_rate_responses(cells, projection, point, damping, memory, registers);
+            }
         }
     }
     min_det.store(&mut memory.min_det, cells.part);
@@ -158,14 +181,15 @@ pub(in crate::body) fn integrate<R: Register>(
 fn set_volumes<R: Register>(
     cells: RegisterCells<'_, R>,
     n_fields: usize,
-    projection: &Projection,
+    (projection, damping): (&Projection, Option<&VolumeDamping>),
     step: &StepInput<'_>,
     memory: &BatchMemory,
     registers: &mut VolumeRegisters<R>,
 ) {
     let n = cells.cells.n_nodes;
-    let VolumeRegisters { volume, gradients, unit_stresses, of_cell, .. } = registers;
+    let VolumeRegisters { volume, gradients, unit_stresses, of_cell, rates, .. } = registers;
     of_cell.fill(cells.zero);
+    rates.fill(cells.zero);
     let n_volumes = 1 + volume.change.len();
     for point in 0..cells.cells.n_points {
         let fields = &mut gradients[point * n_fields..(point + 1) * n_fields];
@@ -173,6 +197,19 @@ fn set_volumes<R: Register>(
         step.rule.set_volume(projection.law.measure(), &fields[0], &fields[1..], Request::Stress, volume);
         volume.keep_unit_stresses(&mut unit_stresses[point * (n_volumes - 1)..]);
         let weight = cells.weight(point);
+        if damping.is_some() {
+            let of_point: &[R] = if step.rule.changes_are_rates() {
+                &volume.change
+            } else {
+                step.rule.set_volume_rates(&fields[1..], volume);
+                &volume.rate
+            };
+            let functions = projection.at(cells.batch, point).iter();
+            for (psi, sums) in functions.zip(rates.chunks_exact_mut(n_volumes - 1)) {
+                let psi = cells.zero.load(psi, cells.part) * weight;
+                sums.iter_mut().zip(of_point).for_each(|(sum, rate)| *sum = psi.mul_add(*rate, *sum));
+            }
+        }
         for (psi, sums) in projection.at(cells.batch, point).iter().zip(of_cell.chunks_exact_mut(n_volumes)) {
             let psi = cells.zero.load(psi, cells.part) * weight;
             sums[0] = psi.mul_add(volume.start, sums[0]);
@@ -232,6 +269,75 @@ fn set_pressures<R: Register>(
             }
         }
     }
+}
+
+/// Adds the pressures of a damping, and their derivatives by the rates of the volume if these are the changes of volume.
+#[inline(always)]
+fn add_damping<R: Register>(
+    cells: RegisterCells<'_, R>,
+    damping: &VolumeDamping,
+    (rule, request): (&Rule, Request),
+    memory: &mut VolumeMemory,
+    registers: &VolumeRegisters<R>,
+) {
+    let (zero, part) = (cells.zero, cells.part);
+    let n = registers.pressure.len();
+    let n_all = registers.rates.len();
+    for (index, rate) in registers.rates.iter().enumerate() {
+        let (a, m) = (index / n, index % n);
+        for l in 0..n {
+            let factor = zero.splat(rule.volume_damping(damping, l, m));
+            let sum = &mut memory.pressures[a * n + l];
+            factor.mul_add(*rate, zero.load(sum, part)).store(sum, part);
+            if request == Request::Tangent && rule.changes_are_rates() {
+                let sum = &mut memory.stiffness[(a * n + l) * n_all + index];
+                (zero.load(sum, part) + factor).store(sum, part);
+            }
+        }
+    }
+}
+
+/// Adds a point to the derivatives of the pressures of a viscosity by the rates, which a standard rule has beside its
+/// volumes.
+#[inline(always)]
+fn add_rate_responses<R: Register>(
+    cells: RegisterCells<'_, R>,
+    projection: &Projection,
+    point: usize,
+    damping: &VolumeDamping,
+    memory: &mut BatchMemory,
+    registers: &VolumeRegisters<R>,
+) {
+    let n = cells.cells.n_nodes;
+    let weight = cells.weight(point) * damping.viscous;
+    let size = registers.responses.len() * n;
+    for (a, psi) in projection.at(cells.batch, point).iter().enumerate() {
+        let factor = cells.zero.load(psi, cells.part) * weight;
+        let sums = &mut memory.volume.responses[a * size..];
+        add_divergences(&registers.responses, &memory.gradients[..n], factor, sums, cells.part);
+    }
+}
+
+/// Energy that a damping dissipates in the cells of a register in a step, from the nodal fields in their memory.
+#[inline(always)]
+pub(in crate::body) fn dissipated<R: Register>(
+    cells: RegisterCells<'_, R>,
+    (damping, projection): (&VolumeDamping, &Projection),
+    step: &StepInput<'_>,
+    (memory, point_memory): (&BatchMemory, &mut PointMemory<R>),
+) -> R {
+    let rule = step.rule;
+    let registers = VolumeRegisters::of(&mut point_memory.volume, rule, cells, projection);
+    set_volumes(cells, 1 + rule.degree(), (projection, Some(damping)), step, memory, registers);
+    let n = registers.pressure.len();
+    let mut energy = cells.zero;
+    for rates in registers.rates.chunks_exact(n) {
+        for (l, m) in (0..n * n).map(|at| (at / n, at % n)) {
+            let factor = rule.pressure_work_weight(l) * rule.volume_damping(damping, l, m);
+            energy += rates[l] * rates[m] * factor;
+        }
+    }
+    energy
 }
 
 /// The pressures of the step at a point, or those of the deformation.
@@ -297,7 +403,7 @@ fn add_divergences<R: Register>(
     }
 }
 
-/// Derivatives of the pressures by the rates, `W = Y dtheta/dx`.
+/// Derivatives of the pressures by the rates, `W = Y dtheta/dx`, added to those of a viscosity.
 #[inline(always)]
 fn set_responses<R: Register>(cells: RegisterCells<'_, R>, memory: &mut VolumeMemory) {
     let (zero, part) = (cells.zero, cells.part);
@@ -305,7 +411,7 @@ fn set_responses<R: Register>(cells: RegisterCells<'_, R>, memory: &mut VolumeMe
     let size = responses.len() / pressures.len();
     for (response, row) in responses.chunks_exact_mut(size).zip(stiffness.chunks_exact(pressures.len())) {
         for at in 0..3 * size {
-            let mut sum = zero;
+            let mut sum = zero.load(&response[at / 3][at % 3], part);
             for (volume, y) in volumes.chunks_exact(size).zip(row) {
                 sum = zero.load(y, part).mul_add(zero.load(&volume[at / 3][at % 3], part), sum);
             }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::mode_solvers::ModeSolvers;
 use super::strain_rates::StrainRateTransform;
-use crate::average::{Request, Rule};
+use crate::average::{Request, Rule, VolumeDamping};
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
@@ -42,6 +42,8 @@ pub(crate) struct ApproximateTangent {
     made_for: Option<f64>,
     /// Factor on viscosities in K.
     viscous_rate: f64,
+    /// Factor on the elasticity at rest, of a dissipative scheme.
+    dissipation: f64,
     /// Displacement of K.
     displacement: Vec<f64>,
     rates: Vec<f64>,
@@ -76,6 +78,7 @@ impl ApproximateTangent {
             response_size: solvers.largest_modulus().sqrt(),
             solvers,
             viscous_rate: 0.0,
+            dissipation: coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess),
             integrals: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
             rule,
             assembly: body.assembly(1),
@@ -204,15 +207,19 @@ impl ApproximateTangent {
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
-        // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2`, if the modes contain
-        // them.
         let step = StepInput {
-            tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
+            tangent_factor: self.rate_factor(body),
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
             pressures: (!self.pressures.is_empty()).then_some(&self.pressures),
             ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
         };
         body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
+    }
+
+    /// Factor on derivatives by a rate in K: dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate
+    /// t_v)/2`, if the modes contain them.
+    fn rate_factor(&self, body: &Body) -> f64 {
+        2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time())
     }
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
@@ -239,7 +246,7 @@ impl ApproximateTangent {
         let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
         let stiffness: f64 = body.counted_nodes().flat_map(of_node).sum();
         let mass = 3.0 * body.total_lumped_mass();
-        let mut traces = [stiffness, 2.0 * body.pressure_stiffness(&self.assembly)];
+        let mut traces = [stiffness, self.rate_factor(body) * body.pressure_stiffness(&self.assembly)];
         body.sum_ranks("traces of stiffnesses", &mut traces);
         let [stiffness, volumes] = traces;
         let square = time_scale * time_scale * self.response_size;
@@ -277,8 +284,12 @@ impl ApproximateTangent {
             body.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
-        // The derivative by a rate is half of that by the middle of the step, see `assemble`.
-        body.add_kept_pressure_response(rule, &self.assembly, 2.0, z, pressures);
+        let damping = VolumeDamping {
+            viscous: self.made_for.map_or(0.0, |s| body.viscous_time() / s),
+            dissipative: self.dissipation,
+        };
+        let factor = self.rate_factor(body);
+        body.add_kept_pressure_response((rule, &damping), &self.assembly, factor, z, pressures);
         self.turn_forward(z);
         if iterations.is_none() {
             self.solvers.fall_back(body.shared_part().is_some());

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 mod conservation;
+mod damping;
 mod fields;
 mod held;
 mod patches;

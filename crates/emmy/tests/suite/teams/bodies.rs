@@ -70,7 +70,30 @@ fn projected_volumes_are_those_of_the_whole_body() {
     for scheme in [fe(1), at(DGM, 1), at(DGM, 2)] {
         pushed(projected, scheme).assert_equal(2..=4, 1e-12);
     }
+    pushed(projected, dgm(0.5)).assert_equal([3], 1e-11);
     Case { exact_tangent: true, ..pushed(projected, at(assumed_strain(5), 2)) }.assert_equal([3], 1e-12);
+}
+
+/// Cells whose nodes are all held or driven: no correction takes place on any rank.
+#[test]
+fn projected_volumes_without_free_nodes_are_those_of_the_whole_body() {
+    let held = |builder: BodyBuilder| {
+        let at_rest = || Some(TimeFunction::smooth("0", |_| [0.0; 3]));
+        let moved = TimeFunction::smooth("t", |t| [t, 1.0, 0.0]);
+        let firm = Region::new(NeoHooke::new(8000.0, 500.0).unwrap(), 0.5);
+        builder
+            .region(firm.with_formulation(Formulation::ProjectedVolume(None)))
+            .support(Support::fixed("z-min"))
+            .support(Support::driven("z-max", [at_rest(), at_rest(), Some(moved)]))
+    };
+    let mesh = mesh::block([3.0, 2.0, 1.0], [3, 2, 1]).unwrap();
+    for scheme in [DGM, at(assumed_strain(5), 2)] {
+        let case = Case { mesh: mesh.clone(), ..pushed(held, scheme) };
+        let whole = case.whole().unwrap();
+        let last = &whole.records[whole.records.len() - 1];
+        assert!(last.strain_energy > 1.0 && last.energy_residual.abs() < 1e-12 * last.strain_energy);
+        case.assert_equal(2..=3, 1e-12);
+    }
 }
 
 /// Incompatible modes and projected volumes in one body.
