@@ -521,8 +521,12 @@ impl Cell {
         let mut all: Vec<Vec<Averaged>> = Vec::new();
         for path in &paths {
             let stresses = self.stresses(element, path);
-            let averaged =
-                |i: usize| Averaged { f: path.f[i], strain_rate: path.rates[i], stress: stresses[i] };
+            let averaged = |i: usize| Averaged {
+                f: path.f[i],
+                strain_rate: path.rates[i],
+                stress: stresses[i],
+                volume: None,
+            };
             all.push((0..k).map(averaged).collect());
         }
         if self.projection.is_some() {
@@ -614,6 +618,7 @@ impl Cell {
             let own = self.project(&pressures[i]).unwrap_or_default();
             for q in 0..paths.len() {
                 all[q][i].stress = plus(&all[q][i].stress, 2.0 * own[q], &volumes[q].2[i]);
+                all[q][i].volume = Some((rates[i][q], volumes[q].2[i]));
             }
         }
     }
@@ -662,7 +667,12 @@ impl Cell {
         if factor == 0.0 {
             return [[0.0; 3]; 3];
         }
-        let stress = self.material.energy.elastic_stress(rate, self.projection.is_some());
+        let energy = &self.material.energy;
+        let mut stress = energy.elastic_stress(rate, self.projection.is_some());
+        if self.share > 0.0 {
+            let volume = plus(&energy.elastic_stress(rate, false), -1.0, &stress);
+            stress = plus(&stress, self.share, &volume);
+        }
         stress.map(|row| row.map(|x| factor * x))
     }
 }
@@ -701,6 +711,8 @@ struct Averaged {
     f: Tensor,
     strain_rate: Tensor,
     stress: Tensor,
+    /// Rate of the projected volume, and the tensor N of the own volume.
+    volume: Option<(f64, Tensor)>,
 }
 
 /// Projection on polynomials of the position, as a matrix from point to point.
@@ -1107,6 +1119,17 @@ impl Body {
             if is_damped {
                 dissipated += cell.add_damping(element, &mut averages, h);
             }
+            if let Average::Points(points) = &element.average {
+                for &(alpha, w) in points {
+                    let mut own = vec![0.0; 3 * self.n_all];
+                    dissipated +=
+                        w * cell.add_viscous_pressure(element, displacement, rates, (alpha, h), &mut own);
+                    for (i, force) in internal.iter_mut().enumerate() {
+                        let factor = w * element.weighted(i, alpha);
+                        force.iter_mut().zip(&own).for_each(|(sum, f)| *sum += factor * f);
+                    }
+                }
+            }
             for (point, stages) in cell.points.iter().zip(&averages) {
                 for (i, stage) in stages.iter().enumerate() {
                     cell.add_force(point, &product(&stage.f, &stage.stress), &mut internal[i]);
@@ -1129,11 +1152,54 @@ impl Cell {
     fn paths_only(&self, element: &Element, displacement: &[f64], rates: &[Vec<f64>]) -> Vec<Vec<Averaged>> {
         let path = |point: &Point| {
             let path = self.strain_path(element, point, &self.deformation(point, displacement), rates);
-            let stage =
-                |(f, rate): (&Tensor, &Tensor)| Averaged { f: *f, strain_rate: *rate, stress: [[0.0; 3]; 3] };
+            let stage = |(f, rate): (&Tensor, &Tensor)| Averaged {
+                f: *f,
+                strain_rate: *rate,
+                stress: [[0.0; 3]; 3],
+                volume: None,
+            };
             path.f.iter().zip(&path.rates).map(stage).collect()
         };
         self.points.iter().map(path).collect()
+    }
+
+    /// Adds the forces of the viscous pressure of a projected volume at a point of a step, as a standard rule takes them;
+    /// returns the power by alpha.
+    fn add_viscous_pressure(
+        &self,
+        element: &Element,
+        displacement: &[f64],
+        rates: &[Vec<f64>],
+        (alpha, h): (f64, f64),
+        force: &mut [f64],
+    ) -> f64 {
+        let factor =
+            self.material.viscosity[0] / h * (1.0 - self.share) * self.material.energy.bulk_stiffness();
+        if factor == 0.0 || self.projection.is_none() {
+            return 0.0;
+        }
+        let place = element.path(displacement, rates, alpha);
+        let mut rate = vec![0.0; displacement.len()];
+        for (j, own) in rates.iter().enumerate() {
+            let weight = lagrange(&element.c, j, alpha);
+            rate.iter_mut().zip(own).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let at = |point: &Point| {
+            let f = self.deformation(point, &place);
+            let n = self.measure(&product(&transpose(&f), &f)).1;
+            let own = 2.0 * contract(&n, &strain_rate(&f, &self.sum(point, &rate)));
+            (f, n, own)
+        };
+        let states: Vec<(Tensor, Tensor, f64)> = self.points.iter().map(at).collect();
+        let own: Vec<f64> = states.iter().map(|state| state.2).collect();
+        let projected = self.project(&own).unwrap_or_default();
+        let mut power = 0.0;
+        for ((point, (f, n, _)), theta) in self.points.iter().zip(&states).zip(projected) {
+            let stress = n.map(|row| row.map(|x| 2.0 * factor * theta * x));
+            self.add_force(point, &product(f, &stress), force);
+            power += point.weight * factor * theta * theta;
+        }
+        power
     }
 
     /// Adds viscous stresses and those of a dissipative element; returns the energy that they take.
@@ -1146,11 +1212,24 @@ impl Cell {
                 });
                 (p, self.rest_stress(&sum, *beta))
             });
+            let modulus = (1.0 - self.share) * self.material.energy.bulk_stiffness();
+            let volume_rate = |stage: &Averaged| stage.volume.map_or(0.0, |volume| volume.0);
+            let highest_volume: f64 = element.dissipation.as_ref().map_or(0.0, |(_, p)| {
+                stages.iter().enumerate().map(|(j, stage)| element.b[j] * p[j] * volume_rate(stage)).sum()
+            });
             for (i, stage) in stages.iter_mut().enumerate() {
+                // The volume has its own pressure.
+                let mut pressure = self.material.viscosity[0] * modulus * volume_rate(stage) / h;
+                if let Some((beta, p)) = &element.dissipation {
+                    pressure += beta * p[i] * modulus * highest_volume;
+                }
                 let per_time = stage.strain_rate.map(|row| row.map(|x| x / h));
                 let mut own = self.viscous(&per_time);
                 if let Some((p, stress)) = &highest {
                     own = plus(&own, p[i], stress);
+                }
+                if let Some((_, n)) = &stage.volume {
+                    own = plus(&own, 2.0 * pressure, n);
                 }
                 dissipated += point.weight * element.b[i] * contract(&own, &stage.strain_rate);
                 stage.stress = plus(&stage.stress, 1.0, &own);

@@ -136,6 +136,16 @@ impl Energy {
         }
     }
 
+    /// Second derivative of the energy of a volume at rest.
+    pub fn bulk_stiffness(&self) -> f64 {
+        match *self {
+            Energy::SaintVenantKirchhoff { lambda, .. } | Energy::NeoHooke { lambda, .. } => lambda,
+            Energy::MooneyRivlin { bulk, .. }
+            | Energy::Formula { bulk, .. }
+            | Energy::Fibres { bulk, .. } => bulk,
+        }
+    }
+
     /// The rest of the energy.
     fn rest(&self, i: &Invariants) -> Dual {
         let first_bar = i.ratio.power(-2.0 / 3.0) * i.first;
