@@ -178,7 +178,8 @@ fn assert_near(own: &Path, other: &Path, tolerance: f64, name: &str) {
 
 /// Compares the peaks of the probe in the summary with those of the rows of the history.
 fn assert_peaks(directory: &Path) {
-    let (history, summary) = (history(directory), fs::read_to_string(directory.join("summary.json")).unwrap());
+    let (history, summary) =
+        (history(directory), fs::read_to_string(directory.join("summary.json")).unwrap());
     let of = |name: &str| {
         let found = summary.lines().find_map(|line| line.trim().strip_prefix(&format!("\"{name}\": ")));
         found.unwrap_or_else(|| panic!("{name}")).trim_end_matches(',').parse::<f64>().unwrap()
@@ -186,7 +187,8 @@ fn assert_peaks(directory: &Path) {
     for axis in ["x", "y", "z"] {
         let name = format!("tip_{axis}");
         let [low, high] = [f64::min, f64::max].map(|of| history[&name].iter().copied().reduce(of).unwrap());
-        let time = |number: f64| history["time"][history[&name].iter().position(|own| *own == number).unwrap()];
+        let time =
+            |number: f64| history["time"][history[&name].iter().position(|own| *own == number).unwrap()];
         let own = ["_min", "_min_time", "_max", "_max_time", ""].map(|ending| of(&format!("{name}{ending}")));
         assert_eq!(own, [low, time(low), high, time(high), *history[&name].last().unwrap()], "{name}");
     }

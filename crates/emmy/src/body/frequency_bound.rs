@@ -106,7 +106,14 @@ impl Reference {
         };
         let matrix: Vec<f64> = (0..n * n).map(|at| entry(at / n, at % n)).collect();
         let has_same_points = energy.points == mass.points;
-        Ok(Reference { kind, laplacian: largest_eigenvalue(&matrix)?, energy, mass, has_same_points, dets: Vec::new() })
+        Ok(Reference {
+            kind,
+            laplacian: largest_eigenvalue(&matrix)?,
+            energy,
+            mass,
+            has_same_points,
+            dets: Vec::new(),
+        })
     }
 
     /// Bound of a cell, with c / rho = 1.
