@@ -17,7 +17,7 @@ from ._parts import Load, Mass, Region, Support
 
 
 class Body:
-    """A mesh with materials, supports, loads and point masses. It cannot be changed.
+    """A mesh with materials, supports, loads and further masses. It cannot be changed.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class Body:
     loads : Load or list of Load, optional
         Loads.
     masses : Mass or list of Mass, optional
-        Point masses.
+        Masses besides those of the cells.
 
     Raises
     ------
@@ -106,7 +106,7 @@ class Body:
 
     @property
     def masses(self) -> tuple[Mass, ...]:
-        """Point masses."""
+        """Masses besides those of the cells."""
         return self._masses
 
     @property

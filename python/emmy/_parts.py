@@ -243,29 +243,35 @@ class Load(Table):
 
 
 class Mass(Table):
-    """Point masses at the nodes of a group.
+    """A mass besides those of the cells: at each node of a group, or spread over it.
 
     Parameters
     ----------
     group : str
         Group of nodes, facets or cells.
-    mass : float
+    mass : float, optional
         Mass at each of its nodes; several entries add up.
+    total : float, optional
+        Mass of the whole group in place of `mass`, spread evenly over the area of its facets, else over the volume of
+        its cells (the length of links), else over its nodes.
 
     Raises
     ------
     InputError
-        If the mass is not positive.
+        If not exactly one of them is given, or it is not positive.
 
     Examples
     --------
     >>> emmy.Mass("star", 2.0)
     Mass(group='star', mass=2.0)
+    >>> emmy.Mass("lid", total=3.0)
+    Mass(group='lid', total=3.0)
     """
 
     _section = "mass"
     group: str = field(kw_only=False)
-    mass: float = field(kw_only=False)
+    mass: float | None = field(default=None, kw_only=False)
+    total: float | None = None
 
 
 class Initial(Table):

@@ -163,7 +163,7 @@ class Run:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """`summary.json`: the run in numbers."""
+        """`summary.json`: the run in numbers; ``"largest_in_regions"`` has the largest stress of each region."""
         own: dict[str, Any] = json.loads(_read(self._directory / "summary.json"))
         return own
 

@@ -153,23 +153,26 @@ class MotionView:
         """Residuals of Newton's iteration in the last step."""
         return np.asarray(self._native.newton_residuals, dtype=np.float64)
 
-    def field(self, name: str) -> NDArray[np.float64]:
+    def field(self, name: str, group: str | None = None) -> NDArray[np.float64]:
         """A field at the present state.
 
         Parameters
         ----------
         name : str
             Name; `fields` lists them.
+        group : str, optional
+            Group of cells, facets or nodes. Fields at the nodes of a group of cells come from these cells alone: its
+            own side where regions meet. Without a group, a node there has the mean of the sides by volume.
 
         Returns
         -------
         array (n,) or (n, components)
-            Values at the nodes, or in the cells.
+            Values at the nodes, or in the cells; of a group in the order of `Mesh.group_nodes`, or of its cells.
 
         Raises
         ------
         InputError
-            If there is no such field, or the body cannot have it.
+            If there is no such field or group, or the body cannot have the field, or the group has no cells for it.
 
         Examples
         --------
@@ -177,8 +180,10 @@ class MotionView:
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
         >>> emmy.Motion(body).field("cell_volume_ratio").tolist()
         [1.0]
+        >>> emmy.Motion(body).field("displacement", group="x-max").shape
+        (4, 3)
         """
-        return self._native.field(name)
+        return self._native.field(name, group)
 
     def fields(self, *names: str) -> dict[str, NDArray[np.float64]]:
         """Several fields at the present state; without names all that the body can have.

@@ -3,7 +3,8 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
-use emmy::body::{FieldName, Fields, Place};
+use emmy::body::{FieldName, Fields, Place, Selection};
+use emmy::mesh::Mesh;
 use emmy::motion::{MarchError, State};
 use emmy_io::directory;
 use emmy_io::results::Results;
@@ -67,6 +68,27 @@ fn field(py: Python<'_>, fields: &Fields, name: &str) -> PyResult<FieldName> {
     match fields.has(found) {
         true => Ok(found),
         false => Err(errors::argument(py, "name", &format!("the body has no field {name:?}"))),
+    }
+}
+
+/// The members of a group for a field; nodes of a group of cells see these cells alone.
+fn selection(
+    py: Python<'_>,
+    fields: &Fields,
+    mesh: &Mesh,
+    name: FieldName,
+    group: &str,
+) -> PyResult<Selection> {
+    let cells = mesh.groups().cells(group).ok();
+    let nodes = || mesh.group_nodes(group).map_err(|error| errors::argument(py, "group", &error.to_string()));
+    match (name.place(), cells) {
+        (Place::Cells, Some(cells)) => Ok(fields.select_cells(cells)),
+        (Place::Cells, None) => {
+            let message = format!("the mesh has no group {group:?} of cells, where \"{name}\" is");
+            Err(errors::argument(py, "group", &message))
+        }
+        (Place::Nodes, Some(cells)) => Ok(fields.select_nodes_in(&nodes()?, cells.to_vec())),
+        (Place::Nodes, None) => Ok(fields.select_nodes(&nodes()?)),
     }
 }
 
@@ -276,14 +298,20 @@ impl Motion {
         Ok(())
     }
 
-    /// A field at the present state.
-    fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    /// A field at the present state; of a group at its members.
+    #[pyo3(signature = (name, group = None))]
+    fn field<'py>(&self, py: Python<'py>, name: &str, group: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
         let mut work = self.lock()?;
         let fields = work.fields();
         let name = field(py, &fields, name)?;
-        let state = work.running.motion().state();
-        let values = pool::work(py, || fields.at(&state.displacement, &state.velocity, &[name]))?;
-        let numbers = values.into_iter().flat_map(|values| values.numbers).collect();
+        let motion = work.running.motion();
+        let members = group.map(|group| selection(py, &fields, motion.body().mesh(), name, group));
+        let members = members.transpose()?;
+        let state = motion.state();
+        let numbers = pool::work(py, || match &members {
+            Some(members) => fields.on(members, &state.displacement, &state.velocity, name),
+            None => fields.at(&state.displacement, &state.velocity, &[name]).remove(0).numbers,
+        })?;
         match name.components().len() {
             1 => Ok(PyArray1::from_vec(py, numbers).into_any()),
             n => Ok(table_of(py, numbers, n)?.into_any()),

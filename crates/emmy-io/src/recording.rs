@@ -4,15 +4,17 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::body::{FieldName, Fields};
-use emmy::mesh::Mesh;
+use emmy::body::{Body, FieldName, Fields};
 use emmy::motion::State;
 use emmy::team::Subdomain;
 
 use crate::checkpoint::Checkpoint;
-use crate::history::Extreme;
+use crate::history::{Extreme, RegionMembers};
 use crate::input::Problem;
 use crate::vtk::{Format, FrameTime, FrameWriter, series_fields};
+
+/// The field whose largest value frames yield.
+const STRESS: FieldName = FieldName::VonMisesStress;
 
 /// The frames of a run cannot be resumed with other fields.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -39,6 +41,8 @@ pub(crate) struct Recording {
     files: FrameWriter,
     subdomain: Option<Arc<Subdomain>>,
     fields: Fields,
+    /// For the largest stresses, if several regions have stresses.
+    regions: Option<RegionMembers>,
     names: Vec<FieldName>,
     written: Vec<FrameTime>,
 }
@@ -72,9 +76,14 @@ impl Recording {
         let form = (output.format, output.precision);
         let directory = &output.directory;
         let subdomain = body.subdomain().cloned();
+        let n_stressed =
+            (0..fields.regions().count()).filter(|&region| fields.region_has(region, STRESS)).count();
+        let has_sides = n_stressed > 1 && names.contains(&STRESS);
+        let regions = has_sides.then(|| RegionMembers::new(body, &fields, &[STRESS]));
         let Some(checkpoint) = after else {
             let files = FrameWriter::create(form, directory, body)?;
-            return Ok((Recording { files, subdomain, fields, names, written: Vec::new() }, Vec::new()));
+            let written = Vec::new();
+            return Ok((Recording { files, subdomain, fields, regions, names, written }, Vec::new()));
         };
         // The last state of a run that ended is an extra frame, which the resumed run drops.
         let step = checkpoint.snapshot.state.step;
@@ -83,23 +92,29 @@ impl Recording {
         let mut written: Vec<FrameTime> = checkpoint.frames.iter().copied().filter(is_kept).collect();
         let (files, missing) = FrameWriter::resume(form, directory, body, (&written, step))?;
         written.retain(|frame| !missing.contains(frame));
-        Ok((Recording { files, subdomain, fields, names, written }, missing))
+        Ok((Recording { files, subdomain, fields, regions, names, written }, missing))
     }
 
-    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field.
+    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field, of the body and
+    /// of each region if there are several.
     ///
     /// # Errors
     /// Errors of the system.
-    pub(crate) fn write(&mut self, mesh: &Mesh, state: &State) -> io::Result<Option<Extreme>> {
+    pub(crate) fn write(&mut self, body: &Body, state: &State) -> io::Result<Vec<Extreme>> {
         if self.files.last_step() == Some(state.step) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
         self.files.write(state.step, state.time, &fields)?;
         self.written.push(FrameTime { step: state.step, time: state.time });
-        let stress = fields.iter().find(|field| field.name == FieldName::VonMisesStress);
-        let whole = (mesh, self.subdomain.as_deref());
-        Ok(stress.and_then(|stress| Extreme::of(whole, state, stress.name, &stress.numbers)))
+        if let Some(regions) = &self.regions {
+            return Ok(regions.extremes(body, &self.fields, state, &[STRESS]));
+        }
+        let stress = fields.iter().find(|field| field.name == STRESS);
+        let whole = (body.mesh(), self.subdomain.as_deref());
+        let nodes = 0..body.mesh().n_nodes();
+        let largest = stress.and_then(|own| Extreme::of(whole, state, STRESS, nodes, &own.numbers));
+        Ok(largest.into_iter().collect())
     }
 
     /// Completes the files.

@@ -130,8 +130,13 @@ impl SummaryHeader {
         let limits = statistics.step_limits.counts();
         of_steps["step_limits"] = limits.map(|(limit, count)| (limit.name().to_string(), count)).collect();
         insert_fields(&mut summary, "", &of_steps);
-        for extreme in extremes.iter().filter(|extreme| extreme.field != DISPLACEMENT) {
+        let of_body = |own: &&Extreme| own.field != DISPLACEMENT && own.region.is_none();
+        for extreme in extremes.iter().filter(of_body) {
             insert_fields(&mut summary, &format!("largest_{}", extreme.field), &place_of(extreme));
+        }
+        let of_regions: Vec<Value> = extremes.iter().filter_map(row_of).collect();
+        if !of_regions.is_empty() {
+            summary.insert("largest_in_regions".to_string(), of_regions.into());
         }
         let end = json!({
             "energy_drift": statistics.energy_drift(),
@@ -168,6 +173,16 @@ fn place_of(extreme: &Extreme) -> Value {
     let Extreme { value, step, time, member, is_cell, point, .. } = extreme;
     let kind = if *is_cell { "cell" } else { "node" };
     json!({ "value": value, "step": step, "time": time, kind: member, "point": point })
+}
+
+/// The largest value of a field in a region, which it names first.
+fn row_of(extreme: &Extreme) -> Option<Value> {
+    let mut row = Map::from_iter([
+        ("region".to_string(), extreme.region.clone()?.into()),
+        ("field".to_string(), extreme.field.clone().into()),
+    ]);
+    insert_fields(&mut row, "", &place_of(extreme));
+    Some(Value::Object(row))
 }
 
 /// Inserts the fields of an object. Fields of an object inside it become `NAME_FIELD`, and its `value` becomes `NAME`.

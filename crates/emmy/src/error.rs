@@ -232,6 +232,14 @@ pub enum Error {
         /// Reason.
         reason: &'static str,
     },
+    /// A mass that cannot be spread over its group.
+    #[error("mass of \"{group}\": {reason}")]
+    Mass {
+        /// Group of the mass.
+        group: String,
+        /// Reason.
+        reason: String,
+    },
     /// An impossible support.
     #[error("support of \"{group}\": {reason}")]
     Support {

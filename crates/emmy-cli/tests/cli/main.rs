@@ -14,6 +14,7 @@ mod in_process;
 mod killed_frames;
 mod links;
 mod listings;
+mod masses;
 mod materials;
 mod mistakes;
 mod modes;

@@ -90,6 +90,8 @@ fn the_answers_of_a_stretched_cube_are_those_of_theory() {
             && summary["largest_von_mises_stress_point"].is_array()
     );
     assert!(closing.contains("largest von Mises stress: "), "{closing}");
+    // One region is the body.
+    assert!(summary.get("largest_in_regions").is_none() && !closing.contains("\n  in "), "{closing}");
     // Stopped and resumed: the same file, bit for bit, but for the wall time.
     place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.7"]);
     place.succeed(&["resume", "parts", "--quiet", "--until", "2"]);
@@ -186,4 +188,162 @@ fn a_history_without_requests_has_the_reactions_of_the_supports() {
     let place = Place::with(&BOX.replace("every = 2", "every = 2\nreactions = []"));
     place.succeed(&["run", "box.toml", "--quiet"]);
     assert!(place.read("out/history.csv").lines().next().unwrap().ends_with("tip_x,tip_y,tip_z"));
+}
+
+/// Two cubes side by side with a common face, both stretched alike along x: `von Mises = mu (a^2 - 1)/a` in each of them for
+/// the stretch a, which is largest at t = 0.5.
+const SIDES: &str = r#"
+mesh.file = "sides.inp"
+region = [
+  { group = "soft", density = 2, material.neo-hooke = { lambda = 10, mu = 5 } },
+  { group = "stiff", density = 6, material.neo-hooke = { lambda = 1000, mu = 500 } },
+]
+support = [
+  { group = "left", fix = ["x", "y", "z"] },
+  { group = "right", fix = ["y", "z"], move = { x = [[0, 0], [0.5, 0.05], [1, 0]] } },
+]
+time = { scheme = "DGM", steps = [{ until = 1, size = 0.1 }] }
+[output]
+directory = "out"
+every = 5
+reactions = []
+extremes = ["von_mises_stress", "cell_von_mises_stress", "displacement"]
+probes = [
+  { name = "mean", point = [1, 1, 0], quantities = ["von_mises_stress"] },
+  { name = "side", point = [1, 2, 0], group = "soft", quantities = ["von_mises_stress", "momentum_density"] },
+]
+values = [
+  { name = "soft_nodes", group = "soft", quantity = "von_mises_stress", measure = "max" },
+  { name = "soft_cells", group = "soft", quantity = "cell_von_mises_stress", measure = "max" },
+  { name = "stiff_nodes", group = "stiff", quantity = "von_mises_stress", measure = "max" },
+  { name = "face", group = "face", quantity = "von_mises_stress", measure = "max" },
+  { name = "soft_energy", group = "soft", quantity = "strain_energy_density", measure = "max" },
+  { name = "soft_momentum", group = "soft", quantity = "momentum_density" },
+  { name = "soft_velocity", group = "soft", quantity = "velocity", measure = "max" },
+]
+"#;
+
+const SIDES_MESH: &str = "\
+*NODE
+1, 0,0,0\n2, 1,0,0\n3, 1,1,0\n4, 0,1,0\n5, 0,0,1\n6, 1,0,1\n7, 1,1,1\n8, 0,1,1\n9, 0,2,0\n10, 1,2,0\n11, 0,2,1\n12, 1,2,1
+*ELEMENT, TYPE=C3D8, ELSET=soft
+1, 1,2,3,4,5,6,7,8
+*ELEMENT, TYPE=C3D8, ELSET=stiff
+2, 4,3,10,9,8,7,12,11
+*NSET, NSET=left
+1,4,5,8,9,11
+*NSET, NSET=right
+2,3,6,7,10,12
+*NSET, NSET=face
+3,4,7,8
+";
+
+#[test]
+fn stresses_of_a_region_come_from_its_own_cells() {
+    let place = Place::with(SIDES);
+    place.write("sides.inp", SIDES_MESH);
+    let run = place.succeed(&["run", "box.toml"]);
+    let note = "probe `mean`: `soft`, `stiff` meet at node 2, so `von_mises_stress` is a mean by volume";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let history = place.history("out");
+    let stress = |mu: f64, a: f64| mu * (a * a - 1.0) / a;
+    for row in 0..=10 {
+        let near = |name: &str, exact: f64| {
+            let own = history[name][row];
+            assert!(
+                (own - exact).abs() < 1e-11 * exact.abs().max(1.0),
+                "{name}, {row}: {own} is not {exact}"
+            );
+        };
+        let t = 0.1 * row as f64;
+        let a = 1.0 + 0.1 * t.min(1.0 - t);
+        let [soft, stiff] = [stress(5.0, a), stress(500.0, a)];
+        ["soft_nodes", "soft_cells", "side_von_mises_stress"].into_iter().for_each(|name| near(name, soft));
+        ["stiff_nodes", "face", "max_von_mises_stress"].into_iter().for_each(|name| near(name, stiff));
+        near("mean_von_mises_stress", (soft + stiff) / 2.0);
+        near("soft_energy", 2.5 * (a * a - 1.0) - 5.0 * a.ln() + 5.0 * a.ln().powi(2));
+        // The density of the soft cube times the velocity of the right side, and its mean with the resting left side.
+        let momentum = history["side_momentum_density_x"][row];
+        near("soft_velocity", momentum.abs() / 2.0);
+        near("soft_momentum_x", momentum / 2.0);
+        assert!([0, 5, 10].contains(&row) || (momentum.abs() - 0.2).abs() < 1e-12, "row {row}: {momentum}");
+    }
+    let expected = |summary: &serde_json::Value, fields: &[&str]| {
+        let rows = summary["largest_in_regions"].as_array().unwrap();
+        assert_eq!(rows.len(), 2 * fields.len(), "{rows:?}");
+        for (row, (field, (region, mu))) in rows.iter().zip(
+            fields.iter().flat_map(|field| [("soft", 5.0), ("stiff", 500.0)].map(|region| (field, region))),
+        ) {
+            assert_eq!((row["field"].as_str(), row["region"].as_str()), (Some(*field), Some(region)));
+            let [value, time] = ["value", "time"].map(|key| row[key].as_f64().unwrap());
+            let exact = stress(mu, 1.05);
+            assert!((value - exact).abs() < 1e-11 * exact && (time - 0.5).abs() < 1e-15, "{row}");
+            let kind = if field.starts_with("cell") { "cell" } else { "node" };
+            assert!(
+                row[kind].is_u64() && row["point"].as_array().is_some_and(|point| point.len() == 3),
+                "{row}"
+            );
+        }
+        assert!((summary["largest_von_mises_stress"].as_f64().unwrap() - stress(500.0, 1.05)).abs() < 1e-9);
+    };
+    let fields = ["von_mises_stress", "cell_von_mises_stress"];
+    expected(&place.summary("out"), &fields);
+    for line in ["largest von Mises stress: ", "  in soft: 0.488", "  in stiff: 48.8"] {
+        assert!(run.stderr.lines().any(|own| own.starts_with(line)), "{line} {}", run.stderr);
+    }
+    // The checkpoint has the peak of the time before it.
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.7"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "1"]);
+    expected(&place.summary("parts"), &fields);
+    // Without `extremes` the frames have the largest values; t = 0.5 is one of them.
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "frames", "--set", "output.extremes=[]"]);
+    expected(&place.summary("frames"), &fields[..1]);
+    let page = place.read("frames/report.html");
+    assert!(page.contains("largest_in_regions"));
+}
+
+#[test]
+fn the_group_of_a_probe_has_cells() {
+    let place = Place::with(&SIDES.replace(r#"group = "soft", quantities"#, r#"group = "sift", quantities"#));
+    place.write("sides.inp", SIDES_MESH);
+    let failed = place.emmy(&["check", "box.toml"]);
+    assert_eq!(failed.code, 2);
+    for part in ["no group of cells `sift` for the probe `side`", "did you mean `soft`?", "`soft`, `stiff`"] {
+        assert!(failed.stderr.contains(part), "{}", failed.stderr);
+    }
+}
+
+/// In cells with curved edges the volume by the points of the stresses is not that by the points of the mass.
+#[test]
+fn kinetic_energies_of_curved_cells_add_up() {
+    let place = Place::with(
+        r#"
+mesh.file = "curved.inp"
+region = [{ density = 1.4, material.neo-hooke = { lambda = 60, mu = 20 } }]
+initial = [{ velocity = [0.3, 0.2, 0.1], gradient = [[0.5, 0.2, 0], [0, -0.4, 0.1], [0.3, 0, 0.2]] }]
+time = { scheme = "DGM", steps = [{ until = 0.02, size = 0.01 }] }
+[output]
+directory = "out"
+every = 0
+values = [
+  { name = "kinetic", quantity = "cell_kinetic_energy_density", measure = "total" },
+  { name = "strain", quantity = "strain_energy_density", measure = "total" },
+]
+"#,
+    );
+    let mesh = "\
+*NODE
+1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 0.5,-0.1,0.05\n6, 0.55,0.6,-0.04\n7, -0.06,0.5,0\n8, 0,0.05,0.5\n9, 0.5,0,0.58
+10, 0.03,0.52,0.5
+*ELEMENT, TYPE=C3D10, ELSET=all
+1, 1,2,3,4,5,6,7,8,9,10
+";
+    place.write("curved.inp", mesh);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    for (own, whole) in [("kinetic", "kinetic_energy"), ("strain", "strain_energy")] {
+        for (own, whole) in history[own].iter().zip(&history[whole]) {
+            assert!((own - whole).abs() < 1e-14 * whole.abs().max(1e-3), "{own} is not {whole}");
+        }
+    }
 }

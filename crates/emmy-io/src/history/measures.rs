@@ -1,6 +1,6 @@
 //! Numbers of a state that `[output]` asks for: reactions, probes, extremes, values of groups.
 
-use emmy::body::{Body, FieldName, FieldValues, Fields, Place, Selection};
+use emmy::body::{Body, FieldName, Fields, Place, Selection};
 use emmy::mesh::Mesh;
 use emmy::motion::{State, View};
 use emmy::team::Subdomain;
@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::ColumnInfo;
 use super::Number::{self, Missing, Real};
-use crate::input::{GroupValue, Measure, ProbeQuantity, Quantities};
+use super::regions::{RegionMembers, by_region, nodes_of};
+use crate::input::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 
-/// The largest value of a field so far, and where it was.
+/// The largest value of a field so far in the body or in a region, and where it was.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Extreme {
     /// Name of the field.
@@ -27,20 +28,24 @@ pub struct Extreme {
     pub is_cell: bool,
     /// Position of the node, or of the centre of the nodes of the cell, in the reference configuration \[length\].
     pub point: [f64; 3],
+    /// Group of the region from whose cells the value comes; `None`: the whole body.
+    #[serde(default)]
+    pub region: Option<String>,
 }
 
 impl Extreme {
-    /// The largest value of a field at a state, the last of several; undefined values are left out. On a team a call of all
-    /// ranks with the fields of their shares.
+    /// The largest value of a field at a state among some members with these numbers, the last of several; undefined values
+    /// are left out. On a team a call of all ranks with the members of their shares.
     pub(crate) fn of(
         (mesh, subdomain): (&Mesh, Option<&Subdomain>),
         state: &State,
         field: FieldName,
+        members: impl Iterator<Item = usize>,
         numbers: &[f64],
     ) -> Option<Self> {
         let is_cell = field.place() == Place::Cells;
         let whole = |member: usize| subdomain.map_or(member, |part| number_of_ranks(part, is_cell, member));
-        let sizes = numbers.chunks_exact(field.components().len()).map(size).enumerate();
+        let sizes = members.zip(numbers.chunks_exact(field.components().len()).map(size));
         let sizes = sizes.filter(|(member, size)| !size.is_nan() && counts(subdomain, is_cell, *member));
         let own = sizes.max_by(|a, b| a.1.total_cmp(&b.1).then_with(|| whole(a.0).cmp(&whole(b.0))));
         let own = own.map(|(member, value)| {
@@ -49,7 +54,16 @@ impl Extreme {
         });
         let (member, value, point) = subdomain.map_or(own, |subdomain| largest_of_ranks(subdomain, own))?;
         let field = field.name().to_string();
-        Some(Extreme { field, value, step: state.step, time: state.time, member, is_cell, point })
+        Some(Extreme {
+            field,
+            value,
+            step: state.step,
+            time: state.time,
+            member,
+            is_cell,
+            point,
+            region: None,
+        })
     }
 }
 
@@ -60,7 +74,7 @@ fn number_of_ranks(subdomain: &Subdomain, is_cell: bool, member: usize) -> usize
 }
 
 /// Whether a node or a cell counts on this rank.
-fn counts(subdomain: Option<&Subdomain>, is_cell: bool, member: usize) -> bool {
+pub(super) fn counts(subdomain: Option<&Subdomain>, is_cell: bool, member: usize) -> bool {
     subdomain.is_none_or(|part| if is_cell { part.counts()[member] } else { member < part.n_own() })
 }
 
@@ -106,7 +120,9 @@ pub(super) struct Measures {
     /// The nodes of the probes for fields, one by one.
     selections: Vec<Option<Selection>>,
     /// The members of each value that count on this rank, with the weights of a total: reference volumes of cells.
-    values: Vec<(Selection, Vec<f64>)>,
+    values: Vec<(Vec<Selection>, Vec<f64>)>,
+    /// For extremes of fields; `None` if there are none but those of the motion.
+    regions: Option<RegionMembers>,
 }
 
 impl Measures {
@@ -119,10 +135,18 @@ impl Measures {
             return Measures { quantities, probes, ..Measures::default() };
         }
         let fields = Fields::new(body);
-        let selection = |node: &Option<usize>| node.map(|node| fields.select_nodes(&[node as u32]));
+        let selection = |(probe, node): (&Probe, &Option<usize>)| {
+            let node = [(*node)? as u32];
+            Some(match group_cells(body.mesh(), probe.group.as_deref()) {
+                Some(cells) => fields.select_nodes_in(&node, cells.to_vec()),
+                None => fields.select_nodes(&node),
+            })
+        };
+        let needs_regions = quantities.extremes.iter().any(|name| !is_of_motion(*name));
         Measures {
-            selections: probes.iter().map(selection).collect(),
+            selections: quantities.probes.iter().zip(&probes).map(selection).collect(),
             values: quantities.values.iter().map(|value| members(body, &fields, value)).collect(),
+            regions: needs_regions.then(|| RegionMembers::new(body, &fields, &quantities.extremes)),
             probes,
             fields: Some(fields),
             quantities,
@@ -148,7 +172,8 @@ impl Measures {
             }
         }
         let extremes = self.extremes(view);
-        let of = |name: &FieldName| extremes.iter().find(|own| own.field == name.name());
+        let of =
+            |name: &FieldName| extremes.iter().find(|own| own.field == name.name() && own.region.is_none());
         numbers.extend(
             self.quantities
                 .extremes
@@ -164,8 +189,9 @@ impl Measures {
     fn add_values(&self, fields: &Fields, view: View<'_>, numbers: &mut Vec<Number>) {
         let State { displacement, velocity, .. } = view.state;
         let subdomain = view.body.subdomain();
-        for (value, (selection, weights)) in self.quantities.values.iter().zip(&self.values) {
-            let all = fields.on(selection, displacement, velocity, value.quantity);
+        for (value, (selections, weights)) in self.quantities.values.iter().zip(&self.values) {
+            let on = |selection| fields.on(selection, displacement, velocity, value.quantity);
+            let all: Vec<f64> = selections.iter().flat_map(on).collect();
             let mut whole = [weights.iter().sum(), weights.len() as f64];
             if let Some(subdomain) = subdomain {
                 subdomain.sum("size of a group", &mut whole);
@@ -214,18 +240,24 @@ impl Measures {
 
     /// The largest values at a state.
     fn extremes(&self, view: View<'_>) -> Vec<Extreme> {
-        let State { displacement, velocity, .. } = view.state;
-        let names = &self.quantities.extremes;
-        let whole = (view.body.mesh(), view.body.subdomain().map(|subdomain| &**subdomain));
-        let of = |name: FieldName, numbers: &[f64]| Extreme::of(whole, view.state, name, numbers);
-        match &self.fields {
-            Some(fields) => {
-                let all = fields.at(displacement, velocity, names);
-                all.iter().filter_map(|FieldValues { name, numbers }| of(*name, numbers)).collect()
-            }
-            None => names.iter().filter_map(|&name| of(name, motion_of(name, view.state))).collect(),
+        let View { body, state, .. } = view;
+        let (of_motion, others): (Vec<FieldName>, Vec<FieldName>) =
+            self.quantities.extremes.iter().partition(|name| is_of_motion(**name));
+        let whole = (body.mesh(), body.subdomain().map(|subdomain| &**subdomain));
+        let of = |&name: &FieldName| {
+            Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), motion_of(name, state))
+        };
+        let mut all: Vec<Extreme> = of_motion.iter().filter_map(of).collect();
+        if let (Some(fields), Some(regions)) = (&self.fields, &self.regions) {
+            all.extend(regions.extremes(body, fields, state, &others));
         }
+        all
     }
+}
+
+/// Whether a field is displacement or velocity: they need no fields, and have one value where regions meet.
+fn is_of_motion(name: FieldName) -> bool {
+    matches!(name, FieldName::Displacement | FieldName::Velocity)
 }
 
 /// Displacement or velocity, which need no fields.
@@ -235,36 +267,50 @@ fn motion_of(name: FieldName, state: &State) -> &[f64] {
 
 /// Whether a quantity needs more than displacement and velocity.
 fn needs_fields(quantities: &Quantities) -> bool {
-    let is_motion = |name: &FieldName| matches!(name, FieldName::Displacement | FieldName::Velocity);
     let of_probes = quantities.probes.iter().flat_map(|probe| &probe.quantities);
     let of_probes = of_probes.filter_map(|quantity| match quantity {
         ProbeQuantity::Position => None,
         ProbeQuantity::Field(name) => Some(name),
     });
-    !quantities.values.is_empty() || of_probes.chain(&quantities.extremes).any(|name| !is_motion(name))
+    !quantities.values.is_empty() || of_probes.chain(&quantities.extremes).any(|name| !is_of_motion(*name))
 }
 
-/// The members of a value that count on this rank, with their weights.
-fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Selection, Vec<f64>) {
+/// Cells of a group that has cells.
+fn group_cells<'a>(mesh: &'a Mesh, group: Option<&str>) -> Option<&'a [u32]> {
+    mesh.groups().cells(group?).ok()
+}
+
+/// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come from
+/// these cells alone; for a largest value each region has its own members, so that no value is a mean of two materials.
+fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>, Vec<f64>) {
     let mesh = body.mesh();
     let subdomain = body.subdomain().map(|subdomain| &**subdomain);
-    match value.quantity.place() {
-        Place::Cells => {
-            let all: Vec<u32> = (0..mesh.n_cells() as u32).collect();
-            let group = value.group.as_ref().and_then(|group| mesh.groups().cells(group).ok());
-            let mut cells = group.map_or(all, <[u32]>::to_vec);
-            cells.retain(|&cell| counts(subdomain, true, cell as usize));
-            let volumes = cells.iter().map(|&cell| fields.cell_volume(cell as usize)).collect();
-            (fields.select_cells(&cells), volumes)
-        }
-        Place::Nodes => {
-            let all = || (0..mesh.n_nodes() as u32).collect();
-            let mut nodes =
-                value.group.as_ref().and_then(|group| mesh.group_nodes(group).ok()).unwrap_or_else(all);
-            nodes.retain(|&node| counts(subdomain, false, node as usize));
-            (fields.select_nodes(&nodes), vec![1.0; nodes.len()])
-        }
+    let all_cells = || (0..mesh.n_cells() as u32).collect();
+    let of_group = group_cells(mesh, value.group.as_deref());
+    if value.quantity.place() == Place::Cells {
+        let mut cells = of_group.map_or_else(all_cells, <[u32]>::to_vec);
+        cells.retain(|&cell| counts(subdomain, true, cell as usize));
+        let volumes = cells.iter().map(|&cell| fields.volume_for(value.quantity, cell as usize)).collect();
+        return (vec![fields.select_cells(&cells)], volumes);
     }
+    let all_nodes = || (0..mesh.n_nodes() as u32).collect();
+    let nodes = value.group.as_ref().and_then(|group| mesh.group_nodes(group).ok());
+    let mut nodes: Vec<u32> = nodes.unwrap_or_else(all_nodes);
+    nodes.retain(|&node| counts(subdomain, false, node as usize));
+    let is_max = value.measure == Measure::Max;
+    if is_of_motion(value.quantity) || of_group.is_none() && !is_max {
+        return (vec![fields.select_nodes(&nodes)], vec![1.0; nodes.len()]);
+    }
+    let cells: Vec<u32> = of_group.map_or_else(all_cells, <[u32]>::to_vec);
+    let parts = if is_max { by_region(body, &cells) } else { vec![cells] };
+    let part = |cells: Vec<u32>| {
+        let mut own = nodes_of(mesh, &cells);
+        own.retain(|node| nodes.binary_search(node).is_ok());
+        fields.select_nodes_in(&own, cells)
+    };
+    let selections: Vec<Selection> = parts.into_iter().map(part).collect();
+    let n_members = selections.iter().map(|selection| selection.members().len()).sum();
+    (selections, vec![1.0; n_members])
 }
 
 /// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of the members of all ranks. A total

@@ -6,6 +6,7 @@ mod header;
 mod measures;
 mod peaks;
 mod reader;
+mod regions;
 
 use std::fmt;
 
@@ -21,6 +22,7 @@ pub use measures::Extreme;
 pub(crate) use peaks::column_of_peak;
 pub use peaks::{Peak, Peaks};
 pub use reader::{History, HistoryError, Rows};
+pub(crate) use regions::{RegionMembers, nodes_of};
 
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]

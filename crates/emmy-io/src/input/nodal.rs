@@ -1,6 +1,6 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attractions and drags of `[[load]]`.
 
-use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region};
+use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region, SpreadMass};
 use emmy::internals::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section};
@@ -12,15 +12,30 @@ use super::time::Time;
 
 /// `[[mass]]`.
 pub(super) static MASS: Described = Described::new(|| {
-    Section::new("[[mass]]", "Point masses")
+    Section::new("[[mass]]", "Masses besides those of the cells")
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
-        .must("mass", POSITIVE, "mass", "Mass at each of its nodes; several entries add up")
+        .may("mass", POSITIVE, "mass", "Mass at each of its nodes; several entries add up")
+        .may(
+            "total",
+            POSITIVE,
+            "mass",
+            "Mass of the whole group, spread evenly over the area of its facets, else over the volume of its cells (the \
+             length of links), else over its nodes",
+        )
+        .exactly_one(&["mass", "total"])
 });
+
+/// A mass at each node of a group, or spread over it.
+#[derive(Debug)]
+enum Mass {
+    Point(PointMass),
+    Spread(SpreadMass),
+}
 
 /// Point terms, with the places of the groups.
 #[derive(Debug, Default)]
 pub(super) struct PlacedNodal {
-    masses: Vec<Placed<PointMass>>,
+    masses: Vec<Placed<Mass>>,
     springs: Vec<Placed<GroundSpring>>,
     attractions: Vec<Placed<GroundAttraction>>,
     drags: Vec<Placed<f64>>,
@@ -49,9 +64,17 @@ impl PlacedNodal {
         masses.chain(springs).chain(self.attractions.iter().map(|attraction| &attraction.group))
     }
 
-    /// Places of the point masses.
+    /// Places of the masses in their order in the body: point masses, then those that are spread.
     pub(super) fn places_of_masses(&self) -> impl Iterator<Item = &Place> {
-        self.masses.iter().map(|mass| &mass.place)
+        let (points, spread): (Vec<_>, Vec<_>) =
+            self.masses.iter().partition(|mass| matches!(mass.value, Mass::Point(_)));
+        points.into_iter().chain(spread).map(|mass| &mass.place)
+    }
+
+    /// Groups of the masses that are spread, with their places.
+    pub(super) fn spread_groups(&self) -> Vec<(String, Place)> {
+        let spread = self.masses.iter().filter(|mass| matches!(mass.value, Mass::Spread(_)));
+        spread.filter_map(|mass| mass.group.clone()).collect()
     }
 
     /// Sum of the rates of all drags.
@@ -76,8 +99,16 @@ impl PlacedNodal {
 
     /// The values without their places.
     pub(super) fn values(self) -> PointTerms {
+        let (mut masses, mut spread) = (Vec::new(), Vec::new());
+        for mass in self.masses {
+            match mass.value {
+                Mass::Point(mass) => masses.push(mass),
+                Mass::Spread(mass) => spread.push(mass),
+            }
+        }
         PointTerms {
-            masses: self.masses.into_iter().map(|mass| mass.value).collect(),
+            masses,
+            spread,
             springs: self.springs.into_iter().map(|spring| spring.value).collect(),
             attractions: self.attractions.into_iter().map(|attraction| attraction.value).collect(),
         }
@@ -107,11 +138,23 @@ pub(super) fn check_spring(item: Item<'_>) -> Result<(), Fault> {
     spring(item).map(drop)
 }
 
-fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
+fn mass(item: Item<'_>) -> Result<Placed<Mass>, Fault> {
     let table = item.table(&MASS)?;
     let group = table.require("group")?.name()?;
-    let mass = table.require("mass")?.positive()?;
-    Placed::new(&table, PointMass { group, mass })
+    let value = table.exactly_one("one size")?;
+    let size = value.positive()?;
+    let mass = match value.key() {
+        "total" => Mass::Spread(SpreadMass { group, total: size }),
+        _ => Mass::Point(PointMass { group, mass: size }),
+    };
+    Placed::new(&table, mass)
+}
+
+/// The fault of a mass that cannot be spread, at its group.
+pub(super) fn fault(error: &emmy::Error, spread: &[(String, Place)]) -> Option<Fault> {
+    let emmy::Error::Mass { group, .. } = error else { return None };
+    let (_, place) = spread.iter().find(|(name, _)| name == group)?;
+    Some(Fault::at(place, error.to_string(), "cannot be spread over this group"))
 }
 
 /// Whether a support consists of springs only.

@@ -163,6 +163,7 @@ impl Parts {
         let supports = values(self.supports);
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
+        let spread = self.nodal.spread_groups();
         let nodal = self.nodal.values();
         let is_static = self.time.scheme == Scheme::Static;
         let mesh_in_memory = self.shape.given().cloned();
@@ -186,7 +187,10 @@ impl Parts {
                     .loads(&loads)
                     .drag(drag)
                     .build();
-                let fault = |error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error));
+                let fault = |error| {
+                    let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
+                    own.unwrap_or_else(|| self.shape.fault(&error))
+                };
                 body.map_err(fault)?
             }
         };

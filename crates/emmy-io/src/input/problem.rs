@@ -33,7 +33,7 @@ pub(super) static ROOT: Described = Described::new(|| {
         .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
         .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
         .must("region", Kind::Tables(&region::REGION), "", "Material of the cells; one or more")
-        .may("mass", Kind::Tables(&nodal::MASS), "", "Point masses at nodes; none, one or more")
+        .may("mass", Kind::Tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
         .may("load", Kind::Tables(&load::LOAD), "", "Loads on the body; none, one or more")
         .may(
             "support",
@@ -103,7 +103,7 @@ pub struct Problem {
     pub mesh_in_memory: Option<Arc<Mesh>>,
     /// Supports.
     pub supports: Vec<Support>,
-    /// Point masses, springs to the ground, attraction to points.
+    /// Masses besides those of the cells, springs to the ground, attraction to points.
     pub nodal: PointTerms,
     /// Loads.
     pub loads: Vec<Load>,

@@ -251,15 +251,15 @@ impl Results {
     /// Writes a state as a frame, if there are frames.
     fn write_frame(&mut self, body: &Body, state: &State) -> io::Result<()> {
         let Some(recording) = &mut self.recording else { return Ok(()) };
-        let stress = recording.write(body.mesh(), state)?;
+        let stress = recording.write(body, state)?;
         self.note_extremes(stress);
         Ok(())
     }
 
-    /// Keeps the largest value of each field.
+    /// Keeps the largest value of each field, in the body and in each region.
     fn note_extremes(&mut self, new: impl IntoIterator<Item = Extreme>) {
         for new in new {
-            match self.extremes.iter_mut().find(|own| own.field == new.field) {
+            match self.extremes.iter_mut().find(|own| own.field == new.field && own.region == new.region) {
                 Some(own) if own.value >= new.value => {}
                 Some(own) => *own = new,
                 None => self.extremes.push(new),
@@ -277,7 +277,7 @@ impl Results {
     }
 
     /// Largest values of fields so far: of those that the input asks for in every step, of the von Mises stress
-    /// otherwise at the frames.
+    /// otherwise at the frames. Those of the body, whose `region` is `None`, and of each region if there are several.
     pub fn extremes(&self) -> &[Extreme] {
         &self.extremes
     }

@@ -9,6 +9,7 @@ use super::internal_nodes::InternalNodes;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::regions::{self, RegionOfCell};
+use super::spread::{self, Spread};
 use super::supports::{Constraints, supported_groups};
 use super::{Body, GroundSpring, Load, PointTerms, Region, Support, Term, nodal};
 use crate::error::{Error, Result};
@@ -103,16 +104,21 @@ impl BodyBuilder {
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
     /// [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {
-        let Some(TeamPart { subdomain, rank }) = &self.team else { return Body::from_parts(self) };
+        let part = self.team.as_ref().map(|part| &*part.subdomain);
+        let mut sizes = spread::sizes(&self.mesh, &self.regions, &self.point_terms.spread, part);
+        let Some(TeamPart { subdomain, rank }) = &self.team else { return Body::from_parts(self, &sizes) };
         let subdomain = subdomain.clone();
         subdomain.check_partition()?;
+        if !sizes.is_empty() {
+            subdomain.sum("sizes of groups with a mass", &mut sizes);
+        }
         let own = match (*rank, subdomain.rank()) {
             (given, rank) if given == rank => Ok(()),
             (given, rank) => {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
         };
-        Ok(subdomain.agree(own.and_then(|()| Body::from_parts(self)))?.with_sums_of_ranks())
+        Ok(subdomain.agree(own.and_then(|()| Body::from_parts(self, &sizes)))?.with_sums_of_ranks())
     }
 }
 
@@ -173,7 +179,7 @@ impl Body {
         BodyBuilder::new(mesh, Some(TeamPart { subdomain, rank }))
     }
 
-    fn from_parts(parts: BodyBuilder) -> Result<Self> {
+    fn from_parts(parts: BodyBuilder, sizes: &[f64]) -> Result<Self> {
         let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag, team } = parts;
         if !(drag >= 0.0 && drag.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: drag });
@@ -182,10 +188,20 @@ impl Body {
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
         let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
+        let spread = Spread::new(&mesh, &nodal.spread, sizes)?;
+        // Of point masses and of those that are spread.
+        let other_masses = |kind: MassKind| {
+            let mut masses = point_masses.clone();
+            spread.for_each_point(&mesh, &section, kind, |nodes, point| {
+                let shares = nodes.iter().zip(point.shapes);
+                shares.for_each(|(&node, share)| masses[node as usize] += point.weight * share);
+            });
+            masses
+        };
         let masses = |kind: MassKind| {
             let cells = 0..mesh.n_cells() as u32;
             let mut masses = regions::nodal_masses(&mesh, cells, &density_of_cell, kind);
-            masses.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
+            masses.iter_mut().zip(other_masses(kind)).for_each(|(sum, mass)| *sum += mass);
             masses
         };
         let mut lumped_mass = masses(MassKind::Lumped);
@@ -205,16 +221,20 @@ impl Body {
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
         }
-        let tables = (&section[..], &density_of_cell[..], &point_masses[..]);
+        let part = team.as_ref().map(|team| &*team.subdomain);
+        regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, part));
         let own_nodes = team.as_ref().map(|_| n_own);
         let acting_on = |kind: MassKind| -> Result<External> {
             let attracted = if nodal.attractions.is_empty() { Vec::new() } else { masses(kind) };
             let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
             ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
             let (mut vectors, mut fields) = (Vec::new(), Vec::new());
+            let others = other_masses(kind);
+            let tables = |masses| (&section[..], &density_of_cell[..], masses);
             for (index, load) in loads.iter().enumerate() {
-                vectors.extend(LoadVector::new(&mesh, index, load, tables, kind, own_nodes)?);
-                fields.extend(FieldLoad::new(&mesh, index, load, tables, kind)?);
+                vectors.extend(LoadVector::new(&mesh, index, load, tables(&others[..]), kind, own_nodes)?);
+                let tables = tables(&point_masses[..]);
+                fields.extend(FieldLoad::new(&mesh, index, load, tables, (&spread, kind))?);
             }
             Ok(External { loads: Arc::new(vectors), fields: Arc::new(fields), ground: Arc::new(ground) })
         };
@@ -232,6 +252,8 @@ impl Body {
         nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
         let has_plane_cells = mesh.cells().any(|cell| cell.kind.dimension() == 2);
         lumped_mass.resize(internal.n_all(), 0.0);
+        let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
+        spread.add_to(&mesh, &section, &pattern, &mut mass);
         let body = Body {
             loads: vectors,
             fields,
@@ -244,7 +266,7 @@ impl Body {
             fixed: constraints.fixed,
             drives: constraints.drives,
             supported: supported_groups(&mesh, &supports, nodal.springs.iter(), |_| true)?,
-            mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
+            mass: Arc::new(mass),
             lumped_mass,
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),

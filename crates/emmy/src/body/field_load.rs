@@ -4,6 +4,7 @@ use super::field::Field;
 use super::geometry::{MassKind, for_each_facet_point, for_each_mass_point};
 use super::load_vector::cells_of;
 use super::pole::pole;
+use super::spread::Spread;
 use super::target::SignalTarget;
 use super::time_function::NotFinite;
 use super::{FieldDomain, Load, TimeFunction};
@@ -59,7 +60,8 @@ pub(super) fn samples(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 impl FieldLoad {
     /// The load; `None` if it is not a field. `section`: thickness of plane cells, `density_of_cell`: mass per measure of
-    /// each cell, `point_masses: [n_nodes]`, `mass`: the kind of mass on which body forces and accelerations act.
+    /// each cell, `point_masses: [n_nodes]`, `spread`: further masses, `mass`: the kind of mass on which body forces and
+    /// accelerations act.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].
@@ -68,7 +70,7 @@ impl FieldLoad {
         index: usize,
         load: &Load,
         (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
-        mass: MassKind,
+        (spread, mass): (&Spread, MassKind),
     ) -> Result<Option<Self>> {
         let Some((field, domain)) = load.kind.field() else { return Ok(None) };
         let mut table = FieldLoad {
@@ -98,8 +100,13 @@ impl FieldLoad {
                     table.push(nodes, point.position, density_of_cell[cell] * point.weight, point.shapes);
                 });
                 let masses = point_masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0);
-                for (node, &mass) in masses.filter(|_| group.is_none()) {
-                    table.push(&[node as u32], mesh.points()[node], mass, &[1.0]);
+                for (node, &point_mass) in masses.filter(|_| group.is_none()) {
+                    table.push(&[node as u32], mesh.points()[node], point_mass, &[1.0]);
+                }
+                if group.is_none() {
+                    spread.for_each_point(mesh, section, mass, |nodes, point| {
+                        table.push(nodes, point.position, point.weight, point.shapes);
+                    });
                 }
             }
         }

@@ -1,6 +1,8 @@
 //! Energies and momenta of a state (section 2). On a team all of them are calls of all ranks.
 
+use super::spread::centre_sums;
 use super::{Body, StrainState};
+use crate::error::Result;
 use crate::tensor::cross;
 
 /// Sum of a nodal vector, `[n_nodes][3]`.
@@ -82,5 +84,31 @@ impl Body {
         let terms = self.counted_terms().chain(self.ground.iter());
         let own = terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)));
         self.strain_state_of_ranks(own)
+    }
+
+    /// Centre of a group: of the area of its facets, else of the volume of its cells (of links the length), else of its
+    /// nodes \[length\]. On a team a call of all ranks.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownGroup`].
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1])?).region(rubber).build()?;
+    /// let centre = body.centre_of("y-max")?;
+    /// assert!((0..3).all(|i| (centre[i] - [0.5, 2.0, 0.5][i]).abs() < 1e-15));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn centre_of(&self, group: &str) -> Result<[f64; 3]> {
+        let (mesh, subdomain) = (self.mesh(), self.subdomain().map(|subdomain| &**subdomain));
+        let cells = mesh.cells().zip(self.region_of_cell());
+        let section: Vec<f64> =
+            cells.map(|(cell, &region)| self.made_of[region as usize].section(cell.kind)).collect();
+        let mut sums = centre_sums(mesh, &section, group, subdomain)?;
+        if let Some(subdomain) = subdomain {
+            subdomain.sum("centre of a group", &mut sums);
+        }
+        Ok([0, 1, 2].map(|i| sums[i] / sums[3]))
     }
 }

@@ -35,6 +35,7 @@ mod reductions;
 mod regions;
 mod signal;
 mod solid;
+mod spread;
 mod start;
 pub(crate) mod step;
 mod supports;
@@ -56,7 +57,7 @@ pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
 pub(crate) use geometry::CellTable;
 pub use input::{
     FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
-    Region, Rotation, Support,
+    Region, Rotation, SpreadMass, Support,
 };
 pub(crate) use integral::Scratch;
 pub(crate) use invariants::sum;

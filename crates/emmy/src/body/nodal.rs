@@ -63,14 +63,7 @@ fn own_nodes(mesh: &Mesh, group: Option<&str>, n_own: usize) -> Result<Vec<u32>>
 /// Mass, centre and inertia of the point masses of a group at the first `n_own` nodes, like a region without cells.
 pub(super) fn summary(mesh: &Mesh, mass: &PointMass, n_own: usize) -> Result<RegionSummary> {
     let nodes = own_nodes(mesh, Some(&mass.group), n_own)?;
-    let point = |&node: &u32| RegionSummary {
-        group: Some(mass.group.clone()),
-        n_cells: 0,
-        volume: 0.0,
-        mass: mass.mass,
-        centre: mesh.points()[node as usize],
-        inertia: [[0.0; 3]; 3],
-    };
+    let point = |&node: &u32| RegionSummary::of_point(mass.mass, mesh.points()[node as usize]);
     let points: Vec<RegionSummary> = nodes.iter().map(point).collect();
     Ok(RegionSummary { group: Some(mass.group.clone()), ..RegionSummary::combined(&points) })
 }

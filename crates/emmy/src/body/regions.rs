@@ -31,6 +31,11 @@ pub struct RegionSummary {
 }
 
 impl RegionSummary {
+    /// A mass at a point.
+    pub(super) fn of_point(mass: f64, centre: [f64; 3]) -> RegionSummary {
+        RegionSummary { group: None, n_cells: 0, volume: 0.0, mass, centre, inertia: [[0.0; 3]; 3] }
+    }
+
     /// Several regions as one body, its group `None`; inertia tensors are moved to the common centre of mass (Steiner).
     ///
     /// ```math

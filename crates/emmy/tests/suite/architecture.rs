@@ -81,6 +81,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "internal_nodes",
             "regions",
             "nodal",
+            "spread",
             "drive",
             "supports",
             "load_vector",

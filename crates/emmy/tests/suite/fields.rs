@@ -494,6 +494,89 @@ fn fields_of_a_selection_are_those_of_the_whole_body() {
     }
 }
 
+/// Where regions meet, fields recovered from the cells of one of them are those of its material; all cells give the mean by
+/// volume.
+#[test]
+fn each_side_of_an_interface_has_its_own_fields() {
+    let (body, _, _) = two_regions();
+    let fields = Fields::new(&body);
+    let F = [[1.2, 0.1, -0.05], [0.02, 0.9, 0.1], [0.04, -0.03, 1.1]];
+    let displacement = displacement(body.mesh(), linear(&F));
+    let velocity = vec![3.0; displacement.len()];
+    let on = |group: &str, name: FieldName| {
+        let cells = body.mesh().groups().cells(group).unwrap().to_vec();
+        let nodes = body.mesh().group_nodes(group).unwrap();
+        let selection = fields.select_nodes_in(&nodes, cells);
+        assert_eq!(selection.members(), nodes);
+        fields.on(&selection, &displacement, &velocity, name)
+    };
+    let (cauchy, _, energy) = neo_hooke(&F);
+    let components = PAIRS.map(|(i, j)| cauchy[i][j]);
+    assert_all_are(&on("left", FieldName::CauchyStress), &components, 1e3, "stress");
+    assert_all_are(&on("left", FieldName::VonMisesStress), &[von_mises(&cauchy)], 1e3, "von Mises stress");
+    assert_all_are(&on("left", FieldName::StrainEnergyDensity), &[energy], 1e2, "energy");
+    // St. Venant-Kirchhoff: S = lambda tr E I + 2 mu E, sigma = F S F^T / det F.
+    let C = product(&transposed(&F), &F);
+    let E = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (C[i][j] - f64::from(u8::from(i == j))) / 2.0));
+    let trace = E[0][0] + E[1][1] + E[2][2];
+    let S =
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| 1800.0 * E[i][j] + if i == j { 4000.0 * trace } else { 0.0 }));
+    let stiff = product(&product(&F, &S), &transposed(&F)).map(|row| row.map(|x| x / det(&F)));
+    assert_all_are(&on("right", FieldName::VonMisesStress), &[von_mises(&stiff)], 1e4, "von Mises stress");
+    for (group, density) in [("left", 2.0), ("right", 0.3)] {
+        assert_all_are(&on(group, FieldName::MomentumDensity), &[3.0 * density; 3], 1.0, group);
+    }
+    let whole = fields.at(&displacement, &velocity, &[FieldName::VonMisesStress]).remove(0).numbers;
+    let between = |x: f64| x > 1.01 * von_mises(&cauchy) && x < 0.99 * von_mises(&stiff);
+    assert!(whole.iter().any(|&x| between(x)), "no node has a mean of both sides");
+}
+
+/// In cells with curved edges the points of the stresses and those of the mass give different volumes.
+#[test]
+fn energies_of_curved_cells_add_up_to_the_energies_of_the_body() {
+    let mut largest: f64 = 0.0;
+    let mut assert_adds_up = |body: &Body, what: &str| {
+        let (fields, mesh) = (Fields::new(body), body.mesh());
+        let wave = |X: &[f64; 3]| [0.1 * X[1].sin(), 0.05 * X[0] * X[0], 0.0];
+        let displacement: Vec<f64> = mesh.points().iter().flat_map(wave).collect();
+        let velocity: Vec<f64> =
+            mesh.points().iter().flat_map(|X| [0.3 + X[1] * X[0], 2.0 - X[0], 0.0]).collect();
+        let total = |name: FieldName| {
+            let densities = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+            (0..mesh.n_cells()).map(|cell| densities[cell] * fields.volume_for(name, cell)).sum::<f64>()
+        };
+        let mut momentum = vec![0.0; velocity.len()];
+        body.mass_product(&velocity, &mut momentum);
+        let kinetic = 0.5 * momentum.iter().zip(&velocity).map(|(p, v)| p * v).sum::<f64>();
+        let strain = body.strain_energy(&displacement);
+        for (name, energy) in
+            [(FieldName::CellKineticEnergyDensity, kinetic), (FieldName::CellStrainEnergyDensity, strain)]
+        {
+            assert!((total(name) - energy).abs() < 1e-13 * energy, "{what}: {name} {}", total(name) - energy);
+        }
+        for cell in 0..mesh.n_cells() {
+            let volumes =
+                [fields.cell_volume(cell), fields.volume_for(FieldName::CellKineticEnergyDensity, cell)];
+            largest = largest.max((volumes[1] / volumes[0] - 1.0).abs());
+        }
+    };
+    for kind in CellKind::ALL {
+        match kind.dimension() {
+            3 => {
+                let mesh = Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(kind);
+                assert_adds_up(&body(mesh), &format!("{kind}"));
+            }
+            2 => {
+                let region = rubber().with_thickness(0.3);
+                let plane = Body::builder(plane_patch(kind, 2)).region(region).build().unwrap();
+                assert_adds_up(&plane, &format!("{kind}"));
+            }
+            _ => {}
+        }
+    }
+    assert!(largest > 1e-6, "in no cell the two volumes differ: {largest}");
+}
+
 /// Energy densities times volumes are the energies of the body: `v . M v / 2` and the sum of its terms.
 #[test]
 fn energies_of_cells_add_up_to_the_energies_of_the_body() {

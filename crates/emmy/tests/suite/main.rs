@@ -33,6 +33,7 @@ mod shared;
 mod small_modes;
 mod solid_elements;
 mod solvers;
+mod spread_masses;
 mod starts;
 mod stiff_bodies;
 mod teams;

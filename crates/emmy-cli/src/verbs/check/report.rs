@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use emmy::body::{
-    Body, InitialVelocity, Load, LoadKind, LoadResultant, PointTerms, RegionSummary, Support, TimeFunction,
-    Viscosity,
+    Body, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary, Support,
+    TimeFunction, Viscosity,
 };
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
@@ -73,10 +73,13 @@ impl Report {
         }
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
-        for region in body.regions() {
-            match region.n_cells {
-                0 => self.point_masses(&name(region), region),
-                _ => self.region("region", &name(region), region),
+        let n_masses = problem.nodal.masses.len() + problem.nodal.spread.len();
+        let (regions, masses) = body.regions().split_at(body.regions().len() - n_masses);
+        regions.iter().for_each(|region| self.region("region", &name(region), region));
+        for (index, masses) in masses.iter().enumerate() {
+            self.mass(&name(masses), masses);
+            if let Some(PointMass { group, mass }) = problem.nodal.masses.get(index) {
+                self.nodal_mass(body, group, *mass, masses);
             }
         }
         if body.regions().len() > 1 {
@@ -182,10 +185,35 @@ impl Report {
         self.line("", &format!("inertia about the centre {inertia}"));
     }
 
-    fn point_masses(&mut self, group: &str, masses: &RegionSummary) {
+    fn mass(&mut self, group: &str, masses: &RegionSummary) {
         let mass = self.units.number(masses.mass, "mass");
         let centre = self.units.vector(masses.centre, "length");
         self.line("mass", &format!("{group}: mass {mass}, centre {centre}"));
+    }
+
+    /// A mass at each node of a group, which on an uneven mesh is not in the centre of the group.
+    fn nodal_mass(&mut self, body: &Body, group: &str, mass: f64, masses: &RegionSummary) {
+        let mesh = body.mesh();
+        let n_nodes = mesh.group_nodes(group).map_or(0, |nodes| nodes.len());
+        let mass = self.units.number(mass, "mass");
+        let groups = mesh.groups();
+        let is_spread = groups.facets.contains_key(group) || groups.cells.contains_key(group);
+        let Ok(centre) =
+            body.centre_of(group).map_err(drop).and_then(|own| is_spread.then_some(own).ok_or(()))
+        else {
+            return self.line("", &format!("{n_nodes} nodes of {mass}"));
+        };
+        let distance = (0..3).map(|i| (masses.centre[i] - centre[i]).powi(2)).sum::<f64>().sqrt();
+        let what = if groups.facets.contains_key(group) { "area" } else { "cells" };
+        let place = match distance <= 1e-9 * mesh.diagonal() {
+            true => format!("at the centre of its {what}"),
+            false => {
+                let [distance, centre] =
+                    [self.units.number(distance, "length"), self.units.vector(centre, "length")];
+                format!("{distance} from the centre of its {what}, {centre}: `total` puts a mass there")
+            }
+        };
+        self.line("", &format!("{n_nodes} nodes of {mass}, {place}"));
     }
 
     /// Springs to the ground, and attractions.

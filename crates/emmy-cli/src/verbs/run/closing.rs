@@ -5,6 +5,7 @@ use std::path::Path;
 use emmy::body::FieldName;
 use emmy::motion::{Extreme, RunStatistics, StepLimit};
 use emmy_io::accuracy::Accuracy;
+use emmy_io::history::Extreme as FieldExtreme;
 use emmy_io::input::Problem;
 use emmy_io::message::counted;
 use emmy_io::results::Results;
@@ -59,7 +60,7 @@ impl Closing<'_> {
         }
     }
 
-    /// Prints the largest displacement, and the largest values of other fields.
+    /// Prints the largest displacement, and the largest values of other fields with those of the regions.
     fn largest(&self) {
         let Closing { results, problem, .. } = *self;
         let units = problem.units;
@@ -74,17 +75,28 @@ impl Closing<'_> {
                 most.node
             );
         }
-        let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
-        for extreme in others.filter(|own| own.value != 0.0) {
-            let dimension = FieldName::from_name(&extreme.field).map_or("", FieldName::dimension);
-            let value = units.number(extreme.value, dimension);
-            let time = moment(problem, extreme.time);
-            let at = units.vector(extreme.point, "length");
-            let kind = if extreme.is_cell { "cell" } else { "node" };
+        let is_other = |own: &&FieldExtreme| own.field != FieldName::Displacement.name();
+        let (of_body, of_regions): (Vec<&FieldExtreme>, Vec<&FieldExtreme>) =
+            results.extremes().iter().filter(is_other).partition(|own| own.region.is_none());
+        for extreme in of_body.into_iter().filter(|own| own.value != 0.0) {
             let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
             let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
-            message!(self.host, "largest {name}{of}: {value} at {time}, {kind} {} at {at}", extreme.member);
+            message!(self.host, "largest {name}{of}: {}", self.place(extreme));
+            for row in of_regions.iter().filter(|own| own.field == extreme.field) {
+                let region = row.region.as_deref().unwrap_or_default();
+                message!(self.host, "  in {region}: {}", self.place(row));
+            }
         }
+    }
+
+    /// A largest value with its time and place.
+    fn place(&self, extreme: &FieldExtreme) -> String {
+        let FieldExtreme { field, value, time, member, is_cell, point, .. } = extreme;
+        let units = self.problem.units;
+        let value = units.number(*value, FieldName::from_name(field).map_or("", FieldName::dimension));
+        let time = moment(self.problem, *time);
+        let kind = if *is_cell { "cell" } else { "node" };
+        format!("{value} at {time}, {kind} {member} at {}", units.vector(*point, "length"))
     }
 
     fn work(&self, statistics: &RunStatistics) {

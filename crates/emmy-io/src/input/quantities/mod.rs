@@ -31,7 +31,9 @@ pub struct Probe {
     pub name: String,
     /// The requested point, in the reference configuration \[length\].
     pub point: [f64; 3],
-    /// Index of the nearest node in the whole mesh, the lowest of several.
+    /// Group of cells from which fields are recovered, and whose nearest node is taken; `None`: all cells.
+    pub group: Option<String>,
+    /// Index of the nearest node in the whole mesh or of the group, the lowest of several.
     pub node: usize,
     /// What is written of it.
     pub quantities: Vec<ProbeQuantity>,
@@ -66,7 +68,7 @@ pub enum Measure {
     Total,
     /// Mean by reference volume in cells, plain mean at nodes.
     Mean,
-    /// Largest value, of a vector its norm.
+    /// Largest value, of a vector its norm; where regions meet, each of them has its own value.
     Max,
 }
 

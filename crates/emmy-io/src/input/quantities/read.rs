@@ -38,6 +38,13 @@ pub(in crate::input) static PROBE: Described = Described::new(|| {
             "Reference position; the nearest node is taken, with a note if it lies elsewhere",
         )
         .may(
+            "group",
+            Kind::Text,
+            "",
+            "Group of cells whose nearest node is taken, with fields from these cells alone: one side where regions meet",
+        )
+        .absent("all cells; where regions meet, fields are means of the sides by volume")
+        .may(
             "quantities",
             Kind::Words(of_probes()),
             "",
@@ -64,7 +71,7 @@ pub(in crate::input) static VALUE: Described = Described::new(|| {
             Kind::Word(Measure::ALL.map(|(word, _)| word).to_vec()),
             "",
             "`total`: integral over the reference volume of cells; `mean`: mean by this volume, at nodes the plain mean; \
-             `max`: the largest value, of a vector its norm",
+             `max`: the largest value, of a vector its norm, with each region by itself where regions meet",
         )
         .default("\"mean\"")
 });
@@ -148,6 +155,7 @@ fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
     let table = item.table(&PROBE)?;
     let (name, place) = column_name(&table, "a probe")?;
     let point = table.require("point")?.numbers()?;
+    let group = table.get("group").map(|item| item.name()).transpose()?;
     let words = table.require("quantities")?;
     let words = words.list_or("a list of quantities, such as [\"position\", \"von_mises_stress\"]")?;
     let quantity = |item: &Item<'_>| {
@@ -164,7 +172,7 @@ fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
         let message = format!("the probe `{name}` has no `quantities`");
         return Err(Fault::at(&place, message, "such as [\"position\"]"));
     }
-    Ok((Probe { name, point, node: 0, quantities }, place))
+    Ok((Probe { name, point, group, node: 0, quantities }, place))
 }
 
 fn value(item: Item<'_>) -> Result<(GroupValue, Place), Fault> {

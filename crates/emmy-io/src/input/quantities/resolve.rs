@@ -6,7 +6,7 @@ use emmy::internals::number::{short, short_vector};
 use super::{
     GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
 };
-use crate::history::{ColumnInfo, column_of_peak, fixed_names};
+use crate::history::{ColumnInfo, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Place};
 use crate::input::suggest::{did_you_mean, listed};
 
@@ -18,8 +18,10 @@ impl Requested {
         body: &Body,
         notes: &mut Vec<String>,
     ) -> Result<Quantities, Fault> {
-        for (probe, _) in &mut self.probes {
+        for (probe, place) in &mut self.probes {
+            check_group(body, probe, place)?;
             find(body, probe, notes);
+            notes.extend(sides(body, probe));
         }
         for (value, place) in &mut self.values {
             resolve(body, value, place)?;
@@ -162,9 +164,57 @@ fn has_nodes(body: &Body, group: &str) -> bool {
     n_nodes[0] > 0.0
 }
 
+/// The group of a probe must have cells.
+fn check_group(body: &Body, probe: &Probe, place: &Place) -> Result<(), Fault> {
+    let Some(group) = &probe.group else { return Ok(()) };
+    let mut n_cells = [body.mesh().groups().cells(group).map_or(0, |cells| cells.len()) as f64];
+    if let Some(subdomain) = body.subdomain() {
+        subdomain.largest("cells of a group", &mut n_cells);
+    }
+    if n_cells[0] > 0.0 {
+        return Ok(());
+    }
+    let known: Vec<&str> = body.mesh().groups().cells.keys().map(String::as_str).collect();
+    let label = did_you_mean(group, known.iter().copied()).unwrap_or("not there".into());
+    let message = format!("the mesh has no group of cells `{group}` for the probe `{}`", probe.name);
+    Err(Fault::at(place, message, label).help(format!("groups of cells: {}", listed(known.iter().copied()))))
+}
+
+/// A note on a probe whose fields are means of several regions.
+fn sides(body: &Body, probe: &Probe) -> Option<String> {
+    let jumps = |field: FieldName| !matches!(field, FieldName::Displacement | FieldName::Velocity);
+    let mut fields = probe.quantities.iter().filter_map(|quantity| match quantity {
+        ProbeQuantity::Field(field) if jumps(*field) => Some(field),
+        _ => None,
+    });
+    let field = fields.next().filter(|_| probe.group.is_none())?;
+    let regions = body.regions();
+    let mut touches = vec![0.0; regions.len()];
+    let own = |node: usize| body.subdomain().map_or(Some(node), |subdomain| subdomain.own_node(node));
+    if let Some(node) = own(probe.node) {
+        let cells = body.mesh().cells().zip(body.region_of_cell());
+        let around = cells.filter(|(cell, _)| cell.nodes.contains(&(node as u32)));
+        let solid = around.filter(|(cell, _)| cell.kind.dimension() > 1);
+        solid.for_each(|(_, &region)| touches[region as usize] = 1.0);
+    }
+    if let Some(subdomain) = body.subdomain() {
+        subdomain.sum("regions at a probe", &mut touches);
+    }
+    let sides = regions.iter().zip(&touches).filter(|(_, touches)| **touches > 0.0);
+    let sides: Vec<&str> = sides.filter_map(|(region, _)| region.group.as_deref()).collect();
+    (sides.len() > 1).then(|| {
+        format!(
+            "probe `{}`: {} meet at node {}, so `{field}` is a mean by volume; `group` chooses one side",
+            probe.name,
+            listed(sides.iter().copied()),
+            probe.node
+        )
+    })
+}
+
 /// Finds the node of a probe, with a note if it is not at the requested point.
 fn find(body: &Body, probe: &mut Probe, notes: &mut Vec<String>) {
-    let (node, at) = nearest_node(body, probe.point);
+    let (node, at) = nearest_node(body, probe.point, probe.group.as_deref());
     probe.node = node;
     let distance = square(at, probe.point).sqrt();
     if distance > FAR * body.mesh().diagonal() {
@@ -178,15 +228,21 @@ fn find(body: &Body, probe: &mut Probe, notes: &mut Vec<String>) {
     }
 }
 
-/// The nearest node in the whole mesh, the first of several, and its position.
-fn nearest_node(body: &Body, point: [f64; 3]) -> (usize, [f64; 3]) {
+/// The nearest node of the whole mesh or of a group of cells, the first of several, and its position.
+fn nearest_node(body: &Body, point: [f64; 3], group: Option<&str>) -> (usize, [f64; 3]) {
     let points = body.mesh().points();
+    let n_own = body.subdomain().map_or(points.len(), |subdomain| subdomain.n_own());
+    let nodes: Vec<u32> = match group.map(|group| body.mesh().groups().cells(group)) {
+        None => (0..points.len() as u32).collect(),
+        Some(cells) => nodes_of(body.mesh(), cells.unwrap_or_default()),
+    };
+    let nodes = nodes.into_iter().map(|node| node as usize).filter(|&node| node < n_own);
+    let own = nodes.map(|node| (node, square(points[node], point)));
+    let own = own.min_by(|a, b| a.1.total_cmp(&b.1));
     let Some(subdomain) = body.subdomain() else {
-        let node = body.mesh().nearest_node(point);
+        let node = own.map_or(0, |(node, _)| node);
         return (node, points[node]);
     };
-    let own = points[..subdomain.n_own()].iter().map(|&at| square(at, point));
-    let own = own.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
     let mut nearest = [own.map_or(f64::NEG_INFINITY, |(_, square)| -square)];
     subdomain.largest("distance of the nearest node", &mut nearest);
     let own = own.filter(|(_, square)| -square == nearest[0]);
@@ -218,7 +274,13 @@ mod tests {
         let place = || Place::start_of("a test", "");
         let probe = |name: &str, point| {
             (
-                Probe { name: name.to_string(), point, node: 0, quantities: vec![ProbeQuantity::Position] },
+                Probe {
+                    name: name.to_string(),
+                    point,
+                    group: None,
+                    node: 0,
+                    quantities: vec![ProbeQuantity::Position],
+                },
                 place(),
             )
         };

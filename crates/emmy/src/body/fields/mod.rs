@@ -39,9 +39,10 @@ pub use selection::Selection;
 ///
 /// So all fields at a node belong to one strain, energies are positive if the material's are, a rigid rotation rotates
 /// the stresses and changes nothing else, and homogeneous deformations are exact. Where regions meet, the values of
-/// both sides are averaged by volume; the true stress jumps, and cell fields (means over the quadrature points of a
-/// cell) show each side. A node is NaN if its recovered deformation gradient has no positive determinant: the mesh is
-/// too coarse there. A node without solid or plane cells has no stress and stretches of 1.
+/// both sides are averaged by volume; the true stress jumps. Each side by itself is [`Fields::on`] a selection of its
+/// cells ([`Fields::select_nodes_in`]), and cell fields are means over the quadrature points of a cell. A node is NaN if
+/// its recovered deformation gradient has no positive determinant: the mesh is too coarse there. A node without solid
+/// or plane cells has no stress and stretches of 1.
 ///
 /// On a team the fields are those of the nodes and cells of the share.
 ///
@@ -94,20 +95,32 @@ impl Fields {
         let region_of_cell = body.region_of_cell.clone();
         let projections = Projections::new(&mesh, &regions, &region_of_cell);
         let recovery = Recovery::new(&mesh, body.internal.clone(), projections);
-        let density = density(&mesh, &regions, &region_of_cell, &recovery);
-        Fields { mesh, regions, region_of_cell, recovery, density, subdomain: body.subdomain().cloned() }
+        let subdomain = body.subdomain().cloned();
+        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), subdomain };
+        let (n_nodes, n_cells) = (fields.mesh.n_nodes(), fields.mesh.n_cells());
+        fields.density = fields.densities(0..n_cells as u32, n_nodes, |node| node);
+        fields
     }
 
     /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
     /// axial forces need links.
     pub fn has(&self, name: FieldName) -> bool {
-        let is_link = |region: &Region| region.link().is_some();
-        let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);
+        (0..self.regions.len()).any(|region| self.region_has(region, name))
+    }
+
+    /// Groups of the regions, in the order of their numbers; `None`: every cell.
+    pub fn regions(&self) -> impl Iterator<Item = Option<&str>> {
+        self.regions.iter().map(|region| region.group.as_deref())
+    }
+
+    /// Whether a region has a field, as [`Fields::has`]; `region`: its number.
+    pub fn region_has(&self, region: usize, name: FieldName) -> bool {
+        let link = self.regions[region].link();
         match name.info().needs {
             Needs::Nothing => true,
-            Needs::Volume => self.regions.iter().any(has_volume),
-            Needs::Solids => !self.regions.iter().all(is_link),
-            Needs::Links => self.regions.iter().any(is_link),
+            Needs::Volume => link.is_none_or(|link| link.area() > 0.0),
+            Needs::Solids => link.is_none(),
+            Needs::Links => link.is_some(),
         }
     }
 
@@ -120,29 +133,43 @@ impl Fields {
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
         let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
         let cells = if wanted(Place::Cells) { self.cell_states(displacement) } else { Vec::new() };
-        let numbers = |name: FieldName| {
-            let states = match name.place() {
-                Place::Nodes => &nodes,
-                Place::Cells => &cells,
-            };
-            match name.info().formula {
-                Formula::Vector(vector) => {
-                    let nodes = 0..self.mesh.n_nodes();
-                    nodes.flat_map(|node| vector(self, [displacement, velocity], node)).collect()
-                }
-                Formula::OfCell(number) => {
-                    let cells = 0..self.mesh.n_cells();
-                    cells.map(|cell| number(self, [displacement, velocity], cell)).collect()
-                }
-                Formula::Number(number) => flat(states, |state| [number(state)]),
-                Formula::Stretches(stretches) => flat(states, stretches),
-                Formula::Tensor(tensor) => flat(states, tensor),
+        let numbers = |name: FieldName| match name.place() {
+            Place::Nodes => {
+                let members = (0..self.mesh.n_nodes()).zip(self.density.iter().copied());
+                self.numbers(name, &nodes, members, [displacement, velocity])
+            }
+            Place::Cells => {
+                let members = (0..self.mesh.n_cells()).map(|cell| (cell, 0.0));
+                self.numbers(name, &cells, members, [displacement, velocity])
             }
         };
         let mut fields: Vec<FieldValues> =
             names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect();
         self.update_guests(&mut fields);
         fields
+    }
+
+    /// The numbers of a field at some members, each with the density around it, and their states; `motion`:
+    /// displacement and velocity.
+    fn numbers(
+        &self,
+        name: FieldName,
+        states: &[PointState],
+        members: impl Iterator<Item = (usize, f64)>,
+        motion: [&[f64]; 2],
+    ) -> Vec<f64> {
+        match name.info().formula {
+            Formula::Vector(vector) => {
+                let of_node = |node: usize| motion.map(|own| [0, 1, 2].map(|d| own[3 * node + d]));
+                members.flat_map(|(node, density)| vector(density, of_node(node))).collect()
+            }
+            Formula::OfCell(number) | Formula::OfMass(number) => {
+                members.map(|(cell, _)| number(self, motion, cell)).collect()
+            }
+            Formula::Number(number) => flat(states, |state| [number(state)]),
+            Formula::Stretches(stretches) => flat(states, stretches),
+            Formula::Tensor(tensor) => flat(states, tensor),
+        }
     }
 
     /// Takes the fields at guests from their owners, which have all cells around them.
@@ -179,11 +206,6 @@ impl Fields {
         &self.regions[self.region_of_cell[cell] as usize]
     }
 
-    /// Density times velocity at a node; `velocity`: `[n_nodes][3]`.
-    fn momentum_density(&self, velocity: &[f64], node: usize) -> [f64; 3] {
-        [0, 1, 2].map(|d| self.density[node] * velocity[3 * node + d])
-    }
-
     fn axial_force(&self, displacement: &[f64], cell: usize) -> f64 {
         let link = self.region(cell).link();
         link.map_or(0.0, |link| axial_force(&link, &self.mesh, cell, displacement))
@@ -209,6 +231,17 @@ impl Fields {
         self.recovery.measure(&self.mesh, cell) * self.region(cell).section(self.mesh.cell(cell).kind)
     }
 
+    /// Reference volume by which a field's mean in a cell becomes its total: that of the points over which the mean is
+    /// taken. These are the points of the mass for kinetic energies, and those of the stresses ([`Fields::cell_volume`])
+    /// for all others; in cells with curved edges the two volumes differ \[length^3\].
+    pub fn volume_for(&self, name: FieldName, cell: usize) -> f64 {
+        let Formula::OfMass(_) = name.info().formula else { return self.cell_volume(cell) };
+        let mut measure = 0.0;
+        let cells = std::iter::once(cell as u32);
+        for_each_volume_point(&self.mesh, cells, |_, _, point| measure += point.weight);
+        measure * self.region(cell).section(self.mesh.cell(cell).kind)
+    }
+
     /// The state at a node by the sum over the cells of a region.
     fn nodal_state(&self, region: u32, sum: &GradientSum) -> PointState {
         let material = &self.regions[region as usize];
@@ -226,7 +259,14 @@ impl Fields {
         for (index, region) in self.regions.iter().enumerate().filter(|(_, region)| region.link().is_none()) {
             let cells: Vec<u32> = self.cells_of(index as u32).collect();
             let weigh = |kind| region.section(kind);
-            let nodes = self.recovery.add_gradients(&self.mesh, &cells, weigh, displacement, &mut sums);
+            let mut nodes = Vec::new();
+            self.recovery.for_each_gradient(&self.mesh, &cells, weigh, displacement, |node, own| {
+                let sum = &mut sums[node as usize];
+                if sum.is_empty() {
+                    nodes.push(node);
+                }
+                sum.add(own);
+            });
             let state = |&node: &u32| self.nodal_state(index as u32, &sums[node as usize]);
             let states: Vec<PointState> = nodes.par_iter().with_min_len(64).map(state).collect();
             for (&node, state) in nodes.iter().zip(&states) {
@@ -274,21 +314,29 @@ impl Fields {
         let cells = self.region_of_cell.iter().enumerate();
         cells.filter(move |&(_, &of_cell)| of_cell == region).map(|(cell, _)| cell as u32)
     }
-}
 
-/// Mean density of the cells around each node by volume, point masses left out; 0 where there is no volume.
-fn density(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32], recovery: &Recovery) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; mesh.n_nodes()];
-    for (index, cell) in mesh.cells().enumerate() {
-        let region = &regions[region_of_cell[index] as usize];
-        let volume = recovery.measure(mesh, index) * region.section(cell.kind);
-        for &node in cell.nodes {
-            let [mass, sum] = &mut sums[node as usize];
-            *mass += region.density * volume;
-            *sum += volume;
+    /// Mean density by volume of the cells around each of `n` nodes, point masses left out; 0 where there is no volume.
+    /// `slot`: place of a node, [`ABSENT`] for one that is not asked for.
+    ///
+    /// [`ABSENT`]: selection::ABSENT
+    fn densities(
+        &self,
+        cells: impl IntoIterator<Item = u32>,
+        n: usize,
+        slot: impl Fn(u32) -> u32,
+    ) -> Vec<f64> {
+        let mut sums = vec![[0.0; 2]; n];
+        for cell in cells {
+            let (density, volume) = (self.region(cell as usize).density, self.cell_volume(cell as usize));
+            for &node in self.mesh.cell(cell as usize).nodes {
+                if let Some([mass, sum]) = sums.get_mut(slot(node) as usize) {
+                    *mass += density * volume;
+                    *sum += volume;
+                }
+            }
         }
+        sums.into_iter().map(|[mass, volume]| if volume > 0.0 { mass / volume } else { 0.0 }).collect()
     }
-    sums.into_iter().map(|[mass, volume]| if volume > 0.0 { mass / volume } else { 0.0 }).collect()
 }
 
 /// The numbers of a field one after the other.

@@ -47,10 +47,12 @@ pub(super) enum Needs {
 
 /// Formula of a field.
 pub(super) enum Formula {
-    /// A vector at a node from displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
-    Vector(fn(&Fields, [&[f64]; 2], usize) -> [f64; 3]),
-    /// The same for a number in a cell.
+    /// A vector at a node from the mean density of the cells around it, its displacement and its velocity.
+    Vector(fn(f64, [[f64; 3]; 2]) -> [f64; 3]),
+    /// A number in a cell from displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
     OfCell(fn(&Fields, [&[f64]; 2], usize) -> f64),
+    /// The same for a mean over the points of the mass matrix.
+    OfMass(fn(&Fields, [&[f64]; 2], usize) -> f64),
     /// A number of the state at a node or in a cell.
     Number(fn(&PointState) -> f64),
     Stretches(fn(&PointState) -> [f64; 3]),
@@ -60,7 +62,7 @@ pub(super) enum Formula {
 impl Formula {
     /// Whether it needs the state of the material.
     pub(super) const fn is_of_state(&self) -> bool {
-        !matches!(self, Formula::Vector(_) | Formula::OfCell(_))
+        !matches!(self, Formula::Vector(_) | Formula::OfCell(_) | Formula::OfMass(_))
     }
 }
 
@@ -68,11 +70,6 @@ const ONE: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
 const ORDERED: &[&str] = &["1", "2", "3"];
-
-/// The vector of a node.
-fn of_node(vectors: &[f64], node: usize) -> [f64; 3] {
-    [0, 1, 2].map(|d| vectors[3 * node + d])
-}
 
 /// Declares the fields, each with its [`FieldInfo`].
 macro_rules! fields {
@@ -109,7 +106,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Vector(|_, [displacement, _], node| of_node(displacement, node)),
+        formula: Formula::Vector(|_, [displacement, _]| displacement),
     }
     /// v \[length/time\].
     Velocity {
@@ -119,7 +116,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Vector(|_, [_, velocity], node| of_node(velocity, node)),
+        formula: Formula::Vector(|_, [_, velocity]| velocity),
     }
     /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
     MomentumDensity {
@@ -129,7 +126,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Volume,
-        formula: Formula::Vector(|fields, [_, velocity], node| fields.momentum_density(velocity, node)),
+        formula: Formula::Vector(|density, [_, velocity]| velocity.map(|component| density * component)),
     }
     /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
     CauchyStress {
@@ -252,7 +249,8 @@ fields! {
         needs: Needs::Links,
         formula: Formula::OfCell(|fields, [displacement, _], cell| fields.axial_force(displacement, cell)),
     }
-    /// Mean of `rho_0 v^2/2` in a cell; times its volume, the kinetic energy of the cell. Point masses are not in it.
+    /// Mean of `rho_0 v^2/2` in a cell; times its [`Fields::volume_for`], the kinetic energy of the cell. Point masses are
+    /// not in it.
     CellKineticEnergyDensity {
         name: "cell_kinetic_energy_density",
         description: "mean of density times v^2/2 in each cell, per reference volume",
@@ -260,7 +258,7 @@ fields! {
         place: Place::Cells,
         components: ONE,
         needs: Needs::Volume,
-        formula: Formula::OfCell(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
+        formula: Formula::OfMass(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
     }
 }
 

@@ -53,6 +53,11 @@ impl GradientSum {
         (0..3).for_each(|i| (0..3).for_each(|j| self.sum[i][j] += other.sum[i][j]));
     }
 
+    /// Whether nothing has been added.
+    pub(super) fn is_empty(&self) -> bool {
+        self.weight == 0.0
+    }
+
     /// Returns the weight and resets the sum.
     pub(super) fn take(&mut self) -> f64 {
         std::mem::take(self).weight
@@ -130,36 +135,28 @@ impl Recovery {
         }
     }
 
-    /// Adds the displacement gradients of some cells to their nodes, weighted by cell volume, and returns the nodes,
-    /// each once. `section`: factor from the measure of a cell of a kind to its volume.
+    /// Passes the displacement gradients of some cells at their nodes, weighted by cell volume, one cell after the other.
+    /// `section`: factor from the measure of a cell of a kind to its volume.
     ///
-    /// The cells are gone through in parallel, but added up in their order.
-    pub(super) fn add_gradients(
+    /// The gradients are computed in parallel.
+    pub(super) fn for_each_gradient(
         &self,
         mesh: &Mesh,
         cells: &[u32],
         section: impl Fn(CellKind) -> f64 + Sync,
         displacement: &[f64],
-        sums: &mut [GradientSum],
-    ) -> Vec<u32> {
-        let mut nodes = Vec::new();
+        mut visit: impl FnMut(u32, &GradientSum),
+    ) {
         let recovered = |run: &[u32]| self.run(mesh, run, &section, displacement);
         for wave in cells.chunks(WAVE) {
             let runs: Vec<Vec<GradientSum>> = wave.par_chunks(RUN).map(recovered).collect();
             let of_cells = wave.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes);
-            for (&node, own) in of_cells.zip(runs.iter().flatten()) {
-                let sum = &mut sums[node as usize];
-                if sum.weight == 0.0 {
-                    nodes.push(node);
-                }
-                sum.add(own);
-            }
+            of_cells.zip(runs.iter().flatten()).for_each(|(&node, own)| visit(node, own));
         }
-        nodes
     }
 
     /// Contributions of some cells to their nodes, `[cell][n_nodes]`.
-    pub(super) fn run(
+    fn run(
         &self,
         mesh: &Mesh,
         cells: &[u32],

@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::name::Formula;
 use super::point::PointState;
-use super::recovery::{GradientSum, sums};
-use super::{FieldName, Fields, Place};
+use super::recovery::sums;
+use super::{FieldName, FieldValues, Fields, Place};
 
 /// Some nodes or cells of a body, for [`Fields::on`].
 ///
@@ -26,29 +25,68 @@ pub struct Selection {
     place: Place,
     /// Indices of the nodes or cells.
     members: Vec<u32>,
+    /// Mean density around each node; empty for cells.
+    densities: Vec<f64>,
     /// The cells around the nodes, by region; empty for cells.
     around: Vec<(u32, Vec<u32>)>,
     /// Place of each node of these cells among the members, [`ABSENT`] for other nodes, one cell after the other.
     slots: Vec<u32>,
 }
 
-const ABSENT: u32 = u32::MAX;
+/// Slot of a node that is not a member.
+pub(super) const ABSENT: u32 = u32::MAX;
 
-/// Cells that one thread takes at a time.
-const RUN: usize = 256;
+impl Selection {
+    /// Indices of the nodes or cells, in their order.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+}
 
 impl Fields {
-    /// Some nodes, for fields at nodes.
+    /// Some nodes, for fields at nodes from all cells around them.
     pub fn select_nodes(&self, nodes: &[u32]) -> Selection {
+        let cells: Vec<u32> = (0..self.mesh.n_cells() as u32).collect();
+        self.select_nodes_in(nodes, cells)
+    }
+
+    /// Some nodes, for fields that are recovered from some cells alone, such as those of a region: at an interface,
+    /// where stresses jump, its own side. A node that none of the cells touches has no stress.
+    ///
+    /// ```
+    /// use emmy::body::{FieldName, Fields};
+    /// use emmy::prelude::*;
+    /// // Two cubes side by side, of which the second one is ten times as stiff.
+    /// let mut mesh = mesh::MeshBuilder::new();
+    /// let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    /// let nodes: Vec<u32> = (0..3).flat_map(|x| at.map(|[y, z]| [x as f64, y, z])).map(|X| mesh.point(X)).collect();
+    /// for (group, first) in [("soft", 0), ("stiff", 4)] {
+    ///     let cell = mesh.cell(mesh::CellKind::Hex8, &nodes[first..first + 8])?;
+    ///     mesh.cell_group(group, [cell]);
+    /// }
+    /// let region = |group: &str, mu: f64| Ok(Region::new(NeoHooke::new(0.0, mu)?, 1.0).on(group));
+    /// let body = Body::builder(mesh.build()?).regions([region("soft", 50.0)?, region("stiff", 500.0)?]).build()?;
+    /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
+    /// let (fields, face) = (Fields::new(&body), [4, 5]);
+    /// let stress = |cells: Vec<u32>| {
+    ///     fields.on(&fields.select_nodes_in(&face, cells), &stretched, &stretched, FieldName::VonMisesStress)[0]
+    /// };
+    /// // mu (lambda^2 - 1) / lambda for a stretch of 2 along x alone
+    /// assert!((stress(vec![0]) - 75.0).abs() < 1e-11 && (stress(vec![1]) - 750.0).abs() < 1e-10);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn select_nodes_in(&self, nodes: &[u32], mut cells: Vec<u32>) -> Selection {
         let mut slot_of = vec![ABSENT; self.mesh.n_nodes()];
         nodes.iter().enumerate().for_each(|(slot, &node)| slot_of[node as usize] = slot as u32);
         let (mut around, mut slots) = (Vec::new(), Vec::new());
         let touches = |cell: &u32| {
             self.mesh.cell(*cell as usize).nodes.iter().any(|&node| slot_of[node as usize] != ABSENT)
         };
-        let mut cells: Vec<u32> = (0..self.mesh.n_cells() as u32).filter(touches).collect();
+        cells.retain(touches);
+        // By number, as for all nodes.
+        cells.sort_unstable();
+        let densities = self.densities(cells.iter().copied(), nodes.len(), |node| slot_of[node as usize]);
         cells.retain(|&cell| self.region(cell as usize).link().is_none());
-        // A stable order: by region, then by number, as for all nodes.
         cells.sort_by_key(|&cell| self.region_of_cell[cell as usize]);
         for cells in
             cells.chunk_by(|&a, &b| self.region_of_cell[a as usize] == self.region_of_cell[b as usize])
@@ -57,16 +95,17 @@ impl Fields {
             slots.extend(nodes.map(|&node| slot_of[node as usize]));
             around.push((self.region_of_cell[cells[0] as usize], cells.to_vec()));
         }
-        Selection { place: Place::Nodes, members: nodes.to_vec(), around, slots }
+        Selection { place: Place::Nodes, members: nodes.to_vec(), densities, around, slots }
     }
 
     /// Some cells, for fields in cells.
     pub fn select_cells(&self, cells: &[u32]) -> Selection {
-        Selection { place: Place::Cells, members: cells.to_vec(), around: Vec::new(), slots: Vec::new() }
+        let (densities, around, slots) = Default::default();
+        Selection { place: Place::Cells, members: cells.to_vec(), densities, around, slots }
     }
 
-    /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`]:
-    /// `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a team no call of all ranks: nodes are own
+    /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`] if all cells
+    /// around them are selected: `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a team no call of all ranks: nodes are own
     /// ones, because the cells around guests are not all here.
     ///
     /// # Panics
@@ -78,25 +117,32 @@ impl Fields {
         velocity: &[f64],
         name: FieldName,
     ) -> Vec<f64> {
-        assert_eq!(
-            selection.place,
-            name.place(),
+        self.all_on(selection, displacement, velocity, &[name]).remove(0).numbers
+    }
+
+    /// Several fields as [`Fields::on`]; the deformation is recovered once.
+    ///
+    /// # Panics
+    /// If a field and the selection have different places.
+    pub fn all_on(
+        &self,
+        selection: &Selection,
+        displacement: &[f64],
+        velocity: &[f64],
+        names: &[FieldName],
+    ) -> Vec<FieldValues> {
+        assert!(
+            names.iter().all(|name| name.place() == selection.place),
             "a selection of nodes for fields at nodes, of cells for fields in cells"
         );
-        let members = selection.members.iter().map(|&member| member as usize);
-        let formula = &name.info().formula;
-        let states = if formula.is_of_state() { self.states(selection, displacement) } else { Vec::new() };
-        match formula {
-            Formula::Vector(vector) => {
-                members.flat_map(|node| vector(self, [displacement, velocity], node)).collect()
-            }
-            Formula::OfCell(number) => {
-                members.map(|cell| number(self, [displacement, velocity], cell)).collect()
-            }
-            Formula::Number(number) => states.iter().map(number).collect(),
-            Formula::Stretches(stretches) => states.iter().flat_map(stretches).collect(),
-            Formula::Tensor(tensor) => states.iter().flat_map(tensor).collect(),
-        }
+        let is_of_state = names.iter().any(|name| name.info().formula.is_of_state());
+        let states = if is_of_state { self.states(selection, displacement) } else { Vec::new() };
+        let numbers = |name: FieldName| {
+            let members = selection.members.iter().map(|&member| member as usize);
+            let densities = selection.densities.iter().copied().chain(std::iter::repeat(0.0));
+            self.numbers(name, &states, members.zip(densities), [displacement, velocity])
+        };
+        names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
     }
 
     /// The state at every member.
@@ -118,21 +164,20 @@ impl Fields {
         for (index, cells) in &selection.around {
             let region = &self.regions[*index as usize];
             let weigh = |kind| region.section(kind);
-            let recovered = |run: &[u32]| self.recovery.run(&self.mesh, run, weigh, displacement);
-            let runs: Vec<Vec<GradientSum>> = cells.par_chunks(RUN).map(recovered).collect();
-            for (own, &slot) in runs.iter().flatten().zip(slots.by_ref()) {
+            self.recovery.for_each_gradient(&self.mesh, cells, weigh, displacement, |_, own| {
+                let slot = slots.next().copied().unwrap_or(ABSENT);
                 if let Some(sum) = sums.get_mut(slot as usize) {
                     sum.add(own);
                 }
-            }
-            for (sum, total) in sums.iter_mut().zip(&mut totals) {
+            });
+            sums.par_iter_mut().zip(&mut totals).with_min_len(64).for_each(|(sum, total)| {
                 let own = *sum;
                 let weight = sum.take();
                 if weight > 0.0 {
                     total.0 += weight;
                     total.1.add(weight, &self.nodal_state(*index, &own));
                 }
-            }
+            });
         }
         let over = |(weight, state): (f64, PointState)| if weight > 0.0 { state.over(weight) } else { state };
         totals.into_iter().map(over).collect()

@@ -8,6 +8,6 @@ mod support;
 
 pub use initial_velocity::InitialVelocity;
 pub use load::{FieldDomain, Load, LoadKind};
-pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms};
+pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms, SpreadMass};
 pub use region::Region;
 pub use support::{Rotation, Support};

@@ -22,6 +22,8 @@
 pub struct PointTerms {
     /// Point masses.
     pub masses: Vec<PointMass>,
+    /// Masses that are spread.
+    pub spread: Vec<SpreadMass>,
     /// Springs to the ground.
     pub springs: Vec<GroundSpring>,
     /// Attraction to points of space.
@@ -40,6 +42,36 @@ pub struct PointMass {
     pub group: String,
     /// Mass of each node \[mass\].
     pub mass: f64,
+}
+
+/// A mass spread evenly over a group: by area over facets, by volume over cells, by length over links, and in equal parts
+/// over nodes; of the first of these kinds that the group has.
+///
+/// ```math
+/// M_AB = rho integral N_A N_B dA,      rho = m / integral dA
+/// ```
+///
+/// So its centre and its inertia are those of the area or volume, however uneven the mesh is, as if it were a density of the
+/// cells. With the thickness of plane cells; links count with their length alone, and cannot share a group with other
+/// cells.
+///
+/// ```
+/// use emmy::body::{PointTerms, SpreadMass};
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+/// let points = PointTerms { spread: vec![SpreadMass { group: "z-max".into(), total: 6.0 }], ..Default::default() };
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).point_terms(points).build()?;
+/// assert!((body.lumped_mass().iter().sum::<f64>() - 7.0).abs() < 1e-14);
+/// let plate = &body.regions()[1];
+/// assert!((plate.centre[2] - 1.0).abs() < 1e-15 && (plate.inertia[2][2] - 1.0).abs() < 1e-14); // m (a^2 + b^2) / 12
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpreadMass {
+    /// Group of facets, cells or nodes.
+    pub group: String,
+    /// Mass of the whole group \[mass\].
+    pub total: f64,
 }
 
 /// Springs from the nodes of a group to the ground, equal in all directions and at rest in the reference configuration.

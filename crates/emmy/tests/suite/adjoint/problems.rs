@@ -67,6 +67,7 @@ pub(super) fn springs(stiffness: f64) -> Result<Body> {
         masses: masses(&[1.0, 1.2, 1.4, 1.6]),
         springs: vec![GroundSpring { group: "2".into(), stiffness: 7.0 }],
         attractions: vec![GroundAttraction { group: None, centre: [3.0, 1.0, 0.5], strength: 4.0 }],
+        ..PointTerms::default()
     };
     let region = Region::links(Link::spring(stiffness, None)?, 0.0);
     Body::builder(network(&points, &links)).region(region).point_terms(nodal.clone()).build()

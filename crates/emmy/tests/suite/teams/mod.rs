@@ -9,7 +9,8 @@ use emmy::body::{
     PointTerms,
 };
 use emmy::body::{
-    GroundAttraction, GroundSpring, Place, Reaction, Region, Rotation, Support, TimeFunction, Viscosity,
+    GroundAttraction, GroundSpring, Place, Reaction, Region, Rotation, SpreadMass, Support, TimeFunction,
+    Viscosity,
 };
 use emmy::material::{CiarletGeymonat, Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
@@ -393,6 +394,7 @@ fn masses_and_forces_at_nodes_are_those_of_the_whole_body() {
         parts: |builder| {
             let terms = PointTerms {
                 masses: vec![PointMass { group: "x-max".to_string(), mass: 0.1 }],
+                spread: vec![SpreadMass { group: "y-max".to_string(), total: 0.4 }],
                 springs: vec![GroundSpring { group: "x-min".to_string(), stiffness: 40.0 }],
                 attractions: vec![GroundAttraction { group: None, centre: [5.0, 4.0, 3.0], strength: 2.0 }],
             };

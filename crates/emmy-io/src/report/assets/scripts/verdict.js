@@ -108,7 +108,7 @@ function facts(run) {
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
 }
 
-// The largest values of the run, displacement first; a click shows their time.
+// The largest values of the run, displacement first, with those of each region; a click shows their time.
 function extremes(run, clock) {
   const names = Object.keys(run.summary).map((key) => key.match(/^largest_(.+)_point$/)?.[1]).filter((name) => run.summary[`largest_${name}`] > 0);
   return names.length ? element("div", { class: "balance extremes" }, ...names.map((name) => extreme(run, name, clock))) : null;
@@ -117,11 +117,16 @@ function extremes(run, clock) {
 function extreme(run, name, clock) {
   const key = `largest_${name}`, s = run.summary;
   const [unit, length, time] = [name, "displacement", "time"].map((name) => unitOf(run, name)).map((unit) => unit && ` ${unit}`);
-  const show = element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s[`${key}_time`]) },
-    isStatic(run) ? "load fraction = " : "t = ", ofSummary(run, `${key}_time`), time);
+  const show = (at, ...text) => element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(at) },
+    isStatic(run) ? "load fraction = " : "t = ", ...text, time);
+  const place = (point) => `, at (${point.map((x) => number(x)).join(", ")})${length}`;
+  const regions = (s.largest_in_regions ?? []).filter((row) => row.field === name);
+  const row = (own) => element("p", { class: "rest", "data-region": own.region }, `in ${own.region}: ${number(own.value)}`, unit, ", ",
+    show(own.time, number(own.time)), place(own.point));
   return element("div", {}, element("h2", {}, `Largest ${words(name)}`),
     element("p", { class: "size" }, ofSummary(run, key), unit),
-    element("p", { class: "rest" }, show, `, at (${s[`${key}_point`].map((x) => number(x)).join(", ")})${length}`));
+    element("p", { class: "rest" }, show(s[`${key}_time`], ofSummary(run, `${key}_time`)), place(s[`${key}_point`])),
+    ...regions.map(row));
 }
 
 // Warnings that limit the verdict.
