@@ -477,10 +477,16 @@ fn compare_modes(case: &Case, modes: &BTreeMap<String, Vec<f64>>, start: &Row) -
     };
     let u = u.as_ref().unwrap_or(&start.displacement);
     // Fibres bear tension only: an undeformed body has the stiffness of its matrix.
-    let slack = case.body.slack();
-    let is_undeformed = u.iter().all(|u| *u == 0.0);
-    let stiffness = if is_undeformed { Motion { body: &slack, ..motion } } else { case.motion() }
-        .stiffness(u, case.text.contains("[equilibrium]"));
+    let mut body = case.body.clone();
+    if u.iter().all(|u| *u == 0.0) {
+        body = body.slack();
+    }
+    // Modes have the consistent mass, also beside a scheme with a lumped one.
+    if case.chosen("scheme") == "central-differences" {
+        body = body.attracted_by_row_sums();
+    }
+    let has_start = case.text.contains("[equilibrium]") || case.chosen("start") == "state";
+    let stiffness = Motion { body: &body, ..case.motion() }.stiffness(u, has_start);
     let heavy_end = 3 * case.body.n_nodes();
     let (heavy, light): (Vec<usize>, Vec<usize>) =
         motion.free(0.0).into_iter().partition(|dof| *dof < heavy_end);

@@ -840,6 +840,19 @@ impl Body {
         body
     }
 
+    /// The body whose attraction acts on the row sums of the consistent mass, in place of the lumped mass.
+    pub fn attracted_by_row_sums(&self) -> Self {
+        let mut body = self.clone();
+        let row_sums = self.row_sums();
+        for attraction in &mut body.attraction {
+            for ((strength, lumped), sum) in attraction.strengths.iter_mut().zip(&self.lumped).zip(&row_sums)
+            {
+                *strength *= sum / lumped;
+            }
+        }
+        body
+    }
+
     /// Integrals of the shape functions over facets in the reference configuration, and their area.
     pub fn facet_shares(&self, facets: &[Item]) -> (Vec<f64>, f64) {
         let mut shares = vec![0.0; self.n_nodes()];

@@ -71,7 +71,8 @@ mod tests {
     fn a_word_says_what_set_the_size_of_a_step() {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("history.csv");
-        let columns = HistoryColumns { is_adaptive: true, ..Default::default() };
+        let mut columns = HistoryColumns::default();
+        columns.is_adaptive = true;
         let mut file = HistoryFile::create(&path, &columns).unwrap();
         for step_limit in [None, Some(StepLimit::Kink)] {
             file.write(&columns.numbers(&Record { step_limit, ..Default::default() }, 0.0)).unwrap();
