@@ -33,7 +33,9 @@ pub use block_cholesky::BlockCholesky;
 pub use cholesky::Cholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
-pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
+pub use dense::{
+    Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space, split,
+};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};
 pub use gmres::{Gmres, LinearSystem, Solution};
 pub(crate) use incomplete_cholesky::IncompleteCholesky;
