@@ -156,8 +156,14 @@ fn joined(sweeps: &[SweepTable]) -> String {
             };
             let cells: Vec<String> = columns.iter().map(cell).collect();
             let first = [sweep.name.clone(), row.run.to_string()];
-            let line =
-                [&first[..], &row.values, std::slice::from_ref(&row.status), &cells, std::slice::from_ref(&row.message)].concat();
+            let line = [
+                &first[..],
+                &row.values,
+                std::slice::from_ref(&row.status),
+                &cells,
+                std::slice::from_ref(&row.message),
+            ]
+            .concat();
             text += &format!("{}\n", csv_line(&line));
         }
     }

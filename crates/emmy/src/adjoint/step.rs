@@ -97,6 +97,7 @@ impl<'a> AdjointStep<'a> {
         let transposed_coefficients = StageCoefficients {
             rule: coefficients.rule.clone(),
             mass: transposed(&coefficients.mass, k),
+            mass_low: transposed(&coefficients.mass_low, k),
             inverse_mass: transposed(&coefficients.inverse_mass, k),
             response: transposed(&coefficients.response, k),
             dissipation: None,

@@ -29,7 +29,7 @@ pub use start_tangent::StartTangent;
 pub use volume::{VolumeAverage, VolumeDamping, VolumeStart};
 
 use crate::material::Response;
-use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
+use crate::polynomial::{lagrange, lagrange_rate, legendre};
 use crate::quadrature::{Quadrature, gauss, lobatto};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
 use time_point::{TimePoint, time_points};
@@ -240,8 +240,7 @@ impl Rule {
         let outer = gauss(degree);
         let c: Vec<f64> = outer.points.iter().map(|p| p[0]).collect();
         let b = outer.weights;
-        let a = c.iter().flat_map(|&ci| (0..degree).map(move |j| (ci, j)));
-        let a: Vec<f64> = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
+        let a = time_point::coefficients(&c, &b);
         let points = time_points(&c, &b, quadrature);
         let det_points = time_points(&c, &b, &gauss((3 * degree).div_ceil(2)));
         let path = points.iter().map(|point| [point.integrals[0], point.stage_weights[0]]).collect();

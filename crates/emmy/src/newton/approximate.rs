@@ -1,6 +1,6 @@
 //! Corrections with an approximate tangent that is reused from one solution to the next.
 
-use super::{FIRST_FORCING, Newton, Run, System, Tangent};
+use super::{FIRST_FORCING, Newton, ROUND_OFF, Run, System, Tangent};
 use crate::error::Result;
 
 /// State of the approximate tangent between two solutions.
@@ -104,6 +104,9 @@ impl Newton {
 
     /// Corrections after convergence, until the observed contraction leaves nothing but rounding in the residual. The
     /// rounding of the internal forces hides the true residual: it is large, but has neither a resultant nor a moment.
+    ///
+    /// The contraction is that of the error which dominated so far. Where the residual falls less, or rises, the best iterate
+    /// stays, and the exact tangent corrects it.
     fn polish_approximately(
         &mut self,
         system: &mut impl System,
@@ -111,20 +114,38 @@ impl Newton {
         run: &mut Run<'_>,
         contraction: f64,
     ) -> Result<()> {
-        let mut left = run.sizes.residual;
-        for round in 0..MAX_POLISHING {
-            if round > 0 {
-                run.sizes = system.residual(x, &mut self.residual)?;
-                self.history.push(run.sizes.residual);
-            }
+        let (mut left, mut contraction) = (run.sizes.residual, contraction);
+        for _ in 0..MAX_POLISHING {
             let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
             run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Reused)?;
             run.outcome.iterations += 1;
-            x.copy_from_slice(&self.trial);
             left *= tolerance.max(contraction);
             if left <= run.round_off() {
+                x.copy_from_slice(&self.trial);
+                return Ok(());
+            }
+            let sizes = system.residual(&self.trial, &mut self.trial_residual)?;
+            self.history.push(sizes.residual);
+            let ratio = sizes.residual / run.sizes.residual;
+            let is_rounding = run.is_rounding(sizes);
+            if ratio < 1.0 || is_rounding {
+                x.copy_from_slice(&self.trial);
+                std::mem::swap(&mut self.residual, &mut self.trial_residual);
+                run.sizes = sizes;
+            }
+            if ratio < SLOW && run.rounding < ROUND_OFF {
+                // Not yet hidden by rounding.
+                (left, contraction) = (left.max(sizes.residual), contraction.max(ratio));
+            } else if ratio >= SLOW && !is_rounding {
                 break;
             }
+        }
+        if run.is_rounding(run.sizes) {
+            return Ok(());
+        }
+        // Without a solution for it, the best iterate is kept, which is within the tolerance.
+        if self.polish(system, x, run).is_ok() {
+            run.outcome.took_exact_tangent = true;
         }
         Ok(())
     }

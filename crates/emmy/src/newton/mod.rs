@@ -34,6 +34,11 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
+    /// Part of the scale of the residual that the solution may leave, as rounding does.
+    fn rounding(&self) -> f64 {
+        ROUND_OFF
+    }
+
     /// Part of the residual that a correction with a new approximate tangent may leave, after a number of slow ones in the
     /// solution. Beyond it, the exact tangent follows; slow corrections below it let the approximate one follow again.
     fn largest_contraction(&self, _slow_corrections: usize) -> f64 {
@@ -120,6 +125,12 @@ pub const STAGNATION: f64 = 100.0;
 /// rounding floor.
 const POLISH: f64 = 1e-6;
 
+/// Rounding of a residual over its scale.
+pub const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
+
+/// Residuals up to this part of the scale do not tell whether a correction has helped.
+const ROUNDING: f64 = 10.0 * ROUND_OFF;
+
 /// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
 
@@ -169,7 +180,8 @@ impl Newton {
         self.history.clear();
         let sizes = system.residual(x, &mut self.residual)?;
         self.exact_from = usize::MAX - 3;
-        let mut run = Run { outcome: Outcome::default(), sizes, settings };
+        let rounding = system.rounding();
+        let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding };
         if !line_search && !settings.exact_tangent && self.solve_approximately(system, x, &mut run)? {
             return Ok(run.outcome);
         }
@@ -237,7 +249,7 @@ impl Newton {
 
     /// Records a residual, and returns whether it counts as converged.
     fn judge(&mut self, run: &mut Run<'_>) -> bool {
-        let Run { outcome, sizes, settings } = run;
+        let Run { outcome, sizes, settings, .. } = run;
         self.history.push(sizes.residual);
         outcome.residual = sizes.residual;
         outcome.target = (settings.tolerance * sizes.scale).max(sizes.floor);
@@ -309,12 +321,19 @@ struct Run<'a> {
     outcome: Outcome,
     sizes: Sizes,
     settings: &'a NewtonSettings,
+    /// [`System::rounding`].
+    rounding: f64,
 }
 
 impl Run<'_> {
-    /// Smallest residual that rounding permits.
+    /// Residual that the solution may leave.
     fn round_off(&self) -> f64 {
-        2.0 * f64::EPSILON * self.sizes.scale
+        self.rounding * self.sizes.scale
+    }
+
+    /// Whether a residual is so small that its changes are rounding.
+    fn is_rounding(&self, sizes: Sizes) -> bool {
+        sizes.residual <= ROUNDING * sizes.scale || sizes.residual <= STAGNATION * sizes.floor
     }
 }
 

@@ -94,3 +94,59 @@ fn a_rounding_floor_is_accepted() {
         .unwrap();
     assert!(outcome.converged && outcome.at_rounding_floor);
 }
+
+/// Two equations whose approximate tangent contracts the error of one, and leaves a multiple of the error of the other.
+struct TwoModes {
+    growth: f64,
+    has_exact: bool,
+}
+
+impl System for TwoModes {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        (residual[0], residual[1]) = (x[0] - 1.0, x[1] - 2.0);
+        Ok(Sizes { residual: residual[0].hypot(residual[1]), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        tangent: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        let approximate = [0.99 * residual[0], (1.0 - self.growth) * residual[1]];
+        match (tangent, self.has_exact) {
+            (Tangent::Exact | Tangent::LastExact, false) => {
+                return Err(Error::Linear { reason: "no solution".to_string() });
+            }
+            (Tangent::Exact | Tangent::LastExact, true) => (dx[0], dx[1]) = (-residual[0], -residual[1]),
+            _ => (dx[0], dx[1]) = (-approximate[0], -approximate[1]),
+        }
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        4.0
+    }
+    fn largest_contraction(&self, _: usize) -> f64 {
+        0.9
+    }
+}
+
+/// The error of the first equation hides that of the second until convergence; this one then grows fivefold, or falls by a
+/// tenth, in each correction.
+#[test]
+fn corrections_after_convergence_keep_the_best_iterate() {
+    for (growth, hidden) in [(5.0, f64::EPSILON), (-5.0, f64::EPSILON), (0.9, 5e-12)] {
+        for has_exact in [true, false] {
+            let mut x = [1.5, 2.0 * (1.0 + hidden)];
+            let mut newton = Newton::default();
+            let mut system = TwoModes { growth, has_exact };
+            let outcome = newton.solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
+            let error = (x[0] - 1.0).hypot(x[1] - 2.0);
+            assert!(outcome.converged && outcome.took_exact_tangent == has_exact, "{growth} {outcome:?}");
+            // Rounding with the exact tangent; without it, below the tolerance.
+            let bound = if has_exact { 1e-15 } else { 1e-10 };
+            assert!(error <= bound, "{growth}, exact: {has_exact}: {error:e} {:?}", newton.history());
+        }
+    }
+}

@@ -18,6 +18,67 @@ pub fn inverse(matrix: &[f64]) -> Vec<f64> {
     (0..n * n).map(|at| inverse[(at / n, at % n)]).collect()
 }
 
+/// Inverse of a small matrix in twice the precision, as a matrix and its rounding errors, `[n n]` each: [`inverse`],
+/// corrected by `B (1 - A B)`.
+///
+/// ```
+/// let [third, low] = emmy::internals::sparse::accurate_inverse(&[3.0]);
+/// assert_eq!(third, [1.0 / 3.0]);
+/// assert_eq!(low, [f64::EPSILON / 12.0]); // 1/3 = 0.0101..b is rounded down
+/// ```
+pub fn accurate_inverse(matrix: &[f64]) -> [Vec<f64>; 2] {
+    let n = matrix.len().isqrt();
+    let mut B = inverse(matrix);
+    let correction = |B: &[f64]| -> Vec<f64> {
+        let defect = |at: usize| {
+            let unit = if at / n == at % n { 1.0 } else { 0.0 };
+            let terms = (0..n).map(|m| [-matrix[at / n * n + m], B[m * n + at % n]]);
+            accurate_sum(terms.chain([[unit, 1.0]]))[0]
+        };
+        let defects: Vec<f64> = (0..n * n).map(defect).collect();
+        let entry = |at: usize| (0..n).map(|m| B[at / n * n + m] * defects[m * n + at % n]).sum();
+        (0..n * n).map(entry).collect()
+    };
+    for _ in 0..2 {
+        let change = correction(&B);
+        B.iter_mut().zip(change).for_each(|(entry, change)| *entry += change);
+    }
+    let low = correction(&B);
+    [B, low]
+}
+
+/// Sum of products in twice the precision, as a number and its rounding error (Ogita, Rump and Oishi 2005, SIAM Journal on
+/// Scientific Computing 26).
+///
+/// ```
+/// let sum = emmy::internals::sparse::accurate_sum([[1.0, 1.0], [1e-17, 1.0]]);
+/// assert_eq!(sum, [1.0, 1e-17]);
+/// ```
+pub fn accurate_sum(products: impl IntoIterator<Item = [f64; 2]>) -> [f64; 2] {
+    let [mut sum, mut error] = [0.0; 2];
+    for [x, y] in products {
+        let product = x * y;
+        let next = sum + product;
+        let taken = next - sum;
+        error += (sum - (next - taken)) + (product - taken) + x.mul_add(y, -product);
+        sum = next;
+    }
+    let total = sum + error;
+    [total, error - (total - sum)]
+}
+
+/// A number and its rounding error as two parts, of which the first has 26 bits (Dekker 1971): in products with both, rounded
+/// and added, nothing of the error is lost.
+///
+/// ```
+/// assert_eq!(emmy::internals::sparse::split([1.0 + 2f64.powi(-40), 1e-20]), [1.0, 2f64.powi(-40) + 1e-20]);
+/// ```
+pub fn split([number, error]: [f64; 2]) -> [f64; 2] {
+    let shifted = 134_217_729.0 * number;
+    let high = shifted - (shifted - number);
+    [high, (number - high) + error]
+}
+
 /// Eigenvalues and eigenvectors of a small real matrix with distinct eigenvalues; complex numbers as (real, imaginary).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Eigenpairs {

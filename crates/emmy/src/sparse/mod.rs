@@ -34,7 +34,9 @@ pub use cholesky::Cholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
 pub(crate) use dense::largest_eigenvalue;
-pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
+pub use dense::{
+    Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space, split,
+};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};
 pub use gmres::{Gmres, LinearSystem, Solution};
 pub(crate) use incomplete_cholesky::IncompleteCholesky;

@@ -88,11 +88,9 @@ impl<'a> TimeElementStepper<'a> {
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
         let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
-        let k = coefficients.rule.degree();
         let n = self.momentum.len();
-        for (row, known) in coefficients.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
-            let row_sum: f64 = row.iter().sum();
-            known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
+        for (sum, known) in coefficients.mass_sums(h).zip(known.chunks_exact_mut(n)) {
+            known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = weighted(sum, *p));
             for (g, share) in known.as_chunks_mut::<3>().0.iter_mut().zip(&self.mass_shares) {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
@@ -251,7 +249,7 @@ impl<'a> TimeElementStepper<'a> {
         for (j, rates) in self.iteration.rates().chunks_exact(n).enumerate() {
             let beta = self.end_weight(j);
             let terms = rates.iter().zip(&self.position);
-            state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += beta * (x / h - v_1));
+            state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += weighted(beta, x / h - v_1));
         }
         let dissipated =
             self.system.complete_end_velocity(self.iteration.rates(), &self.position, &mut state.velocity);
@@ -266,13 +264,17 @@ impl<'a> TimeElementStepper<'a> {
             let beta = self.end_weight(j);
             self.system.body.mass_product(rates, &mut self.position);
             let terms = self.position.iter().zip(&self.momentum);
-            state.momentum.iter_mut().zip(terms).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
+            state
+                .momentum
+                .iter_mut()
+                .zip(terms)
+                .for_each(|(p, (mx, p_1))| *p += weighted(beta, mx / h - p_1));
         }
     }
 
-    /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`.
-    fn end_weight(&self, j: usize) -> f64 {
-        self.system.coefficients.end_weights(j)[1]
+    /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`, in two parts.
+    fn end_weight(&self, j: usize) -> [f64; 2] {
+        self.system.coefficients.velocity_weight(j)
     }
 
     /// Sets the velocity of the driven degrees of freedom after the step, the velocity of the free ones from their
@@ -301,7 +303,7 @@ impl<'a> TimeElementStepper<'a> {
             let beta = self.end_weight(j);
             let rates = &self.iteration.rates()[j * n..(j + 1) * n];
             body.driven_dofs()
-                .for_each(|dof| self.end_velocity[dof] += beta * (rates[dof] / h - velocity[dof]));
+                .for_each(|dof| self.end_velocity[dof] += weighted(beta, rates[dof] / h - velocity[dof]));
         }
     }
 
@@ -318,6 +320,11 @@ impl<'a> TimeElementStepper<'a> {
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
         body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
     }
+}
+
+/// Product with a weight in two parts.
+fn weighted([high, low]: [f64; 2], value: f64) -> f64 {
+    high * value + low * value
 }
 
 /// The part of a body's mass at each node.

@@ -2,6 +2,7 @@
 
 use super::dissipation::Dissipation;
 use crate::average::Rule;
+use crate::sparse::{accurate_sum, split};
 
 /// Coefficients of the stage equations: the only difference between implicit steppers.
 ///
@@ -17,6 +18,8 @@ pub(crate) struct StageCoefficients {
     pub rule: Rule,
     /// m_ij, `[i k + j]`.
     pub mass: Vec<f64>,
+    /// Rounding errors of m_ij.
+    pub mass_low: Vec<f64>,
     /// Inverse of m, `[i k + j]`.
     pub inverse_mass: Vec<f64>,
     /// Response of the averages to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
@@ -26,11 +29,34 @@ pub(crate) struct StageCoefficients {
 }
 
 impl StageCoefficients {
+    /// A coefficient with its rounding error, as the two parts that products take: what a scheme of a degree above 1 conserves
+    /// does not depend on rounded coefficients. At degree 1 they are 1/2, 1 and 2.
+    pub(crate) fn parts(&self, coefficient: [f64; 2]) -> [f64; 2] {
+        if self.rule.degree() == 1 { [coefficient[0], 0.0] } else { split(coefficient) }
+    }
+
     /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i
     /// (a^-1)_ij`.
     pub(crate) fn end_weights(&self, j: usize) -> [f64; 2] {
-        let b = self.rule.weights();
+        [self.rule.weights()[j], self.velocity_sum(j)[0]]
+    }
+
+    /// The second of these weights, in [`StageCoefficients::parts`].
+    pub(crate) fn velocity_weight(&self, j: usize) -> [f64; 2] {
+        self.parts(self.velocity_sum(j))
+    }
+
+    fn velocity_sum(&self, j: usize) -> [f64; 2] {
         let k = self.rule.degree();
-        [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]
+        let parts = [&self.mass, &self.mass_low].into_iter();
+        let b = self.rule.weights();
+        accurate_sum(parts.flat_map(|mass| (0..k).map(move |i| [b[i], mass[i * k + j]])))
+    }
+
+    /// The sums `h sum_j m_ij`, in [`StageCoefficients::parts`].
+    pub(crate) fn mass_sums(&self, h: f64) -> impl Iterator<Item = [f64; 2]> {
+        let k = self.rule.degree();
+        let rows = self.mass.chunks_exact(k).zip(self.mass_low.chunks_exact(k));
+        rows.map(move |(row, low)| self.parts(accurate_sum(row.iter().chain(low).map(|m| [*m, h]))))
     }
 }

@@ -6,7 +6,7 @@ use super::dissipation::Dissipation;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::{AveragingRule, Rule};
 use crate::error::{Error, Result};
-use crate::sparse::inverse;
+use crate::sparse::accurate_inverse;
 
 /// Highest degree of a time element: beyond, the stage equations are too ill-conditioned for any gain.
 ///
@@ -162,10 +162,11 @@ impl TimeElement {
     pub(crate) fn coefficients(self) -> StageCoefficients {
         let rule = Rule::new(self.rule, self.degree);
         let a = rule.coefficients().to_vec();
-        let a_inverse = inverse(&a);
+        let [a_inverse, low] = accurate_inverse(&a);
         match self.spectral_radius {
             None => StageCoefficients {
                 mass: a_inverse,
+                mass_low: low,
                 inverse_mass: a.clone(),
                 response: a,
                 dissipation: None,
@@ -174,8 +175,10 @@ impl TimeElement {
             Some(radius) => {
                 let dissipation = Dissipation::new(&rule, &a_inverse, radius);
                 let a = dissipation.coefficients(&rule);
+                let [mass, mass_low] = accurate_inverse(&a);
                 StageCoefficients {
-                    mass: inverse(&a),
+                    mass,
+                    mass_low,
                     inverse_mass: a.clone(),
                     response: a,
                     dissipation: Some(dissipation),

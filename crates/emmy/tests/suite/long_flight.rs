@@ -150,3 +150,73 @@ fn a_million_steps_dgm() {
 fn a_million_steps_as8() {
     assert_small_drift("AS(8)", 1_000_000);
 }
+
+/// Two cells of soft rubber that tumble and vibrate with large strains, at steps near the period of the fastest motion.
+fn drift_of_degree(degree: usize, steps: usize) -> (f64, f64) {
+    let rubber = Region::new(NeoHooke::new(60.0, 20.0).unwrap(), 1.2);
+    let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::builder(mesh).region(rubber).build().unwrap();
+    let start = InitialVelocity {
+        about: [0.5, 1.0, 0.5],
+        velocity: [-0.5, 0.8, -0.25],
+        angular_velocity: [0.7, 0.4, 1.5],
+        gradient: [[0.8, 0.1, 0.0], [0.0, -0.9, 0.2], [0.3, 0.0, 0.2]],
+        ..Default::default()
+    };
+    let state = State::initial(&body, 0.0, &[start]).unwrap();
+    let scheme = at("DGM".parse().unwrap(), degree);
+    let mut motion = Motion::starting(&body, scheme, NewtonSettings::default(), state).unwrap();
+    drift(&scheme.to_string(), &mut motion, 0.05, steps)
+}
+
+/// Rounding without a preferred sign drifts with the root of the number of steps; rounded coefficients of the time element
+/// would act with the same sign in each step, in proportion to their number.
+fn assert_random(degree: usize, steps: usize) {
+    let (energy, momentum) = drift_of_degree(degree, steps);
+    let bound = 1e-14 * (steps as f64).sqrt();
+    assert!(energy < bound && momentum < bound, "k = {degree}: H drifts by {energy:e}, L by {momentum:e}");
+}
+
+#[test]
+fn rounding_has_no_preferred_sign_at_any_degree() {
+    // The times of the degrees are alike.
+    for (degree, steps) in [(1, 10_000), (2, 10_000), (3, 8_000), (4, 6_000), (5, 5_000), (6, 4_000)] {
+        assert_random(degree, steps);
+    }
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_1() {
+    assert_random(1, 100_000);
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_2() {
+    assert_random(2, 100_000);
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_3() {
+    assert_random(3, 100_000);
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_4() {
+    assert_random(4, 100_000);
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_5() {
+    assert_random(5, 100_000);
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn a_hundred_thousand_steps_of_degree_6() {
+    assert_random(6, 100_000);
+}

@@ -29,6 +29,8 @@ pub(super) struct StageSystem<'a> {
     pub known: Vec<f64>,
     /// m_ij with the drag, for the time s.
     dragged_mass: Vec<f64>,
+    /// The same in [`StageCoefficients::parts`].
+    mass_parts: Vec<[f64; 2]>,
     /// In a dissipative scheme: the rigid motions without dissipation, and the momentum at the start of the step.
     projection: Option<RigidProjection>,
     momentum: Vec<f64>,
@@ -68,6 +70,7 @@ impl<'a> StageSystem<'a> {
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
             dragged_mass: coefficients.mass.clone(),
+            mass_parts: mass_parts(&coefficients, &coefficients.mass).collect(),
             momentum: vec![0.0; if coefficients.dissipation.is_some() { n } else { 0 }],
             projection: coefficients
                 .dissipation
@@ -104,6 +107,8 @@ impl<'a> StageSystem<'a> {
         let k = self.coefficients.rule.degree();
         self.dragged_mass.copy_from_slice(&self.coefficients.mass);
         (0..k).for_each(|i| self.dragged_mass[i * k + i] += time_scale * self.body.drag());
+        let parts = mass_parts(&self.coefficients, &self.dragged_mass);
+        self.mass_parts.iter_mut().zip(parts).for_each(|(own, parts)| *own = parts);
     }
 
     /// Sets the momentum at the start of the step, for a dissipative scheme.
@@ -170,19 +175,21 @@ impl<'a> StageSystem<'a> {
         let s = self.time_scale;
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
-        let dragged_mass = &self.dragged_mass;
+        let mass_parts = &self.mass_parts;
         let inactive = body.inactive();
         let counted = 3 * body.counted_ranges()[1].end;
         let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
-            let mass = &dragged_mass[i * k..(i + 1) * k];
+            let mass = &mass_parts[i * k..(i + 1) * k];
             let chunks =
                 residual.par_chunks_mut(CHUNK).zip(&mut squares[i * n.div_ceil(CHUNK)..]).enumerate();
             chunks.for_each(|(chunk, (residual, squares))| {
                 *squares = [0.0; 3];
                 for (dof, residual) in (CHUNK * chunk..).zip(residual) {
                     let at = i * n + dof;
-                    let inertia: f64 = (0..k).map(|j| mass[j] * mass_rates[j * n + dof]).sum();
+                    let sum =
+                        |part: usize| (0..k).map(|j| mass[j][part] * mass_rates[j * n + dof]).sum::<f64>();
+                    let inertia = sum(0) + sum(1);
                     let internal = s * s * force[at];
                     let external = s * s * (dead_load[at] + follower[at]);
                     *residual = inertia - known[at] + (internal - external);
@@ -366,6 +373,14 @@ impl<'a> StageSystem<'a> {
     pub(super) fn solver(&self) -> Option<SolverChoice> {
         self.approximate_tangent.choice()
     }
+}
+
+/// The coefficients of the inertia in two parts, `[i k + j]`.
+fn mass_parts<'a>(
+    coefficients: &'a StageCoefficients,
+    mass: &'a [f64],
+) -> impl Iterator<Item = [f64; 2]> + 'a {
+    mass.iter().zip(&coefficients.mass_low).map(|(m, low)| coefficients.parts([*m, *low]))
 }
 
 fn step_input<'a>(

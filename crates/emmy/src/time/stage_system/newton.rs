@@ -3,7 +3,7 @@
 use super::StageSystem;
 use crate::average::Request;
 use crate::error::{Error, Result};
-use crate::newton::{Sizes, System, Tangent};
+use crate::newton::{ROUND_OFF, Sizes, System, Tangent};
 use crate::time::linear::LinearisedStages;
 
 /// Iterations of GMRES before giving up.
@@ -136,6 +136,15 @@ impl System for StageSystem<'_> {
 
     fn refactorization_cost(&self) -> f64 {
         self.approximate_tangent.refactorization_cost()
+    }
+
+    /// The inertia of a stage is the difference of terms that grow with the degree like m_ij, and what a residual leaves has
+    /// the same sign in every step.
+    fn rounding(&self) -> f64 {
+        match &self.coefficients.mass[..] {
+            [_] => ROUND_OFF,
+            mass => 2.0 * ROUND_OFF / mass.iter().fold(2.0, |largest: f64, m| largest.max(m.abs())),
+        }
     }
 
     /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or the

@@ -166,3 +166,46 @@ fn corrections_do_not_grow_with_the_bulk_modulus() {
         }
     }
 }
+
+/// Two tumbling cells whose strains of a third are so fast that an error which the approximate tangent contracts hides one
+/// which it increases.
+fn largest_changes(steps: usize) -> [f64; 2] {
+    let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap())
+        .region(rubber(20.0, 1e3, 1.2))
+        .build()
+        .unwrap();
+    let start = InitialVelocity {
+        about: [0.5, 1.0, 0.5],
+        velocity: [-0.5, 0.8, -0.25],
+        angular_velocity: [0.7, 0.4, 1.5],
+        gradient: [[0.8, 0.1, 0.0], [0.0, -0.9, 0.2], [0.3, 0.0, 0.2]],
+        ..Default::default()
+    };
+    let state = State::initial(&body, 0.0, &[start]).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 3), NewtonSettings::default(), state).unwrap();
+    let mut before = motion.record().clone();
+    let size = before.angular_momentum.iter().map(|l| l * l).sum::<f64>().sqrt();
+    let mut largest = [0f64; 2];
+    for _ in 0..steps {
+        let record = motion.step(0.08).unwrap();
+        let energy = (record.total_energy - before.total_energy).abs() / record.total_energy;
+        let momentum = distance(&record.angular_momentum, &before.angular_momentum) / size;
+        largest = [largest[0].max(energy), largest[1].max(momentum)];
+        before = record.clone();
+    }
+    println!("largest change of energy {:.1e}, of angular momentum {:.1e}", largest[0], largest[1]);
+    largest
+}
+
+/// Rounding of a step with K = 1e3 mu is a few times 1e-15; corrections that were taken although the residual grew, or that
+/// stopped before it had fallen, changed the angular momentum by 7e-12 in step 300.
+#[test]
+fn no_step_is_left_with_more_than_rounding() {
+    assert!(largest_changes(310).into_iter().all(|change| change < 2e-14));
+}
+
+#[test]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
+fn no_step_of_a_long_flight_is_left_with_more_than_rounding() {
+    assert!(largest_changes(4068).into_iter().all(|change| change < 2e-14));
+}
