@@ -66,7 +66,7 @@ pub fn sweep(
     let rows = side_by_side(runs.len(), |place| {
         let reported = row(sweep, runs[place], &watch).and_then(|row| {
             let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
-            row.as_ref().map_or(Ok(()), report).map(|()| row)
+            row.as_ref().map_or(Ok(()), &mut *report).map(|()| row)
         });
         reported.inspect_err(|_| is_broken.store(true, Ordering::Relaxed)).transpose()
     });
