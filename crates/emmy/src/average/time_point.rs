@@ -89,8 +89,10 @@ mod tests {
                 assert!((a[i * k + j] - lagrange_integral(&c, j, c[i])).abs() < 2e-13, "{k}");
                 let b = [rule.weights[i], rule.weights[j]];
                 let defect = identity_defect(b, [a[i * k + j], a[j * k + i]]);
-                // Of 2049 neighbours, some have a defect below 1/500 of the rounding; rounded coefficients have all of it.
-                assert!(defect.abs() < f64::EPSILON / 256.0 * b[0] * b[1], "{k}: {defect:e}");
+                // Of 2049 neighbours, some have a defect below 1/500 of the rounding; rounded coefficients have all of it. The
+                // weights of three points are ninths: after nine neighbours the defects repeat, and the least is 1/27.
+                let part = if k == 3 { 25.0 } else { 500.0 };
+                assert!(defect.abs() < f64::EPSILON / part * b[0] * b[1], "{k}: {defect:e}");
             }
         }
     }
