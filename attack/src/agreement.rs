@@ -299,7 +299,8 @@ impl Kind {
                     continue;
                 }
                 let difference = (a - b).abs() / scale.max(1e-300);
-                if !(difference <= tolerance) {
+                // Numbers that are not finite differ.
+                if difference > tolerance || difference.is_nan() {
                     return Err(format!(
                         "{name}: row {row} has {a:e}, the reference {b:e} ({difference:.1e})"
                     ));

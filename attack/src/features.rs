@@ -101,8 +101,11 @@ pub fn axis_of(name: &str) -> usize {
     AXES.iter().position(|axis| axis.name == name).expect("an axis")
 }
 
-/// Pairs that Emmy refuses: features on two axes, each a list of names, with words of the message.
-const REFUSED: [(&str, &[&str], &str, &[&str], &str); 17] = [
+/// Two axes, each with names of features, and words of the message that refuses them together.
+type Refusal = (&'static str, &'static [&'static str], &'static str, &'static [&'static str], &'static str);
+
+/// Pairs that Emmy refuses.
+const REFUSED: [Refusal; 17] = [
     ("cells", &["tet4", "tri3"], "formulation", &["projected-volume"], "project"),
     (
         "cells",

@@ -844,7 +844,7 @@ impl Body {
     pub fn attracted_by_row_sums(&self) -> Self {
         let mut body = self.clone();
         let row_sums = self.row_sums();
-        for attraction in &mut body.attraction {
+        if let Some(attraction) = &mut body.attraction {
             for ((strength, lumped), sum) in attraction.strengths.iter_mut().zip(&self.lumped).zip(&row_sums)
             {
                 *strength *= sum / lumped;

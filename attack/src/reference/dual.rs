@@ -79,8 +79,8 @@ impl Neg for Dual {
 impl Mul for Dual {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let by = std::array::from_fn(|i| self.by[i] * other.value + self.value * other.by[i]);
-        Dual { value: self.value * other.value, by }
+        other.chain(self.value * other.value, self.value)
+            + Dual { value: 0.0, by: self.by.map(|by| by * other.value) }
     }
 }
 

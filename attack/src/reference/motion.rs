@@ -653,8 +653,7 @@ impl Motion<'_> {
     fn add_configuration(
         &self,
         step: &mut Step,
-        weight: f64,
-        h: f64,
+        (weight, h): (f64, f64),
         (t, set): (f64, f64),
         u: &[f64],
         a: &[f64],
@@ -726,8 +725,8 @@ impl Motion<'_> {
         add(&mut v, h * gamma, &new);
         let mut u = state.u.clone();
         add(&mut u, 1.0, &x);
-        self.add_configuration(&mut step, 1.0 - gamma, h, (t, t), &state.u, &old, &x);
-        self.add_configuration(&mut step, gamma, h, (t + h, t), &u, &new, &x);
+        self.add_configuration(&mut step, (1.0 - gamma, h), (t, t), &state.u, &old, &x);
+        self.add_configuration(&mut step, (gamma, h), (t + h, t), &u, &new, &x);
         *memory = Some(Memory { a: new });
         Ok(Step { momentum: self.mass_product(&v), u, v, ..step })
     }
@@ -785,9 +784,9 @@ impl Motion<'_> {
         let mut step = Step::new(self);
         let x: Vec<f64> = u.iter().zip(&state.u).map(|(new, old)| new - old).collect();
         let weights = [0.5 / (2.0 - split), 0.5 / (2.0 - split), (1.0 - split) / (2.0 - split)];
-        self.add_configuration(&mut step, weights[0], h, (t, t), &state.u, &first, &x);
-        self.add_configuration(&mut step, weights[1], h, (t + part, t), &u_s, &a_s, &x);
-        self.add_configuration(&mut step, weights[2], h, (t + h, t), &u, &a, &x);
+        self.add_configuration(&mut step, (weights[0], h), (t, t), &state.u, &first, &x);
+        self.add_configuration(&mut step, (weights[1], h), (t + part, t), &u_s, &a_s, &x);
+        self.add_configuration(&mut step, (weights[2], h), (t + h, t), &u, &a, &x);
         *memory = Some(Memory { a });
         Ok(Step { momentum: self.mass_product(&v), u, v, ..step })
     }
@@ -801,8 +800,8 @@ impl Motion<'_> {
         let new = self.at_rest_of_step(&u, t + h, t).a;
         add(&mut v, 0.5 * h, &new);
         let mut step = Step::new(self);
-        self.add_configuration(&mut step, 0.5, h, (t, t), &state.u, &old, &x);
-        self.add_configuration(&mut step, 0.5, h, (t + h, t), &u, &new, &x);
+        self.add_configuration(&mut step, (0.5, h), (t, t), &state.u, &old, &x);
+        self.add_configuration(&mut step, (0.5, h), (t + h, t), &u, &new, &x);
         Step { momentum: self.mass_product(&v), u, v, ..step }
     }
 }

@@ -21,7 +21,8 @@ fn it_has_every_column_and_every_field() {
     history.keys().for_each(|column| has(&column.replace("y-min", "GROUP")));
     for field in place.summary("out").as_object().unwrap().keys() {
         // The page names the peaks of any column X.
-        let is_peak = |suffix: &&&str| field.strip_suffix(**suffix).is_some_and(|X| history.contains_key(X));
+        let is_peak =
+            |suffix: &&&str| field.strip_suffix(**suffix).is_some_and(|column| history.contains_key(column));
         match ["_min_time", "_min", "_max_time", "_max"].iter().find(is_peak) {
             Some(suffix) => has(&format!("X{suffix}")),
             None if history.contains_key(field) => has(&field.replace("y-min", "GROUP")),

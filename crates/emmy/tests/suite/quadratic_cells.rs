@@ -115,6 +115,9 @@ fn an_equilibrium_under_weight_stays_at_rest() {
     }
 }
 
+/// A displacement along one axis at a point.
+type Displacement<'a> = dyn Fn(&[f64; 3]) -> f64 + 'a;
+
 /// A bed of springs is half of k times the integral of |u|^2, for a shift and a turn, and never negative.
 #[test]
 fn beds_of_springs_have_the_energy_of_their_area() {
@@ -135,7 +138,7 @@ fn beds_of_springs_have_the_energy_of_their_area() {
         let shift = |_: &[f64; 3]| 1e-3;
         let lean = |X: &[f64; 3]| 1e-3 * (X[0] + if is_plane { 0.0 } else { 2.0 * X[1] });
         let mean_of_lean = if is_plane { 1.0 / 3.0 } else { 1.0 / 3.0 + 1.0 + 4.0 / 3.0 };
-        let fields: [(&dyn Fn(&[f64; 3]) -> f64, f64); 2] = [(&shift, 1.0), (&lean, mean_of_lean)];
+        let fields: [(&Displacement, f64); 2] = [(&shift, 1.0), (&lean, mean_of_lean)];
         for (field, mean) in fields {
             let of = |X: &[f64; 3]| if is_plane { [0.0, field(X), 0.0] } else { [0.0, 0.0, field(X)] };
             let u: Vec<f64> = body.mesh().points().iter().flat_map(of).collect();
