@@ -64,11 +64,11 @@ __version__ = _emmy.version()
 __all__ = [
     "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
     "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
-    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded", "Load", "Mass",
-    "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke", "NeoHookeIsochoric",
-    "Ogden", "Orthotropic", "Parameter", "Peak", "Problem", "Region", "ResultsError", "Run", "SaintVenantKirchhoff", "Snapshot",
-    "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check",
-    "compare", "converge", "elements", "equilibrium", "examples", "fields", "load", "materials",
-    "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes", "set_threads", "solvers", "sweep",
-    "threads",
+    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded",
+    "Load", "Mass", "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke",
+    "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Problem", "Region", "ResultsError", "Run",
+    "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError",
+    "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements", "equilibrium", "examples",
+    "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes",
+    "set_threads", "solvers", "sweep", "threads",
 ]  # fmt: skip

@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -317,12 +318,12 @@ def _as_argument(flag: re.Match[str]) -> str:
 _PACKAGE = os.path.dirname(__file__) + os.sep
 
 
-def regular(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
+def regular(path: str | os.PathLike[str]) -> Path:
     """The path of a file to be read, which is no device and no pipe: these may never end."""
     mode = os.stat(path).st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         raise ResultsError(f"{os.fspath(path)}: it is a device or a pipe, not a regular file")
-    return path
+    return Path(path)
 
 
 def warn(messages: Iterable[str]) -> None:

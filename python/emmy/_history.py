@@ -41,7 +41,7 @@ class Event(NamedTuple):
     message: str
 
 
-#: What sets the sizes of adaptive steps, in the column `limited_by`: words in the files of a run, otherwise their places.
+#: What sets the sizes of adaptive steps, in the column `limited_by`: words in the files of a run, else their places.
 LIMITS = ("start", "error", "corrections", "kink", "load", "output", "phase", "max_size", "min_size")
 
 
@@ -107,7 +107,8 @@ class History(np.ndarray[Any, np.dtype[Any]]):
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
-        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, -1)), probes={"o": (0, 0, 0)})
+        >>> falls = emmy.Initial(velocity=(0, 0, -1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=falls, probes={"o": (0, 0, 0)})
         >>> [round(number, 9) for number in motion.run().peak("o_z")]
         [-1.0, -1.0, 1.0, 0.0, 0.0]
         """

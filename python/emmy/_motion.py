@@ -50,8 +50,8 @@ class Motion(MotionView):
     initial : Initial, list of Initial or array (n, 3), optional
         Velocities at the start; at rest if not given.
     start : Snapshot or State, optional
-        Where the motion goes on, in place of `initial`: of a body with the same mesh and masses, and with its held nodes
-        at rest. `State` tells how to give a kick.
+        Where the motion goes on, in place of `initial`: of a body with the same mesh and masses, and with its held
+        nodes at rest. `State` tells how to give a kick.
     tolerance, max_iterations : float, int, optional
         End of Newton's iteration in a step.
     solver : str, optional

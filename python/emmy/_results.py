@@ -176,8 +176,8 @@ class Run:
     def accuracy(self) -> str:
         """What is known of the accuracy in time: "estimated ...", "not estimated ..." or "coarse ...".
 
-        Balances close with steps of any size, so they say nothing about it. Empty before the run has ended, and for a static
-        analysis.
+        Balances close with steps of any size, so they say nothing about it. Empty before the run has ended, and for a
+        static analysis.
         """
         return self.summary.get("accuracy_in_time_text") or ""
 

@@ -56,6 +56,8 @@ def call(verb: str, *operands: StrPath, progress: bool = False, more: Sequence[s
 
     def show(message: str) -> None:
         kind, _, text = message.partition(": ")
+        if verb in ("run", "resume") and "the motion is not resolved" in text:
+            return  # a statement of the results: `Run.accuracy`
         if kind in ("note", "warning"):
             warn([text])
         elif progress:
@@ -133,7 +135,7 @@ def directory_of(path: StrPath, changes: Mapping[str, Any]) -> StrPath:
     stem, given = Path(path).stem, mapping(changes, "set")
     if "output" not in given and "output.directory" not in given:
         try:
-            given = tomllib.loads(Path(regular(path)).read_text(encoding="utf-8"))
+            given = tomllib.loads(regular(path).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return stem
     table = given.get("output")

@@ -143,7 +143,7 @@ def converge(
             raise
         rows = read_table(directory / "convergence.csv")
         table = _table([dict(zip(rows.dtype.names or (), row.tolist(), strict=True)) for row in rows])
-        time = tomllib.loads(Path(regular(directory / "study.toml")).read_text(encoding="utf-8"))["time"]
+        time = tomllib.loads(regular(directory / "study.toml").read_text(encoding="utf-8"))["time"]
         own_reference = {
             "scheme": reference_scheme or time["scheme"],
             "degree": reference_degree or time["degree"],
@@ -185,7 +185,7 @@ class Modes:
     rigid : int
         Number of rigid modes.
     residuals : array (count,)
-        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in the squared frequencies.
+        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in squared frequencies.
 
     Examples
     --------
@@ -211,8 +211,8 @@ def modes(body: Body, count: int = 10, *, state: State | Snapshot | None = None)
     count : int, optional
         Number of modes, rigid ones included.
     state : State or Snapshot, optional
-        Equilibrium, or another state whose positions count as those of a body at rest: its velocities have no effect. The
-        body itself has no start; that of an input is ``problem.motion().state``.
+        Equilibrium, or another state whose positions count as those of a body at rest: its velocities have no effect.
+        The body itself has no start; that of an input is ``problem.motion().state``.
 
     Returns
     -------

@@ -39,9 +39,9 @@ class Sweep:
     columns : list of str
         Names of the results.
     table : structured array
-        A row for each run, with its parameters and its results; the last parameter changes fastest. The results of a
-        failed run are those up to its last good step, or NaN if there is none. For each column X that a probe, reaction,
-        extreme or value has in the history there are the last number ``X``, the smallest ``X_min`` at the time
+        A row for each run, with its parameters and its results; the last parameter changes fastest. The results of
+        a failed run are those up to its last good step, or NaN if there is none. For each column X that a probe,
+        reaction, extreme or value has in the history there are the last number ``X``, the smallest ``X_min`` at the time
         ``X_min_time`` and the largest ``X_max`` at ``X_max_time``.
     failures : dict of int to str
         Message of each failed run by its row in `table`, counted from 0.
@@ -111,8 +111,8 @@ def sweep(
         Of a file: whether to keep input, history and summary of run N, counted from 1, in the folder ``runs/N`` of the
         directory, for `Run` and `compare`.
     modes : int, optional
-        Of a file: number of natural modes of each run, in place of its motion; the columns are ``frequency_1`` and so on,
-        ``effective_mass_x_1`` and so on.
+        Of a file: number of natural modes of each run, in place of its motion; the columns are ``frequency_1`` and so
+        on, ``effective_mass_x_1`` and so on.
     measure : function, optional
         Further results of a motion at its end, as a dict of numbers with names of their own; with a function as
         `problem` only.

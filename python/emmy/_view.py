@@ -107,7 +107,8 @@ class MotionView:
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
-        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)), probes={"o": (0, 0, 0)})
+        >>> rises = emmy.Initial(velocity=(0, 0, 1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=rises, probes={"o": (0, 0, 0)})
         >>> history = motion.run()
         >>> peak = motion.peak("o_z")
         >>> round(peak.largest, 9), peak.largest_time
@@ -129,8 +130,8 @@ class MotionView:
     def accuracy(self) -> str:
         """What is known of the accuracy in time: "estimated ...", "not estimated ..." or "coarse ...".
 
-        Balances close with steps of any size, so they say nothing about it. Empty before the first step, and in a static
-        analysis.
+        Balances close with steps of any size, so they say nothing about it. Empty before the first step, and in a
+        static analysis.
 
         Examples
         --------

@@ -89,10 +89,6 @@ impl Work {
             rounding: if now.rounding > before.rounding { now.rounding } else { 0.0 },
             ..Default::default()
         });
-        // Once for steps of one size.
-        if now.largest_step_size > before.largest_step_size {
-            warnings.extend(self.accuracy().and_then(|accuracy| accuracy.note));
-        }
         if now.cuts > before.cuts {
             let times = match now.cuts - before.cuts {
                 1 => "once".to_string(),

@@ -23,7 +23,7 @@ LEFT_OUT = {
 #: Classes whose objects the package makes: `Attributes` describe them, not the arguments of their constructors.
 MADE_BY_THE_PACKAGE = {
     "Comparison", "Convergence", "ConvergenceError", "Event", "Fault", "Frame", "Frames", "Goal", "GoalError",
-    "Gradient", "Modes", "Named", "Problem", "Snapshot", "Sweep",
+    "Gradient", "History", "Modes", "Named", "Peak", "Problem", "Snapshot", "Sweep",
 }  # fmt: skip
 #: Names that raise nothing but what wrong types raise.
 RAISE_NOTHING = {
@@ -89,7 +89,7 @@ def test_class_made_by_the_package(name):
     elif hasattr(own, "_fields"):
         assert documented == list(own._fields)
     else:
-        attributes = set(vars(own)) | set(own.__annotations__) | set(inspect.signature(own).parameters)
+        attributes = set(dir(own)) | set(own.__annotations__) | set(inspect.signature(own).parameters)
         assert set(documented) <= attributes
 
 

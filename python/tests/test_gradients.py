@@ -9,7 +9,7 @@ MESH = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
 def body(material, density=1.2, factor=1.0, start=1.0):
     pull = emmy.Load("y-max", traction=(6 * factor, 3 * factor, 4 * factor), history=[(0, start), (0.5, 1), (1, 0)])
     weight = emmy.Load(acceleration=(0, -1, 0.5))
-    return emmy.Body(MESH, emmy.Region(material, density=density), emmy.Support("y-min", fix="xyz"), pull, weight)
+    return emmy.Body(MESH, emmy.Region(material, density=density), emmy.Support("y-min", fix="xyz"), [pull, weight])
 
 
 def error(made, value, equilibrium, **how):

@@ -134,7 +134,7 @@ def test_a_snapshot_goes_on_in_every_bit(plan, cuts):
         own, there = rest.history[1:], history[len(steps) + 1 :]
         assert len(own) == len(there) > 5
         for name in set(own.dtype.names) - {"wall_seconds"}:
-            assert np.array_equal(own[name], there[name], equal_nan=True), name
+            assert np.array_equal(own[name], there[name], equal_nan=own[name].dtype.kind == "f"), name
 
 
 def test_a_state_as_the_start(spinning):

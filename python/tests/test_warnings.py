@@ -107,11 +107,9 @@ def test_steps_that_do_not_resolve_the_motion():
     )
     made = []
     assert messages(lambda: made.append(emmy.Motion(body, scheme="DGM", steps=(4e-3, 1e-3)))) == []
-    (told,) = messages(made[0].run)
-    assert "the motion is not resolved" in told
+    # A statement of the results, and no fault of the steps.
+    assert messages(made[0].run) == []
     assert made[0].accuracy.startswith("coarse") and "accuracy in time: coarse" in made[0]._repr_html_()
-    # Once is enough.
-    assert messages(lambda: made[0].run(until=5e-3)) == []
     fine = emmy.Motion(body, scheme="DGM", steps=(1e-4, 1e-5))
     assert messages(fine.run) == [] and fine.accuracy.startswith("not estimated (")
     (told,) = messages(lambda: emmy.Motion(body, scheme="DGM", steps=(1e-3, 1e-2)))
