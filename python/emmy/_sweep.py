@@ -41,8 +41,8 @@ class Sweep:
     table : structured array
         A row for each run, with its parameters and its results; the last parameter changes fastest. The results of
         a failed run are those up to its last good step, or NaN if there is none. For each column X that a probe,
-        reaction, extreme or value has in the history there are the last number ``X``, the smallest ``X_min`` at the time
-        ``X_min_time`` and the largest ``X_max`` at ``X_max_time``.
+        reaction, extreme or value has in the history there are the last number ``X``, the smallest ``X_min`` at the
+        time ``X_min_time`` and the largest ``X_max`` at ``X_max_time``.
     failures : dict of int to str
         Message of each failed run by its row in `table`, counted from 0.
     path : pathlib.Path or None
