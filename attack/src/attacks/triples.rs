@@ -25,6 +25,10 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
             break choice;
         }
     };
-    agrees_in(&trial.place, &choice, trial.number)
-        .map_err(|fault| format!("{fault}\n  features: {}", describe(&choice)))
+    let agreement = agrees_in(&trial.place, &choice, trial.number);
+    // The Newton of the reference has no cuts: such a motion is not compared.
+    if agreement.as_ref().is_err_and(|fault| fault.starts_with("the reference fails")) {
+        return Ok(());
+    }
+    agreement.map_err(|fault| format!("{fault}\n  features: {}", describe(&choice)))
 }

@@ -147,6 +147,12 @@ fn iterated(
         }
         if basis.n_images() == basis.len() {
             basis.extend(pencil);
+            // Beside very many low modes, all other directions are rounding.
+            if basis.n_images() == basis.len() {
+                let ritz = basis.ritz(count);
+                let is_found = ritz.residuals.iter().all(|residual| *residual <= tolerance);
+                return Some((ritz.vectors, is_found && basis.len() >= count));
+            }
         }
         basis.step(pencil);
         let done = basis.n_images();

@@ -11,6 +11,7 @@ use emmy::time::MAX_DEGREE;
 use emmy_io::directory;
 use emmy_io::input::{Problem, Start};
 use emmy_io::limits::LimitExceeded;
+use emmy_io::message::shown;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
@@ -155,7 +156,7 @@ pub(super) fn march<'a>(
     // The numbers are written: a report that cannot be written does not make the run fail.
     let report = results
         .report()
-        .inspect_err(|error| message!(host, "note: no report was written: {error}"))
+        .inspect_err(|error| message!(host, "note: no report was written: {}", shown(&error.to_string())))
         .ok()
         .flatten();
     let printed = if options.json { print::result(host, &format!("{}\n", ended.summary)) } else { Ok(()) };

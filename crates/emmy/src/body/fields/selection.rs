@@ -64,7 +64,7 @@ impl Fields {
     ///     let cell = mesh.cell(mesh::CellKind::Hex8, &nodes[first..first + 8])?;
     ///     mesh.cell_group(group, [cell]);
     /// }
-    /// let region = |group: &str, mu: f64| emmy::Result::Ok(Region::new(NeoHooke::new(0.0, mu)?, 1.0).on(group));
+    /// let region = |group: &str, mu: f64| -> emmy::Result<Region> { Ok(Region::new(NeoHooke::new(0.0, mu)?, 1.0).on(group)) };
     /// let body = Body::builder(mesh.build()?).regions([region("soft", 50.0)?, region("stiff", 500.0)?]).build()?;
     /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
     /// let (fields, face) = (Fields::new(&body), [4, 5]);
