@@ -71,7 +71,7 @@ impl Eigenmodes {
 ///
 /// All eigenvalues of a small pencil are computed, and of one of which at least half are wanted: the basis of an iteration
 /// would fill the space, where new directions are rounding. Otherwise a block Lanczos iteration is used. A last step of
-/// inverse iteration removes what is left of high frequencies.
+/// inverse iteration removes the remaining high frequencies.
 pub(crate) fn smallest(
     pencil: &mut impl Pencil,
     count: usize,
