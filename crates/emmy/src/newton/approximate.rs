@@ -59,7 +59,7 @@ impl Newton {
             let residual = run.sizes.residual;
             if is_converged {
                 if run.sizes.scale > 0.0 {
-                    self.polish_approximately(system, x, run, contraction)?;
+                    is_fresh |= self.polish_approximately(system, x, run, contraction)?;
                 }
                 self.note_corrections(run.outcome.iterations, is_fresh, forcing);
                 return Ok(true);
@@ -106,23 +106,32 @@ impl Newton {
     /// rounding of the internal forces hides the true residual: it is large, but has neither a resultant nor a moment.
     ///
     /// The contraction is that of the error which dominated so far. Where the residual falls less, or rises, the best iterate
-    /// stays, and the exact tangent corrects it.
+    /// stays, and a new approximate tangent corrects it, or the exact one if that does not help either. Returns whether the
+    /// approximate tangent is new.
     fn polish_approximately(
         &mut self,
         system: &mut impl System,
         x: &mut [f64],
         run: &mut Run<'_>,
         contraction: f64,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let (mut left, mut contraction) = (run.sizes.residual, contraction);
+        let (mut tangent, mut is_fresh) = (Tangent::Reused, false);
         for _ in 0..MAX_POLISHING {
             let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
-            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Reused)?;
+            run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
+            is_fresh |= tangent == Tangent::Refactorized;
+            let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
+                self.polish_exactly(system, x, run);
+                break;
+            };
+            run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
+            tangent = Tangent::Reused;
             left *= tolerance.max(contraction);
             if left <= run.round_off() {
                 x.copy_from_slice(&self.trial);
-                return Ok(());
+                break;
             }
             let sizes = system.residual(&self.trial, &mut self.trial_residual)?;
             self.history.push(sizes.residual);
@@ -133,21 +142,33 @@ impl Newton {
                 std::mem::swap(&mut self.residual, &mut self.trial_residual);
                 run.sizes = sizes;
             }
-            if ratio < SLOW && run.rounding < ROUND_OFF {
-                // Not yet hidden by rounding.
-                (left, contraction) = (left.max(sizes.residual), contraction.max(ratio));
-            } else if ratio >= SLOW && !is_rounding {
+            if run.rounding < ROUND_OFF {
+                let is_hidden = is_rounding && ratio >= SLOW;
+                if !is_hidden {
+                    contraction = contraction.max(ratio);
+                }
+                left = if is_hidden { left.min(run.sizes.residual) } else { run.sizes.residual };
+            }
+            if ratio < SLOW || is_rounding {
+                continue;
+            }
+            if !is_fresh {
+                (tangent, contraction) = (Tangent::Refactorized, SLOW);
+                continue;
+            }
+            if self.polish_exactly(system, x, run) || ratio >= 1.0 || ratio.is_nan() {
                 break;
             }
         }
-        if run.is_rounding(run.sizes) {
-            return Ok(());
-        }
-        // Without a solution for it, the best iterate is kept, which is within the tolerance.
-        if self.polish(system, x, run).is_ok() {
-            run.outcome.took_exact_tangent = true;
-        }
-        Ok(())
+        Ok(is_fresh)
+    }
+
+    /// A correction after convergence with the exact tangent; false without a solution for it: the iterate stays, which is
+    /// within the tolerance.
+    fn polish_exactly(&mut self, system: &mut impl System, x: &mut [f64], run: &mut Run<'_>) -> bool {
+        let is_solved = self.polish(system, x, run).is_ok();
+        run.outcome.took_exact_tangent |= is_solved;
+        is_solved
     }
 
     /// Records the number of corrections of a solution.
@@ -165,7 +186,7 @@ impl Newton {
 const SLOW: f64 = 0.3;
 
 /// Largest number of corrections after convergence.
-const MAX_POLISHING: usize = 8;
+const MAX_POLISHING: usize = 20;
 
 /// Expected number of corrections with a new approximate tangent.
 const FRESH: f64 = 4.0;

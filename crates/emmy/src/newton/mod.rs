@@ -333,7 +333,7 @@ impl Run<'_> {
 
     /// Whether a residual is so small that its changes are rounding.
     fn is_rounding(&self, sizes: Sizes) -> bool {
-        sizes.residual <= ROUNDING * sizes.scale || sizes.residual <= STAGNATION * sizes.floor
+        sizes.residual <= (ROUNDING * sizes.scale).max(sizes.floor)
     }
 }
 
