@@ -1,6 +1,6 @@
 //! Estimated sizes of the files of a run.
 
-use emmy::body::{Fields, Place};
+use emmy::body::Place;
 
 use crate::history::HistoryColumns;
 use crate::input::Problem;
@@ -56,8 +56,7 @@ impl Sizes {
 fn frame(problem: &Problem) -> f64 {
     let mesh = problem.body.mesh();
     let output = &problem.output;
-    let there = Fields::new(&problem.body);
-    let fields = output.fields.iter().filter(|name| there.has(**name)).map(|name| {
+    let fields = output.fields.iter().filter(|name| problem.body.has_field(**name)).map(|name| {
         let n = if name.place() == Place::Nodes { mesh.n_nodes() } else { mesh.n_cells() };
         (n * name.components().len() * output.precision.width()) as f64
     });

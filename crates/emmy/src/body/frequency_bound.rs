@@ -125,15 +125,16 @@ impl Reference {
             let J = jacobian(self.kind, &X, self.energy.gradients_at(q));
             let det = det(&J);
             self.dets.push(det);
-            let mut inverse = inverse(&J, det);
+            // J^-1 times det J.
+            let mut adjugate = inverse(&J, 1.0);
             if self.kind.dimension() == 2 {
                 // Nothing changes across the plane.
-                inverse[2] = [0.0; 3];
+                adjugate[2] = [0.0; 3];
             }
-            let gram = gram(&inverse);
+            let gram = gram(&adjugate);
             // The largest sum of a row is never smaller, and cheaper.
-            if largest_row_sum(&gram) * det > stiffness * (1.0 + ROUNDING) {
-                stiffness = stiffness.max(largest_root(&gram) * det);
+            if largest_row_sum(&gram) > stiffness * det * (1.0 + ROUNDING) {
+                stiffness = stiffness.max(largest_root(&gram) / det);
             }
         }
         let (mut least, mut most, mut volume, mut reference) = (f64::INFINITY, 0f64, 0.0, 0.0);

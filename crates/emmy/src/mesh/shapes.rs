@@ -1,7 +1,5 @@
 //! Built-in shapes: a block of bricks, a rectangle, and the L-shaped block of Betsch and Steinmann (2001), Section 5.
 
-use std::collections::HashMap;
-
 use super::{CellKind, Facet, Mesh, MeshBuilder};
 use crate::error::{Error, Result};
 
@@ -34,7 +32,7 @@ pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
         positive("number of box cells", cells[i] as f64)?;
     }
     check_count(cells.map(|n| n as f64).iter().product())?;
-    let mut grid = Grid::new([0, 1, 2].map(|i| size[i] / cells[i] as f64));
+    let mut grid = Grid::new([0, 1, 2].map(|i| size[i] / cells[i] as f64), cells);
     grid.fill([[0, cells[0]], [0, cells[1]], [0, cells[2]]])?;
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
         grid.facet_group(&format!("{letter}-min"), 2 * axis, |cell| cell[axis] == 0);
@@ -63,7 +61,7 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
     }
     check_count(cells.map(|n| n as f64).iter().product())?;
     let [dx, dy] = [0, 1].map(|i| size[i] / cells[i] as f64);
-    let mut grid = Grid::new([dx, dy, 1.0]);
+    let mut grid = Grid::new([dx, dy, 1.0], [cells[0], cells[1], 0]);
     for i in 0..cells[0] {
         for j in 0..cells[1] {
             grid.cell(CellKind::Quad4, &CORNERS[..4], [i, j, 0])?;
@@ -95,7 +93,7 @@ pub fn l_block(cell_size: f64) -> Result<Mesh> {
     if r == 0 || (cell_size * r as f64 - 1.0).abs() > 1e-6 {
         return Err(Error::CellSize { value: cell_size });
     }
-    let mut grid = Grid::new([1.0 / r as f64; 3]);
+    let mut grid = Grid::new([1.0 / r as f64; 3], [6 * r, 10 * r, 3 * r]);
     grid.fill([[0, 3 * r], [0, 10 * r], [0, 3 * r]])?;
     grid.fill([[3 * r, 6 * r], [0, 3 * r], [0, 3 * r]])?;
     grid.facet_group("face-a", 3, |cell| cell[1] + 1 == 10 * r);
@@ -114,22 +112,30 @@ fn positive(what: &str, value: f64) -> Result<()> {
 struct Grid {
     cell_size: [f64; 3],
     builder: MeshBuilder,
-    node_at: HashMap<[usize; 3], u32>,
+    /// Number of points along each edge of the box around all cells.
+    n_points: [usize; 3],
+    /// Node at each point of the box, or `NO_NODE`.
+    node_at: Vec<u32>,
     cells: Vec<[usize; 3]>,
 }
 
+const NO_NODE: u32 = u32::MAX;
+
 impl Grid {
-    fn new(cell_size: [f64; 3]) -> Self {
-        Grid { cell_size, builder: MeshBuilder::new(), node_at: HashMap::new(), cells: Vec::new() }
+    /// A grid of cells of a size, at most `n_cells` along each edge.
+    fn new(cell_size: [f64; 3], n_cells: [usize; 3]) -> Self {
+        let n_points = n_cells.map(|n| n + 1);
+        let node_at = vec![NO_NODE; n_points.into_iter().product()];
+        Grid { cell_size, builder: MeshBuilder::new(), n_points, node_at, cells: Vec::new() }
     }
 
     fn node(&mut self, at: [usize; 3]) -> u32 {
-        let builder = &mut self.builder;
-        let cell_size = self.cell_size;
-        *self
-            .node_at
-            .entry(at)
-            .or_insert_with(|| builder.point([0, 1, 2].map(|i| at[i] as f64 * cell_size[i])))
+        let [_, m, n] = self.n_points;
+        let node = &mut self.node_at[(at[0] * m + at[1]) * n + at[2]];
+        if *node == NO_NODE {
+            *node = self.builder.point([0, 1, 2].map(|i| at[i] as f64 * self.cell_size[i]));
+        }
+        *node
     }
 
     fn fill(&mut self, range: [[usize; 2]; 3]) -> Result<()> {

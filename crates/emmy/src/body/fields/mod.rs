@@ -87,6 +87,23 @@ pub struct FieldValues {
     pub numbers: Vec<f64>,
 }
 
+impl Body {
+    /// Whether the body has a field, as [`Fields::has`], which computes more.
+    pub fn has_field(&self, name: FieldName) -> bool {
+        self.made_of.iter().any(|region| has_field(region, name))
+    }
+}
+
+fn has_field(region: &Region, name: FieldName) -> bool {
+    let link = region.link();
+    match name.info().needs {
+        Needs::Nothing => true,
+        Needs::Volume => link.is_none_or(|link| link.area() > 0.0),
+        Needs::Solids => link.is_none(),
+        Needs::Links => link.is_some(),
+    }
+}
+
 impl Fields {
     /// The fields of a body. Computes everything that does not depend on the state.
     pub fn new(body: &Body) -> Self {
@@ -115,13 +132,7 @@ impl Fields {
 
     /// Whether a region has a field, as [`Fields::has`]; `region`: its number.
     pub fn region_has(&self, region: usize, name: FieldName) -> bool {
-        let link = self.regions[region].link();
-        match name.info().needs {
-            Needs::Nothing => true,
-            Needs::Volume => link.is_none_or(|link| link.area() > 0.0),
-            Needs::Solids => link.is_none(),
-            Needs::Links => link.is_some(),
-        }
+        has_field(&self.regions[region], name)
     }
 
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are those

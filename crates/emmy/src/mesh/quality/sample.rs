@@ -28,7 +28,7 @@ impl Measures {
 pub(super) struct Sample {
     weights: Vec<f64>,
     kind: CellKind,
-    /// Points of the mass quadrature, with the weights, then the points of the internal force.
+    /// Points of the mass quadrature, with the weights, then the other points of the internal force.
     at_quadrature: Vec<Vec<[f64; 3]>>,
     at_nodes: Vec<Vec<[f64; 3]>>,
     edges: Vec<[usize; 2]>,
@@ -48,7 +48,8 @@ impl Sample {
         let curved = element(kind);
         let mass = element(kind).mass_quadrature();
         let mut at_quadrature = gradients(curved, &mass.points);
-        at_quadrature.extend(gradients(curved, &curved.quadrature().points));
+        let of_force = curved.quadrature().points.into_iter().filter(|point| !mass.points.contains(point));
+        at_quadrature.extend(gradients(curved, &of_force.collect::<Vec<_>>()));
         Sample {
             kind,
             weights: mass.weights,
