@@ -280,15 +280,23 @@ impl Draft<'_> {
     }
 
     fn masses(&mut self) -> String {
-        if chosen(self.choice, "masses") == "none" {
-            return String::new();
+        let top = &self.mesh.top;
+        match chosen(self.choice, "masses") {
+            "points" => {
+                let mass = number(&mut self.rng, 0.03, 0.08);
+                for node in Mesh::nodes_of(top) {
+                    self.body.mass[node][node] += mass;
+                    self.body.lumped[node] += mass;
+                }
+                format!("[[mass]]\ngroup = \"top\"\nmass = {mass:?}\n\n")
+            }
+            "spread" => {
+                let total = number(&mut self.rng, 0.2, 0.6);
+                self.body.spread_mass(top, total);
+                format!("[[mass]]\ngroup = \"top\"\ntotal = {total:?}\n\n")
+            }
+            _ => String::new(),
         }
-        let mass = number(&mut self.rng, 0.03, 0.08);
-        for node in Mesh::nodes_of(&self.mesh.top) {
-            self.body.mass[node][node] += mass;
-            self.body.lumped[node] += mass;
-        }
-        format!("[[mass]]\ngroup = \"top\"\nmass = {mass:?}\n\n")
     }
 
     /// Adds the loads to the body.

@@ -76,7 +76,7 @@ pub const AXES: [Axis; 13] = [
     ),
     axis("degree", &["1", "2", "3"]),
     axis("start", &["velocity", "rest", "equilibrium", "state"]),
-    axis("masses", &["none", "points"]),
+    axis("masses", &["none", "points", "spread"]),
     axis("steps", &["planned", "adaptive"]),
     axis("solver", &["auto", "direct", "iterative", "multigrid"]),
     axis("run", &["alone", "resumed", "ranks", "static", "gradient"]),

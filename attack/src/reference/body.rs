@@ -885,6 +885,25 @@ impl Body {
         products
     }
 
+    /// Adds a mass that lies evenly on facets. The lumped one of a facet with nodes inside its edges is in proportion to the
+    /// diagonal of its consistent mass.
+    pub fn spread_mass(&mut self, facets: &[Item], total: f64) {
+        let density = total / self.facet_shares(facets).1;
+        for facet in facets {
+            let products = self.facet_products(std::slice::from_ref(facet));
+            let whole: f64 = products.iter().map(|(.., own)| own).sum();
+            let diagonal: f64 = products.iter().filter(|(a, b, _)| a == b).map(|(.., own)| own).sum();
+            for (a, b, own) in products {
+                self.mass[a][b] += density * own;
+                if facet.nodes.len() == facet.kind.corners() {
+                    self.lumped[a] += density * own;
+                } else if a == b {
+                    self.lumped[a] += density * own * whole / diagonal;
+                }
+            }
+        }
+    }
+
     /// Weight, shape functions and current area vector at the points of a facet.
     fn facet_points(&self, facet: &Item, displacement: &[f64]) -> Vec<(f64, Vec<f64>, [f64; 3])> {
         let point = |(at, weight): ([f64; 3], f64)| {

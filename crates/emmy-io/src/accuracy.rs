@@ -45,6 +45,8 @@ pub struct Accuracy {
     pub text: String,
     /// A note on steps that do not resolve the lowest elastic mode.
     pub note: Option<String>,
+    /// Number of the largest steps in the lowest elastic period; `None` where the period was not asked for.
+    pub steps_per_period: Option<f64>,
 }
 
 impl Accuracy {
@@ -65,6 +67,7 @@ impl Accuracy {
             kind: AccuracyKind::Estimated,
             text: format!("estimated{how}"),
             note: None,
+            steps_per_period: None,
         };
         if let Some(error) = error {
             let part = error / problem.body.radius_of_gyration();
@@ -86,8 +89,10 @@ impl Accuracy {
         let step = statistics.largest_step_size;
         let period = if is_period_wanted(problem, statistics) { period() } else { None };
         let (scheme, units) = (problem.scheme, problem.units);
+        let steps_per_period = period.map(|period| period / step);
         let coarse = |text: String, note| {
-            Some(Accuracy { kind: AccuracyKind::Coarse, text: format!("coarse, {text}"), note })
+            let text = format!("coarse, {text}");
+            Some(Accuracy { kind: AccuracyKind::Coarse, text, note, steps_per_period })
         };
         if let Some(period) = period.filter(|period| is_coarse(step, *period, scheme)) {
             return coarse(share(step, period, units), Some(note(step, period, scheme, units)));
@@ -95,15 +100,14 @@ impl Accuracy {
         if let Some(text) = long_step(plan, units) {
             return coarse(text, None);
         }
-        let steps = period.map_or(String::new(), |period| {
-            format!(" ({} steps in the lowest elastic period)", count(period / step))
-        });
+        let steps = steps_per_period
+            .map_or(String::new(), |steps| format!(" ({} steps in the lowest elastic period)", count(steps)));
         let flag = match scheme.is_time_element() && scheme.degree() < MAX_DEGREE {
             true => " or `--estimate-error`",
             false => "",
         };
         let text = format!("not estimated{steps}; `emmy converge`{flag} measures it");
-        Some(Accuracy { kind: AccuracyKind::NotEstimated, text, note: None })
+        Some(Accuracy { kind: AccuracyKind::NotEstimated, text, note: None, steps_per_period })
     }
 }
 
@@ -190,7 +194,10 @@ pub fn share(step: f64, period: f64, units: Units) -> String {
 /// The note on steps that are too long for the lowest elastic period.
 pub fn note(step: f64, period: f64, scheme: Scheme, units: Units) -> String {
     let size = short(suggested_size(period, scheme));
-    format!("{}: the motion is not resolved; about `size = {size}` resolves it", share(step, period, units))
+    let share = share(step, period, units);
+    format!(
+        "{share}: vibrations are not resolved; about `size = {size}` resolves them, if loads and supports do not change slowly"
+    )
 }
 
 /// Whether a body with rigid modes may vibrate: something else acts on it than a uniform acceleration, or it does not

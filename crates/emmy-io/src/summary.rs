@@ -10,6 +10,7 @@ use emmy::motion::RunStatistics;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::accuracy::Accuracy;
 use crate::history::{Extreme, Peaks};
 use crate::input::Problem;
 use crate::units::Units;
@@ -145,6 +146,7 @@ impl SummaryHeader {
             "estimated_error": null,
             "accuracy_in_time": null,
             "accuracy_in_time_text": null,
+            "steps_per_lowest_period": null,
             "wall_seconds": wall_seconds,
             "status": status.name(),
             "message": message,
@@ -152,6 +154,17 @@ impl SummaryHeader {
         insert_fields(&mut summary, "", &end);
         summary.extend(self.units.json().map(|units| ("units".to_string(), units)));
         Value::Object(summary)
+    }
+}
+
+/// Adds the statement on the accuracy in time.
+pub(crate) fn add_accuracy(summary: &mut Value, accuracy: &Accuracy) {
+    let Accuracy { kind, text, note, steps_per_period } = accuracy;
+    summary["accuracy_in_time"] = kind.name().into();
+    summary["accuracy_in_time_text"] = text.as_str().into();
+    summary["steps_per_lowest_period"] = (*steps_per_period).into();
+    if let (Some(note), Some(notes)) = (note, summary["notes"].as_array_mut()) {
+        notes.push(note.as_str().into());
     }
 }
 

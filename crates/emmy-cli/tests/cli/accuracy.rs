@@ -46,7 +46,7 @@ fn steps_that_do_not_resolve_the_motion_are_noted() {
             text.contains("note: a step of 0.01 s is longer than its phase, which ends at t = 0.002 s"),
             "{text}"
         );
-        assert!(text.contains("the motion is not resolved"), "{text}");
+        assert!(text.contains("vibrations are not resolved; about"), "{text}");
         // 58 steps a period, rounded down to two digits.
         let wanted = bending_period() / 58.0;
         assert!((suggested(text) / wanted - 1.0).abs() < 0.05, "{text} {wanted}");
@@ -59,7 +59,7 @@ fn steps_that_do_not_resolve_the_motion_are_noted() {
     let summary = place.summary("out");
     assert_eq!(summary["accuracy_in_time"], "coarse");
     assert_eq!(summary["notes"].as_array().unwrap().len(), 2);
-    assert!(place.read("out/report.html").contains("the motion is not resolved"));
+    assert!(place.read("out/report.html").contains("vibrations are not resolved; about"));
     // With the suggestion nothing is noted, and the phase error of a thousandth is far below a percent of the result.
     let size = suggested(&run.stderr);
     let run_of = |size: f64, output: &str, more: &[&str]| {
@@ -76,6 +76,17 @@ fn steps_that_do_not_resolve_the_motion_are_noted() {
         text.starts_with("not estimated (") && text.contains("`emmy converge` or `--estimate-error`"),
         "{text}"
     );
+    // In a sweep, too; the step is that of the plan, or of its phase of 0.002 s.
+    let sizes = format!("time.steps=[{{ until = 2e-3, size = {size} }}],[{{ until = 2e-3, size = 1e-2 }}]");
+    let words = ["sweep", "box.toml", "--quiet", "--json", "--output", "sizes", "--set", &sizes];
+    let rows = place.succeed(&words).stdout;
+    assert_eq!(rows.lines().count(), 2);
+    for ((summary, row), step) in [&fine, &summary].into_iter().zip(rows.lines()).zip([size, 2e-3]) {
+        let row: serde_json::Value = serde_json::from_str(row).unwrap();
+        let steps = row["steps_per_lowest_period"].as_f64().unwrap();
+        assert_eq!(summary["steps_per_lowest_period"].as_f64(), Some(steps));
+        assert!((steps * step / bending_period() - 1.0).abs() < 0.05, "{row}");
+    }
     let most = |summary: &serde_json::Value| summary["largest_displacement"].as_f64().unwrap();
     assert!((most(&fine) / most(&finer) - 1.0).abs() < 0.01);
     assert!((most(&summary) / most(&finer) - 1.0).abs() > 0.1);
@@ -95,7 +106,7 @@ fn longer_steps_of_other_schemes_and_phases_are_noted_and_higher_degrees_may_tak
             "run", "box.toml", "--quiet", "--output", "out", "--set", &scheme, "--set", &degree, "--set",
             &steps,
         ];
-        let noted = place.succeed(&words).stderr.contains("the motion is not resolved");
+        let noted = place.succeed(&words).stderr.contains("vibrations are not resolved; about");
         let kind = place.summary("out")["accuracy_in_time"].as_str().unwrap().to_string();
         assert_eq!(noted, kind == "coarse");
         kind

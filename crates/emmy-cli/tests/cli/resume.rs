@@ -240,6 +240,26 @@ fn a_run_killed_two_hundred_times_is_resumed() {
     );
 }
 
+/// A limit of no, one, ... blocks of 512 bytes stops the run at its first files.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_is_full_from_the_start_is_no_bad_input() {
+    for format in ["vtu", "vtkhdf"] {
+        let place = Place::with(&long_box().replace("[output]", &format!("[output]\nformat = \"{format}\"")));
+        for blocks in [0, 1, 4, 5] {
+            let script = format!(
+                "trap '' XFSZ; ulimit -f {blocks}; exec '{}' run box.toml --quiet --output out-{blocks}",
+                env!("CARGO_BIN_EXE_emmy")
+            );
+            let output =
+                Command::new("sh").args(["-c", &script]).current_dir(place.path("")).output().unwrap();
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(1), "{format} {blocks}: {message}");
+            assert!(message.contains("File too large"), "{format} {blocks}: {message}");
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_disk_that_is_full_leaves_whole_rows() {

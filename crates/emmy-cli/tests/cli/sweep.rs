@@ -292,6 +292,7 @@ fn a_sweep_of_natural_modes_has_their_frequencies() {
     {
         close(numbers(&columns, "frequency_1")[row], 0.5 * root / f64::sqrt(*mass), 1e-12, "frequency");
         close(numbers(&columns, "effective_mass_x_1")[row], *mass, 1e-12, "effective mass");
+        assert!(numbers(&columns, "residual_1")[row] < 1e-12);
     }
     let head = outcome.stdout.lines().next().unwrap();
     assert!(head.contains("frequency_1") && !head.contains("end time"), "{head}");

@@ -228,12 +228,8 @@ impl Results {
         summary["estimated_error"] = self.estimated_error.into();
         let period = || accuracy::lowest_period(problem);
         let accuracy = Accuracy::of(problem, &self.plan, &self.statistics, self.estimated_error, period);
-        if let Some(Accuracy { kind, text, note }) = &accuracy {
-            summary["accuracy_in_time"] = kind.name().into();
-            summary["accuracy_in_time_text"] = text.as_str().into();
-            if let (Some(note), Some(notes)) = (note, summary["notes"].as_array_mut()) {
-                notes.push(note.as_str().into());
-            }
+        if let Some(accuracy) = &accuracy {
+            summary::add_accuracy(&mut summary, accuracy);
         }
         let written = self.write_summary(&summary);
         let last = self.agree(logged.and(written));

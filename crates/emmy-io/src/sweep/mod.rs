@@ -27,7 +27,7 @@ use crate::side_by_side::{on_one_thread, side_by_side};
 const MAX_RUNS: usize = 1_000_000;
 
 /// Columns of the whole body after the status, by their names in histories and summaries.
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 21] = [
     "end_time",
     "steps",
     "newton_iterations_per_step",
@@ -41,6 +41,7 @@ const COLUMNS: [&str; 20] = [
     "angular_momentum_drift",
     "digits_left",
     "unresolved_loads",
+    "steps_per_lowest_period",
     "linear_momentum_x",
     "linear_momentum_y",
     "linear_momentum_z",
@@ -350,7 +351,7 @@ impl Sweep {
 fn columns_of_modes(count: usize) -> Vec<String> {
     let masses = ["x", "y", "z"].map(|axis| format!("effective_mass_{axis}"));
     let names = ["frequency"].into_iter().chain(masses.iter().map(String::as_str));
-    let names = names.flat_map(|name| names_of_modes(name, count));
+    let names = names.chain(["residual"]).flat_map(|name| names_of_modes(name, count));
     names.chain(["wall_seconds".to_string()]).collect()
 }
 

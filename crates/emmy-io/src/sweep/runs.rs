@@ -12,6 +12,7 @@ use emmy::motion::{MarchError, Motion, Observer, View};
 use serde_json::Value;
 
 use super::{COLUMNS, Sweep};
+use crate::accuracy::{self, Accuracy};
 use crate::directory;
 use crate::history::{HistoryColumns, HistoryFile, Number, Peaks};
 use crate::input::Problem;
@@ -19,7 +20,7 @@ use crate::limits;
 use crate::message::with_causes;
 use crate::results::{input, write_units};
 use crate::side_by_side::{on_one_thread, side_by_side};
-use crate::summary::{Status, SummaryHeader, add_peaks};
+use crate::summary::{Status, SummaryHeader, add_accuracy, add_peaks};
 use crate::whole_file::replace;
 
 /// A finished run.
@@ -140,11 +141,17 @@ fn modes_of(problem: &Problem, count: usize) -> Result<Vec<Mode>, String> {
     found.map_err(|error| with_causes(&error))
 }
 
-/// Frequencies, effective masses in x, y and z, and the duration in seconds.
+/// Frequencies, effective masses in x, y and z, residuals, and the duration in seconds.
 fn numbers_of_modes(modes: &[Mode], started: Instant) -> Vec<Number> {
     let frequencies = modes.iter().map(Mode::frequency);
     let masses = (0..3).flat_map(|axis| modes.iter().map(move |mode| mode.effective_mass[axis]));
-    frequencies.chain(masses).chain([started.elapsed().as_secs_f64()]).map(Number::Real).collect()
+    let residuals = modes.iter().map(|mode| mode.residual);
+    frequencies
+        .chain(masses)
+        .chain(residuals)
+        .chain([started.elapsed().as_secs_f64()])
+        .map(Number::Real)
+        .collect()
 }
 
 /// The files of a run that are kept.
@@ -204,6 +211,10 @@ impl Recorder<'_> {
         let header = SummaryHeader::new(self.problem);
         let mut summary =
             header.summary(statistics, &[], status(failure.as_deref()), failure.as_deref(), seconds);
+        let period = || accuracy::lowest_period(self.problem);
+        if let Some(accuracy) = Accuracy::of(self.problem, &self.problem.plan, statistics, None, period) {
+            add_accuracy(&mut summary, &accuracy);
+        }
         let last = self.columns.numbers(motion.view().record, seconds);
         let last: HashMap<String, Number> = self.columns.names().into_iter().zip(last).collect();
         let in_summary = |name: &str| match &summary[name] {

@@ -77,7 +77,7 @@ impl<'a> Motion<'a> {
     ) -> Result<(), MarchError> {
         self.release_under(control)?;
         control.start.copy_from(&self.state);
-        let mut rejections = 0;
+        let (mut rejections, mut rejected) = (0, None);
         loop {
             let left = stop.time - self.state.time;
             let wanted = control.controller.size_within(left);
@@ -109,7 +109,8 @@ impl<'a> Motion<'a> {
                 }
                 attempt => {
                     let error = attempt.map(|(_, error)| error);
-                    self.reject(control, size, error, rejections < MAX_REJECTIONS)?;
+                    rejected =
+                        Some(self.reject(control, size, error, rejected, rejections < MAX_REJECTIONS)?);
                 }
             }
             rejections += 1;
@@ -153,14 +154,16 @@ impl<'a> Motion<'a> {
         Ok((outcome, error))
     }
 
-    /// Returns to the start of the step; the next attempt is smaller.
+    /// Returns to the start of the step; the next attempt is smaller. Returns why this one failed; `before`: why the last one
+    /// did, which counts once a step is lost in the rounding of the time.
     fn reject(
         &mut self,
         control: &mut Control<'a>,
         size: f64,
         error: Result<f64>,
+        before: Option<Error>,
         may_shrink: bool,
-    ) -> Result<(), MarchError> {
+    ) -> Result<Error, MarchError> {
         self.state.copy_from(&control.start);
         let tolerance = control.adaptivity.tolerance;
         let error = match error {
@@ -168,7 +171,7 @@ impl<'a> Motion<'a> {
             Err(error) => placed(error, self.body, &self.state, size),
         };
         if !may_shrink_after(&error) {
-            return Err(MarchError::Step(error));
+            return Err(MarchError::Step(self.final_error(size, error, before)));
         }
         if !(may_shrink && control.controller.can_shrink(size)) {
             return Err(MarchError::Step(self.smallest_step_error(size, error)));
@@ -188,7 +191,7 @@ impl<'a> Motion<'a> {
         let message =
             format!("step of {} done again with {}: {error}", short(size), short(control.controller.size()));
         self.note(kind, self.state.step + 1, message);
-        Ok(())
+        Ok(error)
     }
 
     /// Continues with the body without the supports released by now, and replaces the estimator.

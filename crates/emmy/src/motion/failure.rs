@@ -20,7 +20,12 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
 
 /// Whether a smaller step may succeed where one has failed.
 pub(super) fn may_shrink_after(error: &Error) -> bool {
-    !matches!(cause_of(error), Error::NotFiniteAt { .. } | Error::NotOnTeam { .. })
+    !matches!(cause_of(error), Error::NotFiniteAt { .. } | Error::NotOnTeam { .. }) && !is_lost(error)
+}
+
+/// Whether a step was lost in the rounding of the time.
+pub(super) fn is_lost(error: &Error) -> bool {
+    matches!(cause_of(error), Error::NoDuration { .. })
 }
 
 /// What made a step fail.

@@ -1,6 +1,6 @@
 //! The loop over the steps of a plan.
 
-use super::failure::may_shrink_after;
+use super::failure::{is_lost, may_shrink_after};
 use super::stepping::{SAME_TIME, SmallestStep};
 use super::{
     EventKind, MarchError, Motion, Observer, ObserverResult, PlannedStep, Record, Resolution, StepPlan,
@@ -112,12 +112,13 @@ impl Motion<'_> {
     ) -> Result<bool, MarchError> {
         let Some(step) = self.step_of(plan) else { return Ok(false) };
         self.planned = Some(step);
+        let mut failed = None;
         loop {
             let (size, until) = self.subdivision.next(&step);
             if let Err(error) = self.step_with_end(size, until) {
-                let cut = self.cut(&step, size, error);
+                let cut = self.cut(&step, size, error, failed);
                 self.tell(observers)?;
-                cut?;
+                failed = Some(cut?);
                 continue;
             }
             let end = self.subdivision.pass();
@@ -153,13 +154,20 @@ impl Motion<'_> {
         Some(PlannedStep { start: time, size: step.end - time, ..step })
     }
 
-    /// Cuts a failed step by two.
+    /// Cuts a failed step by two. Returns its error; `before`: that of the last size, which counts once a step is lost in the
+    /// rounding of the time.
     ///
     /// # Errors
     /// The error of the step, if it may not be cut; [`Error::SmallestStep`] if it has been cut before.
-    fn cut(&mut self, step: &PlannedStep, size: f64, error: Error) -> Result<(), MarchError> {
+    fn cut(
+        &mut self,
+        step: &PlannedStep,
+        size: f64,
+        error: Error,
+        before: Option<Error>,
+    ) -> Result<Error, MarchError> {
         if !may_shrink_after(&error) {
-            return Err(MarchError::Step(error));
+            return Err(MarchError::Step(self.final_error(size, error, before)));
         }
         let may_be_cut = match self.smallest {
             None => false,
@@ -177,7 +185,15 @@ impl Motion<'_> {
         self.subdivision.cut();
         self.cuts += 1;
         self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", short(0.5 * size)));
-        Ok(())
+        Ok(error)
+    }
+
+    /// The error of a step that no smaller size can help.
+    pub(super) fn final_error(&self, size: f64, error: Error, before: Option<Error>) -> Error {
+        match before {
+            Some(before) if is_lost(&error) => self.smallest_step_error(size, before),
+            _ => error,
+        }
     }
 
     /// The error of a step that failed with every size down to a given one.

@@ -346,6 +346,32 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
     assert_eq!(*motion.state(), before);
 }
 
+/// A cube of unit density whose nodes move inwards at the same rate keeps its shape, and this material lets it shrink to a
+/// point. The steps end there, with the cell as the reason rather than the rounding of the time.
+#[test]
+fn a_cell_that_is_turned_inside_out_is_named_by_steps_of_every_size() {
+    let soft = Region::new(SaintVenantKirchhoff::new(1.0, 1.0).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(soft).build().unwrap();
+    let gradient = [[-5.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 0.0, -5.0]];
+    let start = InitialVelocity { about: [0.5; 3], gradient, ..Default::default() };
+    let state = State::initial(&body, 0.0, &[start]).unwrap();
+    let planned = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.01 }]).unwrap();
+    for (plan, smallest) in [(adaptive(1.0, 1e-3), None), (planned, Some(1e-30))] {
+        let mut motion = Motion::starting(&body, at(DGM, 1), settings(), state.clone()).unwrap();
+        motion.allow_cuts(smallest);
+        match motion.march(&plan, &mut []) {
+            Err(MarchError::Step(Error::SmallestStep { cause, start, .. })) => {
+                assert!(matches!(*cause, Error::CellInverted { cell: 0, .. }), "{cause}");
+                // By the energies 1/8 s'^2 + 15/8 (1 - s^2)^2 of the stretch s.
+                let speed = |s: f64| (25.0 - 15.0 * (1.0 - s * s).powi(2)).sqrt();
+                let collapse: f64 = (0..1000).map(|i| 1e-3 / speed(1e-3 * (f64::from(i) + 0.5))).sum();
+                assert!((start / collapse - 1.0).abs() < 1e-2, "{start} {collapse}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
 /// A body at rest takes the largest allowed steps, and does not miss short phases.
 #[test]
 fn a_short_phase_after_a_long_one_is_done() {
