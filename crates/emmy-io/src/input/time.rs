@@ -86,12 +86,13 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
     let text = item.string()?;
     Scheme::from_name(text).map_err(|error| {
-        let is_known = |name: &str| FAMILIES.contains(&name.trim());
+        let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();
+        let are_wrong = |name: &str, numbers: &str| {
+            FAMILIES.contains(&name) && numbers.contains(',') && numbers.split(',').all(is_number)
+        };
         let label = match (text.split_once('('), meant(text)) {
             // Only the numbers are wrong.
-            (Some((name, numbers)), _) if is_known(name) && numbers.contains(',') => {
-                "this scheme".to_string()
-            }
+            (Some((name, numbers)), _) if are_wrong(name, numbers) => "this scheme".to_string(),
             (_, Some(word)) => format!("did you mean \"{word}\"?"),
             _ => "not a scheme".to_string(),
         };
