@@ -142,12 +142,10 @@ impl Newton {
                 std::mem::swap(&mut self.residual, &mut self.trial_residual);
                 run.sizes = sizes;
             }
-            if run.rounding < ROUND_OFF {
-                let is_hidden = is_rounding && ratio >= SLOW;
-                if !is_hidden {
-                    contraction = contraction.max(ratio);
-                }
-                left = if is_hidden { left.min(run.sizes.residual) } else { run.sizes.residual };
+            if run.rounding < ROUND_OFF && (ratio < SLOW || !is_rounding) {
+                // Not yet hidden by rounding.
+                contraction = contraction.max(ratio);
+                left = if is_rounding { left.max(run.sizes.residual) } else { run.sizes.residual };
             }
             if ratio < SLOW || is_rounding {
                 continue;
