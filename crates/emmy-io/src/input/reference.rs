@@ -22,7 +22,7 @@ use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, 
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 9] = [
+const TABLES: [(&str, Table); 10] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
@@ -31,6 +31,7 @@ const TABLES: [(&str, Table); 9] = [
     ("columns", columns),
     ("units", units),
     ("nastran cards", || entries("Nastran")),
+    ("abaqus keywords", || entries("Abaqus")),
     ("measured materials", measured_materials),
 ];
 

@@ -38,7 +38,8 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 /// Entries of each format, and what its reader does with them.
 #[cfg(test)]
-pub(crate) const ENTRIES: [(&str, &[account::Entries]); 1] = [("Nastran", nastran::TABLE)];
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 2] =
+    [("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE)];
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -79,7 +80,8 @@ pub struct MeshOptions {
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
-/// instance form a group of the instance's name.
+/// instance form a group of the instance's name. Elements that are not solid, such as masses, beams or shells that are no
+/// faces of cells, are left out and counted; a set of them is a group of nodes.
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group

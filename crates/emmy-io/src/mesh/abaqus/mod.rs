@@ -4,13 +4,17 @@ pub(super) mod assembled;
 mod body;
 mod deck;
 mod element;
+mod faces;
 mod keyword;
 mod placement;
+mod table;
 
 use std::path::Path;
 
 pub(super) use body::{At, Element, Of};
 pub(super) use deck::Deck;
+#[cfg(test)]
+pub(super) use table::TABLE;
 
 use super::{MeshFile, MeshOptions, Result, without_mark};
 
@@ -22,6 +26,6 @@ pub(super) fn types(kind: emmy::mesh::CellKind) -> &'static [&'static str] {
 
 /// The mesh in the bytes of an input file.
 pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
-    let deck = Deck::read(file, without_mark(bytes), &options.links)?;
+    let deck = Deck::read(file, without_mark(bytes), options)?;
     Ok(MeshFile { files: deck.files.clone(), ..assembled::mesh(file, &deck)? })
 }
