@@ -80,6 +80,9 @@ fn elements_that_are_not_solid_do_not_refuse_a_file() {
         assert!(others.contains(&(tip as u32)), "{element_type}");
         assert_eq!(file.mesh.groups().names(), ["beam", "other"]);
     }
+    let last = bricks("*ELEMENT, TYPE=U2, ELSET=other\n3, 1, 12,\n*NSET, NSET=a\n1\n");
+    assert_eq!(last.notes, [format!("{LEFT_OUT}1 U2")]);
+    assert_eq!(last.mesh.groups().nodes["other"].len(), 2);
     for element_type in ["C3D8P", "C3D27", "CAX4", "SC8R", "CCL12", "NEW1"] {
         let text = format!("{BRICKS}*ELEMENT, TYPE={element_type}\n3, 1, 2, 3, 4, 5, 6, 7, 8\n");
         let error = parse_text("a.inp", &text).unwrap_err().to_string();

@@ -73,14 +73,15 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
     format!("cell {cell}")
 }
 
-/// The error of a file without cells, which says what is there instead.
+/// The error of a file without cells, which says what is there instead, if the types of its elements are known.
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     let mut others = Account::default();
     for body in deck.bodies() {
         (0..body.lower.len()).for_each(|index| others.leave_out(deck.lower_type(body, index)));
         body.left_out.iter().for_each(|element| others.leave_out(&deck.types[element.element_type as usize]));
     }
-    if let Some(found) = others.left_out() {
+    let has_parts_alone = !deck.parts.is_empty() && deck.instances.is_empty();
+    if let Some(found) = others.left_out().filter(|_| !has_parts_alone && !deck.types.is_empty()) {
         let shells = match deck.is_of_shells() {
             true => {
                 "shells, membranes and plane stress are not supported (`shells = \"plane-strain\"` in [mesh] makes them \
@@ -91,9 +92,9 @@ fn no_cells(file: &Path, deck: &Deck) -> MeshError {
         let advice = format!("{shells}make the body of {}", element::supported());
         return MeshError::NothingSolid { file: file.to_path_buf(), found, advice };
     }
-    let advice = match (deck.parts.is_empty(), deck.instances.is_empty()) {
-        (false, true) => "it has parts but no *Instance of them: write the assembly too",
-        _ => "the body must be in it as *Node and *Element lines",
+    let advice = match has_parts_alone {
+        true => "it has parts but no *Instance of them: write the assembly too",
+        false => "the body must be in it as *Node and *Element lines",
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
 }
@@ -381,8 +382,11 @@ impl<'a> Assembly<'a> {
         let parts_of =
             |surface: &'a Surface| surface.combine.map(|_| surface.rows.iter()).into_iter().flatten();
         let parts = deck.bodies().flat_map(|body| &body.surfaces).flat_map(parts_of);
-        let name_of = |row: &'a Row| row.target.rsplit('.').next().unwrap_or_default().to_lowercase();
-        let used: HashSet<String> = parts.map(name_of).collect();
+        let names_of = |row: &'a Row| {
+            let of_instance = row.target.split_once('.').map(|(_, name)| name);
+            std::iter::once(row.target.as_str()).chain(of_instance).map(str::to_lowercase)
+        };
+        let used: HashSet<String> = parts.flat_map(names_of).collect();
         let instances = (0..deck.instances.len() as u32).map(Some);
         for instance in instances.chain([None]) {
             for surface in &self.body(instance).surfaces {
@@ -403,7 +407,7 @@ impl<'a> Assembly<'a> {
         let names = self.names(instance, &surface.name, self.root_surfaces.contains(&name));
         let Some(contents) = self.surfaces.get(&(instance, name)) else { return };
         for name in names {
-            if surface.of == Of::Elements && contents.nodes.is_empty() {
+            if surface.of == Of::Elements && (contents.nodes.is_empty() || !contents.facets.is_empty()) {
                 self.builder.facet_group(&name, contents.facets.iter().copied());
             } else {
                 self.builder.node_group(&name, contents.nodes.iter().copied());

@@ -38,13 +38,14 @@ impl Deck {
 
     /// An element must be complete when its keyword ends.
     pub(super) fn close_section(&mut self) -> Result<()> {
-        match &self.section {
-            Section::Elements(elements) if !elements.pending.is_empty() => match elements.role {
-                Role::Cell(kind) => Err(self.wrong_node_count(elements, kind.n_nodes())),
-                Role::Lower(_, n_nodes) => Err(self.wrong_node_count(elements, n_nodes)),
-                Role::LeftOut(_) => Ok(()),
-            },
-            _ => Ok(()),
+        let Section::Elements(mut elements) = std::mem::replace(&mut self.section, Section::Skipped) else {
+            return Ok(());
+        };
+        match elements.role {
+            _ if elements.pending.is_empty() => Ok(()),
+            Role::Cell(kind) => Err(self.wrong_node_count(&elements, kind.n_nodes())),
+            Role::Lower(_, n_nodes) => Err(self.wrong_node_count(&elements, n_nodes)),
+            Role::LeftOut(_) => self.element(&mut elements),
         }
     }
 
