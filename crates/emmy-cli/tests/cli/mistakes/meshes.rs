@@ -161,8 +161,7 @@ fn contents() -> Vec<Mistake> {
         ),
         abaqus(
             "face-of-no-cell",
-            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Element, type=S3, elset=y-max\n2, 2, 3, 5\n\
-             *Nset, nset=y-min\n1, 2, 3\n",
+            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Element, type=S3, elset=y-max\n2, 2, 3, 5\n",
         ),
         gmsh("groups-without-names", &format!("{GMSH_NODES}$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")),
     ]
