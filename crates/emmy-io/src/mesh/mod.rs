@@ -1,6 +1,7 @@
 //! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`), Nastran (`.bdf`) and VTK (`.vtu`).
 
 mod abaqus;
+pub(crate) mod account;
 mod error;
 mod gmsh;
 mod nastran;
@@ -35,6 +36,11 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
     (gmsh::number(kind), abaqus::types(kind))
 }
 
+/// Entries of each format, and what its reader does with them.
+#[cfg(test)]
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 2] =
+    [("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE)];
+
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
 /// A mesh from a file, with remarks on how it was read.
@@ -48,6 +54,24 @@ pub struct MeshFile {
     pub files: Vec<PathBuf>,
 }
 
+/// How a file is read where its format leaves a choice.
+///
+/// ```
+/// let options = emmy_io::mesh::MeshOptions { plane_shells: true, ..Default::default() };
+/// let sheet = b"GRID,1\nGRID,2,,2.\nGRID,3,,2.,1.\nGRID,4,,,1.\nCQUAD4,1,7,1,2,3,4\nPSHELL,7,1,.01,1\nENDDATA\n";
+/// let file = emmy_io::mesh::parse_with("sheet.bdf".as_ref(), sheet, &options)?;
+/// assert_eq!(file.mesh.cell(0).kind, emmy::mesh::CellKind::Quad4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct MeshOptions {
+    /// Groups whose lines of two nodes are cells (line2), not edges. The links of Abaqus (T3D2, T2D2, CONN3D2, SPRINGA)
+    /// are always cells.
+    pub links: Vec<String>,
+    /// Whether the shells of a file without solid cells are cells in plane strain; without it they are an error.
+    pub plane_shells: bool,
+}
+
 /// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
 /// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression).
 ///
@@ -56,11 +80,12 @@ pub struct MeshFile {
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
-/// instance form a group of the instance's name.
+/// instance form a group of the instance's name. Elements that are not solid, such as masses, beams or shells that are no
+/// faces of cells, are left out and counted; a set of them is a group of nodes.
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
-/// `spc_SET`.
+/// `spc_SET`. Cards that are left out are counted in notes.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
@@ -76,18 +101,17 @@ pub struct MeshFile {
 /// # Errors
 /// [`MeshError`]: file unreadable, of unknown format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
 pub fn read(path: &Path) -> Result<MeshFile> {
-    read_with_links(path, &[])
+    read_with(path, &MeshOptions::default())
 }
 
-/// As [`read`], but lines of two nodes in some groups are cells (line2). The links of Abaqus (T3D2, T2D2, CONN3D2,
-/// SPRINGA) are always cells.
+/// As [`read`], with options.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
+pub fn read_with(path: &Path, options: &MeshOptions) -> Result<MeshFile> {
     let bytes = crate::whole_file::read(path)
         .map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
-    parse_with_links(path, &bytes, links)
+    parse_with(path, &bytes, options)
 }
 
 /// Mesh in the bytes of a file, as [`read`]; `path` is its name in messages and the base of its includes.
@@ -102,14 +126,14 @@ pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
-    parse_with_links(path, bytes, &[])
+    parse_with(path, bytes, &MeshOptions::default())
 }
 
-/// Mesh in the bytes of a file, as [`read_with_links`].
+/// Mesh in the bytes of a file, as [`read_with`].
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
+pub fn parse_with(path: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
     if let Some(error) = other::format(path) {
         return Err(error);
     }
@@ -121,10 +145,10 @@ pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<M
         });
     }
     match format(path, bytes) {
-        Some(Format::Gmsh) => gmsh::mesh(path, bytes, links),
-        Some(Format::Abaqus) => abaqus::mesh(path, bytes, links),
-        Some(Format::Vtu) => vtu::mesh(path, bytes, links),
-        Some(Format::Nastran) => nastran::mesh(path, bytes, links),
+        Some(Format::Gmsh) => gmsh::mesh(path, bytes, &options.links),
+        Some(Format::Abaqus) => abaqus::mesh(path, bytes, options),
+        Some(Format::Vtu) => vtu::mesh(path, bytes, &options.links),
+        Some(Format::Nastran) => nastran::mesh(path, bytes, options),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
 }

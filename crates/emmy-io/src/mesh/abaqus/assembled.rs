@@ -1,52 +1,58 @@
 //! The mesh of an input file: placed bodies, sets and surfaces as groups.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-use emmy::mesh::{Facet, MeshBuilder};
+use emmy::mesh::{CellKind, Facet, MeshBuilder};
 
+use super::super::account::Account;
 use super::super::{MeshError, MeshFile, Origin, Result, finished};
-use super::body::{Body, Element, Member, Of, Row, Set, Surface};
+use super::body::{At, Body, Combine, Element, Face, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
 use super::element;
+use super::faces::Faces;
 use super::placement::Placement;
 use crate::message::counted;
 
 /// The mesh of all instances and of everything outside of parts.
 pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
-    let surfaces = deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect();
-    let bodies = std::iter::once(&deck.root).chain(deck.instances.iter().map(|instance| &instance.body));
-    let mut elements = bodies.flat_map(|body| &body.elements);
-    let is_plane = !elements.any(|element| element.kind.dimension() == 3);
+    if deck.is_of_shells() {
+        return Err(no_cells(file, deck));
+    }
+    let is_solid = |body: &Body| body.elements.iter().any(|element| element.kind.dimension() == 3);
     let mut assembly = Assembly {
         file,
         deck,
         builder: MeshBuilder::new(),
         starts: Vec::new(),
         n_nodes: 0,
-        surfaces,
-        is_plane,
+        root_surfaces: deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect(),
+        is_plane: !deck.bodies().any(is_solid),
+        faces: None,
+        surfaces: HashMap::new(),
     };
     let mut notes: Vec<String> = deck.notes.iter().cloned().collect();
     assembly.add_body(&deck.root, Placement::default())?;
     for instance in &deck.instances {
         assembly.add_body(&instance.body, instance.placement)?;
     }
+    assembly.find_faces()?;
+    let mut account = deck.account.clone();
+    notes.extend(assembly.account_for_elements(&mut account)?);
+    notes.extend(account.notes());
+    assembly.find_surfaces(&mut notes)?;
     assembly.add_groups(None, &mut notes)?;
     for index in 0..deck.instances.len() {
         assembly.add_groups(Some(index as u32), &mut notes)?;
         assembly.add_instance_group(index);
     }
+    assembly.faces = None;
     let builder = assembly.builder;
     let starts = assembly.starts;
     let name = |cell: usize| element_name(deck, &starts, cell);
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
-        MeshError::Mesh { reason: emmy::Error::FacetWithoutCell { group, nodes }, file } => {
-            let nodes = nodes.iter().map(|&node| node_number(deck, &starts, node)).collect();
-            MeshError::FacetWithoutCell { file, group, nodes }
-        }
         error => error,
     })
 }
@@ -67,36 +73,77 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
     format!("cell {cell}")
 }
 
-/// Number in the file of a node of the mesh, in its own body.
-fn node_number(deck: &Deck, starts: &[[u32; 2]], node: u32) -> u64 {
-    let bodies = std::iter::once(&deck.root).chain(deck.instances.iter().map(|instance| &instance.body));
-    let of_body = |(body, [first, _]): (&Body, &[u32; 2])| {
-        let index = node.checked_sub(*first).filter(|&index| (index as usize) < body.points.len())?;
-        body.nodes.iter().find(|(_, known)| **known == index).map(|(number, _)| *number)
-    };
-    bodies.zip(starts).find_map(of_body).unwrap_or(node.into())
-}
-
+/// The error of a file without cells, which says what is there instead, if the types of its elements are known.
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
-    let advice = match (deck.parts.is_empty(), deck.instances.is_empty()) {
-        (false, true) => "it has parts but no *Instance of them: write the assembly too",
-        _ => "the body must be in it as *Node and *Element lines",
+    let mut others = Account::default();
+    for body in deck.bodies() {
+        (0..body.lower.len()).for_each(|index| others.leave_out(deck.lower_type(body, index)));
+        body.left_out.iter().for_each(|element| others.leave_out(&deck.types[element.element_type as usize]));
+    }
+    let has_parts_alone = !deck.parts.is_empty() && deck.instances.is_empty();
+    if let Some(found) = others.left_out().filter(|_| !has_parts_alone && !deck.types.is_empty()) {
+        let shells = match deck.is_of_shells() {
+            true => {
+                "shells, membranes and plane stress are not supported (`shells = \"plane-strain\"` in [mesh] makes them \
+                 cells in plane strain, without their thickness); "
+            }
+            false => "",
+        };
+        let advice = format!("{shells}make the body of {}", element::supported());
+        return MeshError::NothingSolid { file: file.to_path_buf(), found, advice };
+    }
+    let advice = match has_parts_alone {
+        true => "it has parts but no *Instance of them: write the assembly too",
+        false => "the body must be in it as *Node and *Element lines",
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
 }
 
-/// Faces, by their corners, and nodes of edges of a set of elements.
+/// What the elements of a set are that are no cells.
 #[derive(Debug, Default)]
-struct Lower {
-    faces: Vec<Vec<u32>>,
+struct Others {
+    facets: Vec<Facet>,
     nodes_of_edges: Vec<u32>,
+    /// Number of elements that are left out, and their nodes.
+    n_left_out: u64,
+    nodes: Vec<u32>,
 }
 
-impl Lower {
-    fn is_empty(&self) -> bool {
-        self.faces.is_empty() && self.nodes_of_edges.is_empty()
+/// Facets or nodes of a surface.
+#[derive(Debug, Default, Clone)]
+struct Contents {
+    facets: Vec<Facet>,
+    nodes: Vec<u32>,
+}
+
+impl Contents {
+    fn combined(how: Combine, mut parts: impl Iterator<Item = Contents>) -> Contents {
+        let mut all = parts.next().unwrap_or_default();
+        for mut other in parts {
+            match how {
+                Combine::Union => {
+                    all.facets.append(&mut other.facets);
+                    all.nodes.append(&mut other.nodes);
+                }
+                Combine::Intersection | Combine::Difference => {
+                    let keep = how == Combine::Intersection;
+                    let (facets, nodes) =
+                        (HashSet::<Facet>::from_iter(other.facets), HashSet::<u32>::from_iter(other.nodes));
+                    all.facets.retain(|facet| facets.contains(facet) == keep);
+                    all.nodes.retain(|node| nodes.contains(node) == keep);
+                }
+            }
+        }
+        all.facets.sort_unstable();
+        all.facets.dedup();
+        all.nodes.sort_unstable();
+        all.nodes.dedup();
+        all
     }
 }
+
+/// An instance, or none for what is outside of instances, and a name in lower case.
+type Key = (Option<u32>, String);
 
 struct Assembly<'a> {
     file: &'a Path,
@@ -106,9 +153,12 @@ struct Assembly<'a> {
     starts: Vec<[u32; 2]>,
     n_nodes: usize,
     /// Names of the surfaces of the assembly in lower case.
-    surfaces: HashSet<String>,
+    root_surfaces: HashSet<String>,
     /// Whether no cell is solid: facets are edges.
     is_plane: bool,
+    /// Faces of all cells, if something asks for them.
+    faces: Option<Faces>,
+    surfaces: HashMap<Key, Contents>,
 }
 
 impl<'a> Assembly<'a> {
@@ -147,7 +197,7 @@ impl<'a> Assembly<'a> {
             }
         }
         for surface in body.surfaces.iter().filter(|surface| !surface.internal) {
-            self.add_surface(instance, surface)?;
+            self.add_surface(instance, surface);
         }
         Ok(())
     }
@@ -172,13 +222,14 @@ impl<'a> Assembly<'a> {
         notes: &mut Vec<String>,
     ) -> Result<()> {
         let mut indices = Vec::new();
-        let mut lower = Lower::default();
+        let mut others = Others::default();
         let mut n_missing = 0_u64;
         for &member in &set.members {
             let (found, missing) = self.indices(of, instance, member);
             indices.extend(found);
-            let n_lower = if of == Of::Elements { self.add_lower(instance, member, &mut lower)? } else { 0 };
-            n_missing = n_missing.saturating_add(missing - n_lower);
+            let n_others =
+                if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+            n_missing = n_missing.saturating_add(missing - n_others);
         }
         let names = self.names(instance, &set.name, is_taken);
         if n_missing > 0 {
@@ -193,14 +244,21 @@ impl<'a> Assembly<'a> {
             match of {
                 Of::Nodes => self.builder.node_group(&name, indices.iter().copied()),
                 Of::Elements => {
-                    if !indices.is_empty() || lower.is_empty() {
+                    let has_facets = !others.facets.is_empty();
+                    let has_edges = !others.nodes_of_edges.is_empty();
+                    let is_of_left_out = indices.is_empty() && !has_facets && others.n_left_out > 0;
+                    if !indices.is_empty() || !(has_facets || has_edges || is_of_left_out) {
                         self.builder.cell_group(&name, indices.iter().copied());
                     }
-                    if !lower.faces.is_empty() {
-                        self.builder.facet_group_by_nodes(&name, lower.faces.clone());
+                    if has_facets {
+                        self.builder.facet_group(&name, others.facets.iter().copied());
                     }
-                    if !lower.nodes_of_edges.is_empty() {
-                        self.builder.node_group(&name, lower.nodes_of_edges.iter().copied());
+                    if has_edges {
+                        self.builder.node_group(&name, others.nodes_of_edges.iter().copied());
+                    }
+                    // With cells or facets, nodes of the same name would make it ambiguous.
+                    if is_of_left_out {
+                        self.builder.node_group(&name, others.nodes.iter().copied());
                     }
                 }
             }
@@ -208,23 +266,96 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Adds the faces and edges of a member of a set, and returns their number.
-    fn add_lower(&self, instance: Option<u32>, member: Member, lower: &mut Lower) -> Result<u64> {
-        let instance = member.instance.or(instance);
-        let body = self.body(instance);
-        let (found, _) = member.indices(&body.lower_index);
-        for &index in &found {
-            let element = &body.lower[index as usize];
-            let is_facet = self.is_plane || element.kind.dimension() == 2;
-            let count = if is_facet { element.kind.n_corners() } else { element.n_nodes };
-            let nodes = &body.nodes_of(element)[..count];
-            let nodes = self.node_indices(body, element, nodes, self.start(instance, Of::Nodes))?;
-            match is_facet {
-                true => lower.faces.push(nodes),
-                false => lower.nodes_of_edges.extend(nodes),
+    /// Whether elements of a kind are facets of the body's cells.
+    fn are_facets(&self, kind: CellKind) -> bool {
+        kind.dimension() + 1 == if self.is_plane { 2 } else { 3 }
+    }
+
+    /// Finds the faces of all cells, if a surface element or a surface asks for them.
+    fn find_faces(&mut self) -> Result<()> {
+        let deck = self.deck;
+        let is_free = |row: &Row| row.face == Some(Face::Free);
+        let asks = |body: &Body| {
+            let mut surfaces = body.surfaces.iter();
+            !body.lower.is_empty()
+                || surfaces.any(|surface| surface.rows.is_empty() || surface.rows.iter().any(is_free))
+        };
+        if !deck.bodies().any(asks) {
+            return Ok(());
+        }
+        let mut faces = Faces::default();
+        for (body, &[first_node, first_cell]) in deck.bodies().zip(&self.starts) {
+            for (element, cell) in body.elements.iter().zip(first_cell..) {
+                let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
+                faces.add(cell, element.kind, &nodes);
             }
         }
-        Ok(found.len() as u64)
+        self.faces = Some(faces);
+        Ok(())
+    }
+
+    /// The facet that a surface element is, if it is one.
+    fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Result<Option<Facet>> {
+        let corners = &body.nodes_of(element)[..element.kind.n_corners()];
+        let corners = self.node_indices(body, element, corners, first_node)?;
+        Ok(self.faces.as_ref().and_then(|faces| faces.facet(&corners)))
+    }
+
+    /// Counts the elements that are left out by their types, and notes which types are read as faces.
+    fn account_for_elements(&self, account: &mut Account) -> Result<Vec<String>> {
+        let mut read = BTreeMap::<&str, &str>::new();
+        for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
+            for (index, element) in body.lower.iter().enumerate() {
+                let name = self.deck.lower_type(body, index);
+                let is_named = index < body.lower_types.len();
+                match self.are_facets(element.kind) {
+                    true if self.facet(body, element, first_node)?.is_none() => account.leave_out(name),
+                    true if is_named && !self.is_plane => _ = read.insert(name, "faces"),
+                    false if element.kind.dimension() > 1 => account.leave_out(name),
+                    _ if is_named => _ = read.insert(name, "edges"),
+                    _ => {}
+                }
+            }
+            for element in &body.left_out {
+                account.leave_out(&self.deck.types[element.element_type as usize]);
+            }
+        }
+        let note = |(name, parts)| {
+            format!("elements of type {name} are read as {parts} of the solid cells beside them")
+        };
+        Ok(read.into_iter().map(note).collect())
+    }
+
+    /// Adds the elements of a member of a set that are no cells, and returns their number.
+    fn add_others(&self, instance: Option<u32>, member: Member, others: &mut Others) -> Result<u64> {
+        let instance = member.instance.or(instance);
+        let body = self.body(instance);
+        let first_node = self.start(instance, Of::Nodes);
+        let (lower, _) = member.indices(&body.lower_index);
+        for &index in &lower {
+            let element = &body.lower[index as usize];
+            if self.are_facets(element.kind)
+                && let Some(facet) = self.facet(body, element, first_node)?
+            {
+                others.facets.push(facet);
+                continue;
+            }
+            let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
+            if element.kind == CellKind::Line2 && !self.is_plane {
+                others.nodes_of_edges.extend(nodes);
+            } else {
+                others.n_left_out += 1;
+                others.nodes.extend(nodes);
+            }
+        }
+        let (left_out, _) = member.indices(&body.left_out_index);
+        for &index in &left_out {
+            others.n_left_out += 1;
+            for &node in &body.left_out[index as usize].nodes {
+                others.nodes.extend(self.indices(Of::Nodes, instance, node).0);
+            }
+        }
+        Ok((lower.len() + left_out.len()) as u64)
     }
 
     /// Indices in the mesh of nodes of an element.
@@ -245,46 +376,161 @@ impl<'a> Assembly<'a> {
         (indices, missing)
     }
 
-    fn add_surface(&mut self, instance: Option<u32>, surface: &Surface) -> Result<()> {
-        let is_taken = self.surfaces.contains(&surface.name.to_lowercase());
-        let names = self.names(instance, &surface.name, is_taken);
-        for row in &surface.rows {
-            for member in self.row_members(instance, row)? {
-                let of = if row.face.is_some() { Of::Elements } else { Of::Nodes };
-                let (indices, missing) = self.indices(of, instance, member);
-                if missing > 0 && indices.is_empty() {
-                    return Err(self.deck.unknown_set(row.at, of, &row.target));
-                }
-                for name in &names {
-                    self.add_row(name, member.instance.or(instance), row, &indices)?;
+    /// Finds the contents of all surfaces: those of instances first, because the assembly may combine them.
+    fn find_surfaces(&mut self, notes: &mut Vec<String>) -> Result<()> {
+        let deck = self.deck;
+        let parts_of =
+            |surface: &'a Surface| surface.combine.map(|_| surface.rows.iter()).into_iter().flatten();
+        let parts = deck.bodies().flat_map(|body| &body.surfaces).flat_map(parts_of);
+        let names_of = |row: &'a Row| {
+            let of_instance = row.target.split_once('.').map(|(_, name)| name);
+            std::iter::once(row.target.as_str()).chain(of_instance).map(str::to_lowercase)
+        };
+        let used: HashSet<String> = parts.flat_map(names_of).collect();
+        let instances = (0..deck.instances.len() as u32).map(Some);
+        for instance in instances.chain([None]) {
+            for surface in &self.body(instance).surfaces {
+                let name = surface.name.to_lowercase();
+                if !surface.internal || used.contains(&name) {
+                    let mut contents = self.contents(instance, surface, notes)?;
+                    let known = self.surfaces.entry((instance, name)).or_default();
+                    known.facets.append(&mut contents.facets);
+                    known.nodes.append(&mut contents.nodes);
                 }
             }
         }
         Ok(())
     }
 
+    fn add_surface(&mut self, instance: Option<u32>, surface: &Surface) {
+        let name = surface.name.to_lowercase();
+        let names = self.names(instance, &surface.name, self.root_surfaces.contains(&name));
+        let Some(contents) = self.surfaces.get(&(instance, name)) else { return };
+        for name in names {
+            if surface.of == Of::Elements && (contents.nodes.is_empty() || !contents.facets.is_empty()) {
+                self.builder.facet_group(&name, contents.facets.iter().copied());
+            } else {
+                self.builder.node_group(&name, contents.nodes.iter().copied());
+            }
+        }
+    }
+
+    fn contents(
+        &self,
+        instance: Option<u32>,
+        surface: &Surface,
+        notes: &mut Vec<String>,
+    ) -> Result<Contents> {
+        if let Some(how) = surface.combine {
+            let parts =
+                surface.rows.iter().map(|row| self.part(instance, row)).collect::<Result<Vec<_>>>()?;
+            return Ok(Contents::combined(how, parts.into_iter()));
+        }
+        let mut contents = Contents::default();
+        let mut others = Others::default();
+        let mut has_edges = false;
+        // A surface without rows has all free faces of the model.
+        let at = At { file: 0, line: 0 };
+        let all = Row { target: String::new(), face: Some(Face::Free), instance: None, at };
+        let is_blank = surface.rows.is_empty() && surface.of == Of::Elements;
+        for row in surface.rows.iter().chain(is_blank.then_some(&all)) {
+            if row.face == Some(Face::Edge) {
+                has_edges = true;
+                continue;
+            }
+            let of = if row.face.is_some() { Of::Elements } else { Of::Nodes };
+            for member in self.row_members(instance, row)? {
+                let (indices, missing) = self.indices(of, instance, member);
+                let n_others =
+                    if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+                if missing > 0 && indices.is_empty() && n_others == 0 && !row.target.is_empty() {
+                    return Err(self.deck.unknown_set(row.at, of, &row.target));
+                }
+                self.add_row(member.instance.or(instance), row, &indices, &mut contents)?;
+            }
+        }
+        contents.facets.extend(others.facets);
+        if has_edges {
+            notes.push(format!(
+                "surface \"{}\": edges of shells and ends of beams are left out",
+                surface.name
+            ));
+        }
+        if others.n_left_out > 0 {
+            let elements = counted(others.n_left_out as usize, "element that is", "elements that are");
+            notes.push(format!("surface \"{}\" has {elements} left out", surface.name));
+        }
+        if contents.facets.is_empty() {
+            contents.nodes.extend(others.nodes);
+        }
+        Ok(contents)
+    }
+
+    /// The surface that a row names, of this body or of an instance.
+    fn part(&self, instance: Option<u32>, row: &Row) -> Result<Contents> {
+        let own = (instance, row.target.to_lowercase());
+        let of_instance = || {
+            let (instance, name) = row.target.split_once('.')?;
+            self.surfaces.get(&(Some(self.deck.instance_index(instance)?), name.to_lowercase()))
+        };
+        let unknown = || {
+            let problem = format!("there is no surface \"{}\" above", row.target);
+            self.deck.malformed(
+                row.at,
+                problem,
+                "define it first, or qualify it with its instance: Instance.Surface",
+            )
+        };
+        self.surfaces.get(&own).or_else(of_instance).cloned().ok_or_else(unknown)
+    }
+
     fn row_members(&self, instance: Option<u32>, row: &Row) -> Result<Vec<Member>> {
+        if row.target.is_empty() && row.face == Some(Face::Free) {
+            let instances = instance.is_none().then_some(0..self.deck.instances.len() as u32);
+            let others = instances.into_iter().flatten().map(|index| Member::all(Some(index)));
+            return Ok(std::iter::once(Member::all(instance)).chain(others).collect());
+        }
         let of = if row.face.is_some() { Of::Elements } else { Of::Nodes };
         let members = self.deck.members(self.body(instance), of, row.instance, &row.target);
         members.ok_or_else(|| self.deck.unknown_set(row.at, of, &row.target))
     }
 
-    fn add_row(&mut self, name: &str, instance: Option<u32>, row: &Row, indices: &[u32]) -> Result<()> {
-        let Some(face) = row.face else {
-            self.builder.node_group(name, indices.iter().copied());
-            return Ok(());
-        };
+    /// Adds the faces or nodes of the cells or nodes in a row.
+    fn add_row(
+        &self,
+        instance: Option<u32>,
+        row: &Row,
+        indices: &[u32],
+        contents: &mut Contents,
+    ) -> Result<()> {
         let first = self.start(instance, Of::Elements);
-        let elements = &self.body(instance).elements;
-        let facet = |&cell: &u32| {
-            let element = elements[(cell - first) as usize];
-            let problem = || format!("element {} ({}) has no face S{face}", element.number, element.kind);
-            let missing = || self.deck.malformed(row.at, problem(), "correct the face of the surface");
-            let local = element::local_facet(element.kind, face).ok_or_else(missing)?;
-            Ok(Facet { cell, local })
-        };
-        let facets = indices.iter().map(facet).collect::<Result<Vec<Facet>>>()?;
-        self.builder.facet_group(name, facets);
+        let body = self.body(instance);
+        for &index in indices {
+            let element = || body.elements[(index - first) as usize];
+            match row.face {
+                None => contents.nodes.push(index),
+                Some(Face::Number(face)) => {
+                    let kind = element().kind;
+                    let problem = || format!("element {} ({kind}) has no face S{face}", element().number);
+                    let missing =
+                        || self.deck.malformed(row.at, problem(), "correct the face of the surface");
+                    let local = element::local_facet(kind, face).ok_or_else(missing)?;
+                    contents.facets.push(Facet { cell: index, local });
+                }
+                Some(Face::Free) => {
+                    let element = element();
+                    let nodes = body.nodes_of(&element);
+                    let nodes = self.node_indices(body, &element, nodes, self.start(instance, Of::Nodes))?;
+                    let is_free = |&local: &u8| {
+                        self.faces.as_ref().is_some_and(|faces| faces.is_free(element.kind, &nodes, local))
+                    };
+                    let free = (0..element.kind.facets().len() as u8).filter(is_free);
+                    contents.facets.extend(free.map(|local| Facet { cell: index, local }));
+                }
+                Some(Face::Own) => return Err(self.deck.unknown_face(row.at, "SPOS")),
+                Some(Face::Edge) => {}
+            }
+        }
         Ok(())
     }
 

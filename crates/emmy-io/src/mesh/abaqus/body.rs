@@ -21,6 +21,11 @@ pub(in crate::mesh) struct Body {
     /// Faces and edges of cells that are listed as elements.
     pub(in crate::mesh) lower: Vec<Element>,
     pub(in crate::mesh) lower_index: HashMap<u64, u32>,
+    /// Indices in [`Deck::types`](super::Deck) of their types, as far as these are known.
+    pub(in crate::mesh) lower_types: Vec<u32>,
+    /// Elements that are left out: masses, springs, beams, ...
+    pub(super) left_out: Vec<LeftOut>,
+    pub(super) left_out_index: HashMap<u64, u32>,
     pub(in crate::mesh) connectivity: Vec<u64>,
     pub(in crate::mesh) node_sets: Sets,
     pub(in crate::mesh) element_sets: Sets,
@@ -36,6 +41,14 @@ pub(in crate::mesh) struct Element {
     /// Start of the nodes in the connectivity.
     pub(in crate::mesh) nodes: usize,
     pub(in crate::mesh) at: At,
+}
+
+/// An element that is left out; its nodes count for the sets it belongs to.
+#[derive(Debug, Clone)]
+pub(super) struct LeftOut {
+    /// Index in [`Deck::types`](super::Deck).
+    pub(super) element_type: u32,
+    pub(super) nodes: Vec<Member>,
 }
 
 /// An instance of a part; its body is a copy of the part's with its own additions.
@@ -78,16 +91,40 @@ pub(in crate::mesh) struct Member {
 pub(in crate::mesh) struct Surface {
     pub(super) name: String,
     pub(super) internal: bool,
+    pub(super) of: Of,
+    /// How it is made of the surfaces that its rows name.
+    pub(super) combine: Option<Combine>,
     pub(super) rows: Vec<Row>,
+}
+
+/// Operation on surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::mesh) enum Combine {
+    Union,
+    Intersection,
+    Difference,
+}
+
+/// Faces of the elements in a row of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::mesh) enum Face {
+    /// `S1` ... `S6`.
+    Number(u8),
+    /// No label: faces that no second cell has.
+    Free,
+    /// `SPOS` or `SNEG`: the elements themselves, which are faces of cells.
+    Own,
+    /// `E1`, `END1`, ...: an edge of a shell or an end of a beam.
+    Edge,
 }
 
 /// A line of a surface, resolved when all sets are known.
 #[derive(Debug, Clone)]
 pub(in crate::mesh) struct Row {
-    /// Name of a set, or a number.
+    /// Name of a set or of a surface, or a number; empty for all elements.
     pub(super) target: String,
-    /// Number of the face; none for a surface of nodes.
-    pub(super) face: Option<u8>,
+    /// None for a surface of nodes or of surfaces.
+    pub(super) face: Option<Face>,
     /// The instance named by the surface.
     pub(super) instance: Option<u32>,
     pub(super) at: At,
@@ -106,7 +143,8 @@ impl Body {
         let sets = self.node_sets.values().chain(self.element_sets.values());
         let members: usize = sets.map(|set| set.members.len()).sum();
         let rows: usize = self.surfaces.iter().map(|surface| surface.rows.len()).sum();
-        self.points.len() + self.elements.len() + self.lower.len() + members + rows
+        let n_elements = self.elements.len() + self.lower.len() + self.left_out.len();
+        self.points.len() + n_elements + members + rows
     }
 
     /// The set of a name, created if it is new.
@@ -127,12 +165,34 @@ impl Body {
         }
     }
 
+    /// Whether an element has a number.
+    pub(super) fn has_element(&self, number: u64) -> bool {
+        [&self.element_index, &self.lower_index, &self.left_out_index]
+            .iter()
+            .any(|index| index.contains_key(&number))
+    }
+
     /// Turns the lines among the elements into edges of cells.
     pub(super) fn lower_lines(&mut self) {
         let (lines, cells): (Vec<Element>, _) =
             self.elements.drain(..).partition(|element| element.kind == CellKind::Line2);
         self.elements = cells;
         self.lower.extend(lines);
+        self.element_index = index(&self.elements);
+        self.lower_index = index(&self.lower);
+    }
+
+    /// Turns the surface elements that are listed as faces into cells.
+    pub(super) fn raise_shells(&mut self) {
+        let types = std::mem::take(&mut self.lower_types);
+        for (element, element_type) in std::mem::take(&mut self.lower).into_iter().zip(types) {
+            if element.kind.dimension() == 2 {
+                self.elements.push(element);
+            } else {
+                self.lower.push(element);
+                self.lower_types.push(element_type);
+            }
+        }
         self.element_index = index(&self.elements);
         self.lower_index = index(&self.lower);
     }
@@ -168,6 +228,11 @@ impl Set {
 }
 
 impl Member {
+    /// All numbers.
+    pub(super) fn all(instance: Option<u32>) -> Self {
+        Member { instance, first: 0, last: u64::MAX, step: 1 }
+    }
+
     pub(super) fn one(instance: Option<u32>, number: u64) -> Self {
         Member { instance, first: number, last: number, step: 1 }
     }

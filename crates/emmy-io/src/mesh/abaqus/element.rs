@@ -49,13 +49,72 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
     TYPES.iter().find(|(_, types)| types.contains(&element_type)).map(|(kind, _)| *kind)
 }
 
-/// Kind and number of nodes of a type that can only be a face or an edge of solid cells, in upper case. Lines of two
-/// nodes may also be links.
-pub(super) fn lower_kind(element_type: &str) -> Option<(CellKind, usize)> {
-    match element_type {
+/// What the elements of a type are in a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Cells.
+    Cell(CellKind),
+    /// Faces or edges of cells, with their number of nodes.
+    Lower(CellKind, usize),
+    /// They are left out, with their number of nodes if all variants have it.
+    LeftOut(Option<usize>),
+}
+
+/// Role of a type of elements, given in upper case; `None`: a solid or unknown type that is not read. Lines of two nodes
+/// may be links or edges.
+pub(super) fn role(element_type: &str) -> Option<Role> {
+    let lower = match element_type {
         "T3D3" | "T3D3H" | "T2D3" | "T2D3H" => Some((CellKind::Line2, 3)),
         _ => face_kind(element_type).map(|kind| (kind, kind.n_nodes())),
+    };
+    let cell = || kind(element_type).map(Role::Cell);
+    let lower = || lower.map(|(kind, n_nodes)| Role::Lower(kind, n_nodes));
+    cell().or_else(lower).or_else(|| left_out(element_type).map(Role::LeftOut))
+}
+
+/// Beginnings of the names of elements that are not solid, with their number of nodes; 0: it is the last number of the
+/// name.
+const LEFT_OUT: [(usize, &[&str]); 4] = [
+    (1, &["MASS", "ROTARYI", "HEATCAP", "SPRING1", "DASHPOT1", "DCOUP", "PC3D", "PD3D"]),
+    (
+        2,
+        &[
+            "SPRING2", "DASHPOT2", "DASHPOTA", "GAPUNI", "GAPCYL", "GAPSPHER", "DGAP", "JOINT", "CONN",
+            "B21", "B23", "B31", "B33", "PIPE21", "PIPE31", "ELBOW31", "FRAME", "RB2D2", "RB3D2", "R2D2",
+            "RAX2", "FLINK", "ITS", "ITT", "DRAG", "SAX1", "MAX1", "MGAX1", "SFMAX1", "SFMGAX1", "DSAX1",
+            "DC1D2", "T3D2", "T2D2",
+        ],
+    ),
+    (
+        3,
+        &[
+            "B22", "B32", "PIPE22", "PIPE32", "ELBOW32", "SAX2", "MAX2", "MGAX2", "SFMAX2", "SFMGAX2",
+            "DSAX2", "DC1D3",
+        ],
+    ),
+    (0, &["R3D", "COH", "CIN", "AC", "ASI", "GK", "F2D", "F3D", "FAX", "DS", "MCL", "SFMCL"]),
+];
+
+/// Number of nodes, if it is known, of a type of masses, springs, beams, rigid, infinite, cohesive, acoustic or user
+/// elements: nothing that Emmy has cells for.
+fn left_out(element_type: &str) -> Option<Option<usize>> {
+    let is_own = |names: &[&str]| names.iter().any(|name| element_type.starts_with(name));
+    if let Some((n_nodes, _)) = LEFT_OUT.iter().find(|(_, names)| is_own(names)) {
+        return Some(if *n_nodes == 0 { last_number(element_type) } else { Some(*n_nodes) });
     }
+    // User elements U1, substructures Z1, network elements of CalculiX, line springs, soil.
+    let numbered = element_type.strip_prefix(['U', 'Z']);
+    let is_numbered = numbered.is_some_and(|rest| {
+        rest.starts_with(|c: char| c.is_ascii_digit()) || ["S3", "S4"].iter().any(|own| rest.starts_with(own))
+    });
+    let is_other =
+        element_type == "D" || ["LS3S", "LS6", "PSI", "IS"].iter().any(|own| element_type.starts_with(own));
+    (is_numbered || is_other).then_some(None)
+}
+
+/// The last number of a name: 8 of `AC3D8R`.
+fn last_number(name: &str) -> Option<usize> {
+    name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
 }
 
 /// Kind of the faces of solid cells for a type of membranes, shells or plane stress elements, in upper case: meshers
@@ -166,6 +225,40 @@ mod tests {
         for element_type in ["C3D8", "SPRINGA", "SC8R", "CPE4", "S", "T3D2"] {
             assert_eq!(face_kind(element_type), None, "{element_type}");
         }
+    }
+
+    #[test]
+    fn elements_that_are_not_solid_are_left_out_and_unknown_solids_are_not() {
+        let counts = [
+            ("MASS", Some(1)),
+            ("SPRING1", Some(1)),
+            ("SPRING2", Some(2)),
+            ("DASHPOTA", Some(2)),
+            ("GAPUNI", Some(2)),
+            ("DCOUP3D", Some(1)),
+            ("B31", Some(2)),
+            ("B32R", Some(3)),
+            ("PIPE31H", Some(2)),
+            ("R3D4", Some(4)),
+            ("COH3D8", Some(8)),
+            ("CIN3D12R", Some(12)),
+            ("CINPE4", Some(4)),
+            ("AC3D20", Some(20)),
+            ("U12", None),
+            ("US3", None),
+            ("D", None),
+        ];
+        for (element_type, n_nodes) in counts {
+            assert_eq!(role(element_type), Some(Role::LeftOut(n_nodes)), "{element_type}");
+        }
+        for element_type in
+            ["C3D27", "C3D8P", "CAX4", "CGAX4", "CPEG4", "SC8R", "CCL12", "EC3D8R", "DC3D8", "C3D", "FOO"]
+        {
+            assert_eq!(role(element_type), None, "{element_type}");
+        }
+        assert_eq!(role("SPRINGA"), Some(Role::Cell(CellKind::Line2)));
+        assert_eq!(role("T3D3"), Some(Role::Lower(CellKind::Line2, 3)));
+        assert_eq!(role("S4R"), Some(Role::Lower(CellKind::Quad4, 4)));
     }
 
     #[test]

@@ -5,6 +5,8 @@
 pub(super) struct Keyword {
     /// Upper case, without spaces: `ENDPART`.
     pub(super) name: String,
+    /// As users write it, in upper case: `*END PART`.
+    pub(super) title: String,
     parameters: Vec<(String, String)>,
 }
 
@@ -12,12 +14,13 @@ impl Keyword {
     /// The keyword in a line that begins with a star.
     pub(super) fn parse(line: &str) -> Self {
         let mut fields = fields(line.trim_start_matches('*')).into_iter();
-        let name = squeezed(&fields.next().unwrap_or_default());
+        let words = fields.next().unwrap_or_default().to_ascii_uppercase();
+        let title = format!("*{}", words.split_whitespace().collect::<Vec<_>>().join(" "));
         let parameter = |field: String| match field.split_once('=') {
             Some((key, value)) => (squeezed(key), value.trim().to_string()),
             None => (squeezed(&field), String::new()),
         };
-        Keyword { name, parameters: fields.map(parameter).collect() }
+        Keyword { name: squeezed(&words), title, parameters: fields.map(parameter).collect() }
     }
 
     /// Whether a parameter is given, with or without a value.
@@ -59,6 +62,7 @@ mod tests {
     fn keywords_know_no_case_and_names_in_quotes_keep_theirs() {
         let keyword = Keyword::parse("* End  part , Name = \"Arm, Left\" , INTERNAL, elset=A b");
         assert_eq!(keyword.name, "ENDPART");
+        assert_eq!(keyword.title, "*END PART");
         assert_eq!(keyword.value("NAME"), Some("Arm, Left"));
         assert_eq!(keyword.value("ELSET"), Some("A b"));
         assert!(keyword.has("INTERNAL") && keyword.value("INTERNAL").is_none());

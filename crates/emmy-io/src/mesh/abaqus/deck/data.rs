@@ -2,8 +2,11 @@
 
 use std::cmp::Ordering;
 
+use emmy::mesh::CellKind;
+
 use super::super::super::{MeshError, Result};
-use super::super::body::{At, Element, Member, Of, Row};
+use super::super::body::{At, Element, Face, LeftOut, Member, Of, Row};
+use super::super::element::{self, Role};
 use super::super::keyword::fields;
 use super::{Deck, Elements, Scope, Section, shown};
 
@@ -27,7 +30,7 @@ impl Deck {
                 self.range(at, line, *of, name, *instance)?
             }
             Section::Set { of, name, instance, .. } => self.set_line(at, line, *of, name, *instance)?,
-            Section::Surface { of, instance } => self.row(at, line, *of, *instance)?,
+            Section::Surface { instance } => self.row(at, line, *instance)?,
         }
         self.section = section;
         Ok(())
@@ -35,11 +38,14 @@ impl Deck {
 
     /// An element must be complete when its keyword ends.
     pub(super) fn close_section(&mut self) -> Result<()> {
-        match &self.section {
-            Section::Elements(elements) if !elements.pending.is_empty() => {
-                Err(self.wrong_node_count(elements))
-            }
-            _ => Ok(()),
+        let Section::Elements(mut elements) = std::mem::replace(&mut self.section, Section::Skipped) else {
+            return Ok(());
+        };
+        match elements.role {
+            _ if elements.pending.is_empty() => Ok(()),
+            Role::Cell(kind) => Err(self.wrong_node_count(&elements, kind.n_nodes())),
+            Role::Lower(_, n_nodes) => Err(self.wrong_node_count(&elements, n_nodes)),
+            Role::LeftOut(_) => self.element(&mut elements),
         }
     }
 
@@ -85,21 +91,47 @@ impl Deck {
         }
         let before = elements.pending.len();
         let comma = line.ends_with(',');
-        for field in line.trim_end_matches(',').split(',') {
-            elements.pending.push(self.number(at, field.trim())?);
+        let is_left_out = matches!(elements.role, Role::LeftOut(_));
+        for field in line.trim_end_matches(',').split(',').map(str::trim) {
+            // Beams have empty fields for nodes that they do not need.
+            if !(is_left_out && field.is_empty()) {
+                elements.pending.push(self.node_of_element(at, field)?);
+            }
         }
         let n_numbers = elements.pending.len();
         let goes_on = comma || n_numbers - before >= FULL_LINE;
-        match n_numbers.cmp(&(1 + elements.n_nodes)) {
+        let wanted = match elements.role {
+            Role::Cell(kind) => kind.n_nodes(),
+            Role::Lower(_, n_nodes) => n_nodes,
+            // What is left out may have more or fewer nodes.
+            Role::LeftOut(n_nodes) if n_numbers == 0 || goes_on && n_nodes.is_none_or(|n| n_numbers <= n) => {
+                return Ok(());
+            }
+            Role::LeftOut(_) => return self.element(elements),
+        };
+        match n_numbers.cmp(&(1 + wanted)) {
             Ordering::Less if goes_on => Ok(()),
             Ordering::Equal => self.element(elements),
-            _ => Err(self.wrong_node_count(elements)),
+            _ => Err(self.wrong_node_count(elements, wanted)),
         }
     }
 
-    fn wrong_node_count(&self, elements: &Elements) -> MeshError {
-        let Elements { element_type, n_nodes: wanted, pending, at, .. } = elements;
-        let number = pending[0];
+    /// The number of an element or of its node; of a node of an instance in an element of the assembly: `Arm-1.7`.
+    fn node_of_element(&self, at: At, field: &str) -> Result<Member> {
+        let of_instance = || {
+            let (instance, number) = field.rsplit_once('.')?;
+            Some(Member::one(Some(self.instance_index(instance)?), number.parse().ok()?))
+        };
+        match field.parse() {
+            Ok(number) => Ok(Member::one(None, number)),
+            Err(_) => of_instance()
+                .map_or_else(|| self.number(at, field).map(|number| Member::one(None, number)), Ok),
+        }
+    }
+
+    fn wrong_node_count(&self, elements: &Elements, wanted: usize) -> MeshError {
+        let Elements { element_type, pending, at, .. } = elements;
+        let number = pending[0].first;
         let found = pending.len() - 1;
         let problem =
             format!("element {number} of type {element_type} has {found} nodes instead of {wanted}");
@@ -107,25 +139,56 @@ impl Deck {
     }
 
     fn element(&mut self, elements: &mut Elements) -> Result<()> {
-        let Elements { kind, n_nodes, is_face, at, .. } = *elements;
-        let body = self.body_mut();
-        let number = elements.pending[0];
-        let other = if is_face { &body.element_index } else { &body.lower_index };
-        let is_known = other.contains_key(&number);
-        let (list, index) = match is_face {
-            true => (&mut body.lower, &mut body.lower_index),
-            false => (&mut body.elements, &mut body.element_index),
-        };
-        if index.insert(number, list.len() as u32).is_some() || is_known {
-            return Err(MeshError::Duplicate { place: self.place(at), what: "element", number });
+        let number = elements.pending[0].first;
+        if self.body().has_element(number) {
+            return Err(MeshError::Duplicate { place: self.place(elements.at), what: "element", number });
         }
-        list.push(Element { number, kind, n_nodes, nodes: body.connectivity.len(), at });
-        body.connectivity.extend_from_slice(&elements.pending[1..]);
+        // A link between instances has no place in the body of either.
+        let joins_instances = elements.pending.iter().any(|node| node.instance.is_some());
+        match elements.role {
+            Role::Cell(kind) if joins_instances && kind.dimension() > 1 => {
+                let problem =
+                    format!("element {number} of type {} has nodes of an instance", elements.element_type);
+                let advice = "write solid elements into the part that they belong to";
+                return Err(self.malformed(elements.at, problem, advice));
+            }
+            Role::Cell(kind) if !joins_instances => {
+                if !std::mem::replace(&mut elements.is_noted, true) {
+                    self.notes.extend(element::note(&elements.element_type, kind));
+                }
+                let element = self.new_element(elements, kind);
+                let body = self.body_mut();
+                body.element_index.insert(number, body.elements.len() as u32);
+                body.elements.push(element);
+            }
+            Role::Lower(kind, _) if !joins_instances => {
+                let element = self.new_element(elements, kind);
+                let body = self.body_mut();
+                body.lower_index.insert(number, body.lower.len() as u32);
+                body.lower.push(element);
+                body.lower_types.push(elements.type_index);
+            }
+            _ => {
+                let nodes = elements.pending[1..].to_vec();
+                let body = self.body_mut();
+                body.left_out_index.insert(number, body.left_out.len() as u32);
+                body.left_out.push(LeftOut { element_type: elements.type_index, nodes });
+            }
+        }
         if let Some(set) = &elements.set {
-            body.set_mut(Of::Elements, set).push(None, number);
+            self.body_mut().set_mut(Of::Elements, set).push(None, number);
         }
         elements.pending.clear();
         Ok(())
+    }
+
+    /// An element of this body, with its nodes in the connectivity.
+    fn new_element(&mut self, elements: &Elements, kind: CellKind) -> Element {
+        let (number, nodes) = (elements.pending[0].first, &elements.pending[1..]);
+        let body = self.body_mut();
+        let start = body.connectivity.len();
+        body.connectivity.extend(nodes.iter().map(|node| node.first));
+        Element { number, kind, n_nodes: nodes.len(), nodes: start, at: elements.at }
     }
 
     /// A line `first, last[, step]` of a set with `generate`.
@@ -158,25 +221,47 @@ impl Deck {
         Ok(())
     }
 
-    fn row(&mut self, at: At, line: &str, of: Of, instance: Option<u32>) -> Result<()> {
+    fn row(&mut self, at: At, line: &str, instance: Option<u32>) -> Result<()> {
         let fields = fields(line);
-        let target = fields.first().cloned().unwrap_or_default();
-        let face = match of {
-            Of::Nodes => None,
-            Of::Elements => Some(self.face(at, fields.get(1))?),
+        let Some(surface) = self.body().surfaces.last() else { return Ok(()) };
+        let rows = match (surface.combine, surface.of) {
+            (Some(_), _) => {
+                fields.into_iter().filter(|name| !name.is_empty()).map(|name| (name, None)).collect()
+            }
+            (None, Of::Nodes) => vec![(fields.first().cloned().unwrap_or_default(), None)],
+            (None, Of::Elements) => {
+                let face = self.face(at, fields.get(1))?;
+                vec![(fields.first().cloned().unwrap_or_default(), Some(face))]
+            }
         };
+        let rows = rows.into_iter().map(|(target, face)| Row { target, face, instance, at });
         if let Some(surface) = self.body_mut().surfaces.last_mut() {
-            surface.rows.push(Row { target, face, instance, at });
+            surface.rows.extend(rows);
         }
         Ok(())
     }
 
-    /// Number of a face `S1` ... `S6`.
-    fn face(&self, at: At, field: Option<&String>) -> Result<u8> {
+    /// The faces of a label: `S1` ... `S6` of solid elements, `SPOS` and `SNEG` of shells, `E1` of edges, `END1` of
+    /// ends of beams.
+    fn face(&self, at: At, field: Option<&String>) -> Result<Face> {
         let label = field.map(|field| field.to_ascii_uppercase()).unwrap_or_default();
-        let number = label.strip_prefix('S').and_then(|digits| digits.parse().ok());
-        let problem = || format!("expected a face S1 ... S6 of solid elements, found \"{}\"", shown(&label));
-        number.ok_or_else(|| self.malformed(at, problem(), "name the face of each element or element set"))
+        let number = |prefix| label.strip_prefix(prefix).and_then(|digits| digits.parse().ok());
+        match label.as_str() {
+            "" => return Ok(Face::Free),
+            "SPOS" | "SNEG" => return Ok(Face::Own),
+            _ => {}
+        }
+        let edge = || number("END").or_else(|| number("E")).map(|_: u8| Face::Edge);
+        number("S").map(Face::Number).or_else(edge).ok_or_else(|| self.unknown_face(at, &label))
+    }
+
+    pub(in crate::mesh::abaqus) fn unknown_face(&self, at: At, label: &str) -> MeshError {
+        let problem = format!("expected a face S1 ... S6 of solid elements, found \"{}\"", shown(label));
+        self.malformed(
+            at,
+            problem,
+            "name the face of each element or element set, or none for all free faces",
+        )
     }
 
     fn number(&self, at: At, field: &str) -> Result<u64> {

@@ -1,12 +1,12 @@
 //! Keywords; each determines the meaning of its data lines.
 
-use emmy::mesh::CellKind;
-
+use super::super::super::account::Treatment;
 use super::super::super::{MeshError, Result};
-use super::super::body::{At, Body, Instance, Member, Of, Surface};
-use super::super::element;
+use super::super::body::{At, Body, Combine, Instance, Member, Of, Surface};
+use super::super::element::{self, Role};
 use super::super::keyword::Keyword;
 use super::super::placement::Placement;
+use super::super::table::{TABLE, spelled};
 use super::{Deck, Elements, Scope, Section};
 
 /// Largest number of nodes, elements and members of sets in all instances together: each instance copies its part.
@@ -19,6 +19,17 @@ impl Deck {
             return self.include(at, self.required(keyword, at, "INPUT")?);
         }
         self.close_section()?;
+        self.section = Section::Skipped;
+        let name = spelled(&keyword.title);
+        match self.account.add(TABLE, name) {
+            Some(Treatment::Read) => {}
+            Some(Treatment::Refused) => {
+                let problem = format!("{name} makes or moves nodes or elements and is not supported");
+                let advice = "write out all nodes and elements, as Abaqus/CAE does";
+                return Err(self.malformed(at, problem, advice));
+            }
+            Some(Treatment::NoEffect | Treatment::LeftOut) | None => return Ok(()),
+        }
         self.section = match keyword.name.as_str() {
             "PART" => self.part(keyword, at)?,
             "INSTANCE" => self.instance(keyword, at)?,
@@ -31,14 +42,6 @@ impl Deck {
             "NSET" => self.node_set(keyword, at)?,
             "ELSET" => self.set(keyword, at, Of::Elements, "ELSET")?,
             "SURFACE" => self.surface(keyword, at)?,
-            "SYSTEM" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => {
-                let problem = format!("*{} makes nodes or elements and is not supported", keyword.name);
-                return Err(self.malformed(
-                    at,
-                    problem,
-                    "write out all nodes and elements, as Abaqus/CAE does",
-                ));
-            }
             _ => Section::Skipped,
         };
         match keyword.value("INPUT") {
@@ -120,32 +123,17 @@ impl Deck {
 
     fn elements(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
-        let face = element::lower_kind(&element_type);
-        let own = element::kind(&element_type).map(|kind| (kind, kind.n_nodes()));
-        let Some((kind, n_nodes)) = own.or(face) else {
+        let Some(role) = element::role(&element_type) else {
             let place = self.place(at);
             let supported = element::supported();
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
-        if face.is_some() {
-            self.first_face.get_or_insert((at, element_type.clone()));
-            let parts = if kind == CellKind::Line2 { "edges" } else { "faces" };
-            self.notes.insert(format!(
-                "elements of type {element_type} are read as {parts} of the solid cells beside them"
-            ));
-        } else {
-            self.notes.extend(element::note(&element_type, kind));
-        }
+        self.has_faces |= matches!(role, Role::Lower(..));
         let set = keyword.value("ELSET").map(str::to_string);
-        Ok(Section::Elements(Elements {
-            element_type,
-            kind,
-            n_nodes,
-            is_face: face.is_some(),
-            set,
-            pending: Vec::new(),
-            at,
-        }))
+        let type_index = self.types.len() as u32;
+        self.types.push(element_type.clone());
+        let pending = Vec::new();
+        Ok(Section::Elements(Elements { element_type, type_index, role, is_noted: false, set, pending, at }))
     }
 
     fn set(&mut self, keyword: &Keyword, at: At, of: Of, key: &str) -> Result<Section> {
@@ -179,6 +167,12 @@ impl Deck {
                 let numbers = body.nodes_of(element);
                 nodes.extend(numbers.iter().map(|&number| Member::one(member.instance, number)));
             }
+            for index in member.indices(&body.left_out_index).0 {
+                let of_element = body.left_out[index as usize].nodes.iter();
+                nodes.extend(
+                    of_element.map(|node| Member { instance: node.instance.or(member.instance), ..*node }),
+                );
+            }
         }
         Ok(nodes)
     }
@@ -186,21 +180,34 @@ impl Deck {
     fn surface(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
         let name = self.required(keyword, at, "NAME")?.to_string();
         let surface_type = keyword.value("TYPE").unwrap_or("ELEMENT").to_ascii_uppercase();
+        let operation = keyword.value("COMBINE").map(str::to_ascii_uppercase);
+        let combine = match operation.as_deref() {
+            None => None,
+            Some("UNION") => Some(Combine::Union),
+            Some("INTERSECTION") => Some(Combine::Intersection),
+            Some("DIFFERENCE") => Some(Combine::Difference),
+            Some(operation) => {
+                let problem =
+                    format!("surfaces can be combined by UNION, INTERSECTION or DIFFERENCE, not {operation}");
+                return Err(self.malformed(at, problem, "correct COMBINE="));
+            }
+        };
+        let is_cropped = keyword.has("CROP");
         let of = match surface_type.as_str() {
-            "ELEMENT" if !keyword.has("COMBINE") => Of::Elements,
-            "NODE" if !keyword.has("COMBINE") => Of::Nodes,
+            "ELEMENT" if !is_cropped => Of::Elements,
+            "NODE" if !is_cropped => Of::Nodes,
             _ => {
-                let how = if keyword.has("COMBINE") { "COMBINE" } else { &surface_type };
+                let how = if is_cropped { "CROP" } else { &surface_type };
                 self.notes.insert(format!(
-                    "surface \"{name}\" ({how}) is neither of elements nor of nodes: ignored"
+                    "surface \"{name}\" ({how}) is neither of elements nor of nodes: left out"
                 ));
                 return Ok(Section::Skipped);
             }
         };
         let instance = self.qualifier(keyword, at)?;
         let internal = keyword.has("INTERNAL") && name.starts_with('_');
-        self.body_mut().surfaces.push(Surface { name, internal, rows: Vec::new() });
-        Ok(Section::Surface { of, instance })
+        self.body_mut().surfaces.push(Surface { name, internal, of, combine, rows: Vec::new() });
+        Ok(Section::Surface { instance })
     }
 }
 

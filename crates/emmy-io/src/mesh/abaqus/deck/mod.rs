@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 
 use emmy::mesh::CellKind;
 
-use super::super::{MeshError, Place, Result, without_mark};
-use super::body::{At, Body, Instance, Member, Of};
-use super::element;
+use super::super::account::Account;
+use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
+use super::body::{At, Body, Element, Instance, Member, Of};
+use super::element::Role;
 use super::keyword::Keyword;
 use crate::message;
 
@@ -27,8 +28,12 @@ pub(in crate::mesh) struct Deck {
     part_index: HashMap<String, usize>,
     instance_index: HashMap<String, u32>,
     pub(in crate::mesh) notes: BTreeSet<String>,
-    /// The first element that can only be a face or an edge of a solid cell, and its type.
-    first_face: Option<(At, String)>,
+    /// Keywords or cards that are not read.
+    pub(in crate::mesh) account: Account,
+    /// Types of elements, one for each of their keywords.
+    pub(in crate::mesh) types: Vec<String>,
+    /// Whether elements are there that can only be faces or edges of solid cells.
+    has_faces: bool,
     pub(in crate::mesh) files: Vec<PathBuf>,
     depth: usize,
     /// Nodes, elements and set members copied from parts by the instances.
@@ -65,7 +70,6 @@ enum Section {
     },
     /// Rows of the last surface.
     Surface {
-        of: Of,
         instance: Option<u32>,
     },
 }
@@ -73,14 +77,14 @@ enum Section {
 #[derive(Debug)]
 struct Elements {
     element_type: String,
-    kind: CellKind,
-    /// Nodes in a row.
-    n_nodes: usize,
-    /// Whether these rows are faces or edges of solid cells.
-    is_face: bool,
+    /// Index in [`Deck::types`].
+    type_index: u32,
+    role: Role,
+    /// Whether a note says how the cells are read.
+    is_noted: bool,
     set: Option<String>,
     /// Number and nodes of an element that continues in the next line.
-    pending: Vec<u64>,
+    pending: Vec<Member>,
     at: At,
 }
 
@@ -92,38 +96,69 @@ const MAX_FILES: usize = 1000;
 
 impl Deck {
     /// Reads a file and its includes.
-    pub(super) fn read(file: &Path, bytes: &[u8], links: &[String]) -> Result<Self> {
+    pub(super) fn read(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Self> {
         let mut deck = Deck::default();
         deck.file(file, bytes)?;
         deck.close_section()?;
-        deck.check_faces(links)?;
+        if options.plane_shells {
+            deck.raise_shells();
+        }
+        deck.lower_lines(&options.links);
         Ok(deck)
     }
 
-    /// Checks that surface elements belong to solid cells, as their faces. Line elements are then edges, unless links
-    /// are requested.
-    fn check_faces(&mut self, links: &[String]) -> Result<()> {
-        let Some((at, kind)) = self.first_face.clone() else { return Ok(()) };
-        let bodies = std::iter::once(&mut self.root)
-            .chain(self.instances.iter_mut().map(|instance| &mut instance.body));
-        let bodies: Vec<&mut Body> = bodies.collect();
-        let solids = |body: &&mut Body| body.elements.iter().any(|element| element.kind.dimension() == 3);
-        if !bodies.iter().any(solids) {
-            return Err(MeshError::UnsupportedElement {
-                place: self.place(at),
-                kind,
-                supported: element::supported(),
-            });
+    /// Makes shells the cells of a body in plane strain, if no cell is solid.
+    fn raise_shells(&mut self) {
+        if self.bodies().any(|body| body.elements.iter().any(|element| element.kind.dimension() == 3)) {
+            return;
         }
-        let has_lines =
-            bodies.iter().any(|body| body.elements.iter().any(|element| element.kind == CellKind::Line2));
-        if has_lines && links.is_empty() {
-            bodies.into_iter().for_each(Body::lower_lines);
-            self.notes.insert(
-                "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
-            );
+        let mut types = BTreeSet::new();
+        for body in self.bodies() {
+            let shells = (0..body.lower.len()).filter(|&index| body.lower[index].kind.dimension() == 2);
+            types.extend(shells.map(|index| self.lower_type(body, index)));
         }
-        Ok(())
+        let note = |name| {
+            format!("elements of type {name} are read as cells in plane strain, without their thickness")
+        };
+        let notes: Vec<String> = types.into_iter().map(note).collect();
+        self.notes.extend(notes);
+        self.root.raise_shells();
+        self.instances.iter_mut().for_each(|instance| instance.body.raise_shells());
+    }
+
+    /// Turns lines into edges where meshers have written faces too, unless links are requested.
+    fn lower_lines(&mut self, links: &[String]) {
+        let is_line = |element: &Element| element.kind == CellKind::Line2;
+        let has_lines = self.bodies().any(|body| body.elements.iter().any(is_line));
+        if !self.has_faces || !has_lines || !links.is_empty() || !self.has_cells() {
+            return;
+        }
+        self.root.lower_lines();
+        self.instances.iter_mut().for_each(|instance| instance.body.lower_lines());
+        self.notes.insert(
+            "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
+        );
+    }
+
+    /// The contents outside of parts, and those of the instances.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> {
+        std::iter::once(&self.root).chain(self.instances.iter().map(|instance| &instance.body))
+    }
+
+    /// Whether there are cells other than links.
+    fn has_cells(&self) -> bool {
+        self.bodies().any(|body| body.elements.iter().any(|element| element.kind.dimension() > 1))
+    }
+
+    /// Whether the only cells are links beside shells: the body is missing.
+    pub(super) fn is_of_shells(&self) -> bool {
+        self.has_faces && !self.has_cells()
+    }
+
+    /// Name of the type of an element of lower dimension.
+    pub(super) fn lower_type(&self, body: &Body, index: usize) -> &str {
+        let known = body.lower_types.get(index).map(|&index| self.types[index as usize].as_str());
+        known.unwrap_or_else(|| body.lower[index].kind.name())
     }
 
     pub(in crate::mesh) fn place(&self, at: At) -> Place {
@@ -160,7 +195,7 @@ impl Deck {
         Some(set.members.iter().map(|&member| Member { instance, ..member }).collect())
     }
 
-    fn instance_index(&self, name: &str) -> Option<u32> {
+    pub(super) fn instance_index(&self, name: &str) -> Option<u32> {
         self.instance_index.get(&name.to_lowercase()).copied()
     }
 
