@@ -8,8 +8,9 @@ use crate::input::Limits;
 /// A limit was exceeded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "step {step}, t = {}: the accumulated {quantity} residual is {drift:.3e} of the largest {of}; the limit is {}",
+    "step {step}, t = {}: the accumulated {} residual is {drift:.3e} of the largest {of}; the limit is {}",
     short(.time),
+    quantity.replace('_', " "),
     short(.limit)
 )]
 pub struct LimitExceeded {
@@ -36,7 +37,12 @@ pub fn check(limits: &Limits, statistics: &RunStatistics) -> Result<(), LimitExc
     let time = statistics.time;
     let checks = [
         ("energy", "T + V", limits.energy, statistics.energy_drift()),
-        ("angular_momentum", "|L|", limits.angular_momentum, statistics.angular_momentum_drift()),
+        (
+            "angular_momentum",
+            if statistics.is_turning() { "|L|" } else { "possible |L|" },
+            limits.angular_momentum,
+            statistics.angular_momentum_drift(),
+        ),
     ];
     for (quantity, of, limit, drift) in checks {
         match limit {

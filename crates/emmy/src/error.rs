@@ -534,10 +534,10 @@ pub enum Error {
     },
     /// A step that failed with every size down to the smallest one.
     #[error(
-        "step {step} from t = {start} failed with every size down to {step_size}; try another scheme or material, a finer mesh, \
-         or a smaller `smallest_step`, and look at the loads at this time",
+        "step {step} from t = {start} failed with every size down to {step_size}; {advice}",
         start = short(.start),
-        step_size = short(.step_size)
+        step_size = short(.step_size),
+        advice = advice_on_steps(.cause)
     )]
     SmallestStep {
         /// Number of the step.
@@ -620,6 +620,16 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+}
+
+/// What may help after a step that failed with every size.
+fn advice_on_steps(cause: &Error) -> &'static str {
+    match cause {
+        Error::Tolerance { .. } => "allow smaller steps, or a larger tolerance",
+        _ => {
+            "try another scheme or material, a finer mesh, or a smaller `smallest_step`, and look at the loads at this time"
+        }
+    }
 }
 
 /// `1 iteration`, `2 iterations`.

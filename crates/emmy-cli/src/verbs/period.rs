@@ -89,7 +89,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
     if plan.adaptivity().is_some() || problem.is_static() {
         return;
     }
-    let largest = plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
+    let largest = plan.largest_step();
     let steps = match largest < period {
         true => format!(": {} steps a period", accuracy::count(period / largest)),
         false => String::new(),

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
+use emmy_io::accuracy;
 use emmy_io::directory;
 use emmy_io::history::Number;
+use emmy_io::message::counted;
 use emmy_io::sweep::{KEPT, SWEEP_KIND, SWEEP_WITNESS, Sweep, SweepError, SweepFile, SweepRow};
 use serde_json::{Map, Value};
 
@@ -129,6 +131,7 @@ fn sweep(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         message!(host, "written: {}", path.display());
     }
     warn_of_loads(&sweep, &rows, host);
+    note_long_steps(&sweep, &rows, host);
     ending(&sweep, &rows)
 }
 
@@ -241,6 +244,24 @@ fn warn_of_loads(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
             "warning: in {missed} runs, steps did not resolve a load or a moving support (column unresolved_loads)"
         );
     }
+}
+
+/// Says in how many runs the steps are too long for the lowest elastic period.
+fn note_long_steps(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
+    let is_coarse = |row: &&SweepRow| {
+        let steps = of(sweep, row, "steps_per_lowest_period");
+        let scheme = |row: &SweepRow| Some(sweep.problem(row.run).ok()?.scheme);
+        // No scheme may take longer steps than a fifth of the period at degree 1.
+        steps < 5.0 && scheme(row).is_some_and(|scheme| accuracy::is_coarse(1.0, steps, scheme))
+    };
+    let coarse: Vec<&SweepRow> = rows.iter().filter(is_coarse).collect();
+    let Some(first) = coarse.first() else { return };
+    let [many, name] = [counted(coarse.len(), "run", "runs"), sweep.name(first.run)];
+    message!(
+        host,
+        "note: in {many}, vibrations are not resolved: the steps are too long for the lowest elastic period \
+         (column steps_per_lowest_period), first in {name}"
+    );
 }
 
 /// After everything is written, a signal or failed runs are the end of the program.

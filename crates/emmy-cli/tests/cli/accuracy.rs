@@ -38,6 +38,8 @@ fn suggested(text: &str) -> f64 {
 fn steps_that_do_not_resolve_the_motion_are_noted() {
     let place = Place::with(BAR);
     let check = place.succeed(&["check", "box.toml"]);
+    // Of the step that is taken, which its phase shortens.
+    assert!(check.stdout.contains("a step of 0.002 s is 1.7 times this period"), "{}", check.stdout);
     assert!(!check.stdout.contains("0.0 steps a period") && !check.stdout.contains("0.1 steps a period"));
     let run = place.succeed(&["run", "box.toml", "--output", "out"]);
     let quiet = place.succeed(&["run", "box.toml", "--output", "quiet", "--quiet"]);
@@ -81,6 +83,9 @@ fn steps_that_do_not_resolve_the_motion_are_noted() {
     let words = ["sweep", "box.toml", "--quiet", "--json", "--output", "sizes", "--set", &sizes];
     let rows = place.succeed(&words).stdout;
     assert_eq!(rows.lines().count(), 2);
+    let noted = place.succeed(&["sweep", "box.toml", "--output", "noted", "--set", &sizes]).stderr;
+    assert!(noted.contains("note: in 1 run, vibrations are not resolved: "), "{noted}");
+    assert!(noted.contains("first in run 2 ("), "{noted}");
     for ((summary, row), step) in [&fine, &summary].into_iter().zip(rows.lines()).zip([size, 2e-3]) {
         let row: serde_json::Value = serde_json::from_str(row).unwrap();
         let steps = row["steps_per_lowest_period"].as_f64().unwrap();

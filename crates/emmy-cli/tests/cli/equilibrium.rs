@@ -244,3 +244,37 @@ traction = [37.5, 0, 0]
         assert!((ratio - 0.625f64.sqrt()).abs() < 1e-9, "{name}: {ratio}");
     }
 }
+
+/// A body that hangs at rest has energies and momenta of motion only up to rounding, which is no scale for its residuals.
+#[test]
+fn a_body_at_rest_under_its_weight_closes() {
+    let weight = BOX.replace(
+        "traction = [0.0, 0.0, 10.0]\nhistory = [[0.0, 0.0], [0.5, 1.0]]",
+        "acceleration = [3, 0, -9.81]",
+    );
+    let weight = weight.replace("group = \"y-max\"\nacceleration", "acceleration");
+    let hanging = weight.replace("[initial]\nvelocity = [0, 0, 0]\n", "[equilibrium]\n");
+    for scheme in ["DGM", "trapezoidal", "Newmark(0.25, 0.5)"] {
+        for size in [0.1, 100.0] {
+            let place = Place::with(&hanging);
+            let steps = format!("time.steps=[{{ until = {}, size = {size} }}]", 10.0 * size);
+            let scheme = format!("time.scheme={scheme}");
+            let limits = ["limits.energy=1e-6", "limits.angular_momentum=1e-6"];
+            let flags = [steps.as_str(), &scheme, limits[0], limits[1]].map(|flag| ["--set", flag]).concat();
+            let run = place.succeed(&[&["run", "box.toml"], &flags[..]].concat());
+            assert!(run.stderr.contains(" of the largest possible |L|)"), "{}", run.stderr);
+            let summary = place.summary("out");
+            assert!(summary["angular_momentum_drift"].as_f64().unwrap() < 1e-9, "{summary:#}");
+            let [worst, scale] = ["worst_linear_momentum_residual", "linear_momentum_scale"]
+                .map(|key| summary[key].as_f64().unwrap());
+            assert!(worst < 1e-9 * scale, "{worst} {scale}");
+        }
+    }
+}
+
+#[test]
+fn a_state_in_no_directory_is_named() {
+    let place = Place::with(&loaded().replace("velocity = [0, 0, 0]", "state = \"bned\""));
+    let check = place.emmy(&["check", "box.toml"]);
+    assert!(check.code == 2 && check.stderr.contains("there is no directory bned"), "{}", check.stderr);
+}

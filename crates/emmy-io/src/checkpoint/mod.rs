@@ -167,6 +167,12 @@ pub enum CheckpointError {
         /// The directory.
         path: PathBuf,
     },
+    /// The directory does not exist.
+    #[error("there is no directory {path}")]
+    NoDirectory {
+        /// The directory.
+        path: PathBuf,
+    },
     /// None can be used.
     #[error("no checkpoint can be read: {reasons}; start again with `emmy run`")]
     Damaged {
@@ -199,6 +205,9 @@ pub fn newest(directory: &Path, team: &dyn Team) -> Result<(Checkpoint, Option<S
     match (whole.into_iter().max_by_key(|checkpoint| checkpoint.snapshot.state.step), reasons) {
         (Some(checkpoint), reasons) => Ok((checkpoint, reasons)),
         (None, Some(reasons)) => Err(CheckpointError::Damaged { reasons }),
+        (None, None) if !directory.exists() => {
+            Err(CheckpointError::NoDirectory { path: directory.to_path_buf() })
+        }
         (None, None) => Err(CheckpointError::Missing { path: folder }),
     }
 }

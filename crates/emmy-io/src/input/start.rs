@@ -95,7 +95,7 @@ impl Problem {
             state.map_or_else(|| vec![0.0; self.body.n_dofs()], |state| state.displacement.clone());
         let critical = CentralDifferences::critical_steps(&self.body, &displacement);
         let [critical, limit] = critical.map_err(|error| Fault::new(error.to_string()))?;
-        let largest = self.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
+        let largest = self.plan.largest_step();
         if largest <= limit {
             return Ok(Some(critical));
         }

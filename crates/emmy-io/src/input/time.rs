@@ -61,7 +61,11 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
     let scheme_item = table.require("scheme")?;
     let scheme = scheme(&scheme_item)?;
     let degree_item = table.require("degree")?;
-    let scheme = scheme.with_degree(degree_item.whole(1)?).map_err(|error| {
+    let degree = degree_item.whole(1)?;
+    let scheme = scheme.with_degree(degree).map_err(|error| {
+        if degree > MAX_DEGREE {
+            return degree_item.fault(reason(&error), "this degree");
+        }
         let fault = scheme_item.fault(reason(&error), "this scheme");
         fault.label(degree_item.place(), "with this degree")
     })?;
@@ -82,8 +86,16 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
     let text = item.string()?;
     Scheme::from_name(text).map_err(|error| {
-        let label =
-            meant(text).map_or("not a scheme".to_string(), |word| format!("did you mean \"{word}\"?"));
+        let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();
+        let are_wrong = |name: &str, numbers: &str| {
+            FAMILIES.contains(&name) && numbers.contains(',') && numbers.split(',').all(is_number)
+        };
+        let label = match (text.split_once('('), meant(text)) {
+            // Only the numbers are wrong.
+            (Some((name, numbers)), _) if are_wrong(name, numbers) => "this scheme".to_string(),
+            (_, Some(word)) => format!("did you mean \"{word}\"?"),
+            _ => "not a scheme".to_string(),
+        };
         item.fault(reason(&error), label).help("`emmy list schemes` explains them")
     })
 }
@@ -91,6 +103,9 @@ fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
 fn reason(error: &emmy::Error) -> String {
     error.to_string()
 }
+
+/// Names of schemes with numbers in brackets.
+const FAMILIES: [&str; 7] = ["FE", "AS", "DGM", "Lobatto", "Newmark", "HHT", "generalized-alpha"];
 
 /// Words of schemes, as [`meant`] sees them.
 const WORDS: [&str; 10] = [

@@ -182,6 +182,11 @@ impl StepPlan {
         &self.phases
     }
 
+    /// Size of the largest step, unless steps are adaptive; a phase may be shorter than its size \[time\].
+    pub fn largest_step(&self) -> f64 {
+        self.begins().map(|(begin, phase)| phase.size.min(phase.until - begin)).fold(0.0, f64::max)
+    }
+
     /// Number of steps; a lower bound for adaptive steps.
     pub fn n_steps(&self) -> usize {
         self.begins().map(|(begin, phase)| n_steps(begin, phase)).sum()

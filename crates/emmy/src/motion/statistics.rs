@@ -127,9 +127,9 @@ pub struct RunStatistics {
     pub largest_linear_momentum: f64,
     /// Largest norm of the angular momentum.
     pub largest_angular_momentum: f64,
-    /// Largest linear momentum possible with the largest kinetic energy, `sqrt(2 T m)`.
+    /// Largest linear momentum possible if the largest T + |V| were kinetic energy, `sqrt(2 (T + |V|) m)`.
     pub linear_momentum_scale: f64,
-    /// Largest angular momentum possible with the largest kinetic energy in the reference configuration, `sqrt(2 T I)`.
+    /// The same for the angular momentum in the reference configuration, `sqrt(2 (T + |V|) I)`.
     pub angular_momentum_scale: f64,
     /// Total energy after the last step \[energy\].
     pub total_energy: f64,
@@ -156,9 +156,12 @@ pub struct RunStatistics {
     pub step_limits: StepLimits,
 }
 
-/// An angular momentum residual below this part of sqrt(2 T I) is round-off. |L| is no measure: a body that does not
-/// rotate as a whole has |L| = 0 up to rounding.
+/// An angular momentum residual below this part of its scale is round-off. Neither |L| nor T is a measure: a body at rest under
+/// loads has both only up to rounding.
 const ROUND_OFF: f64 = 1e-13;
+
+/// A momentum below this part of its scale is round-off.
+const AT_REST: f64 = 1e-9;
 
 impl RunStatistics {
     /// Adds a step, or the start, from its record and the state after it.
@@ -196,8 +199,8 @@ impl RunStatistics {
         self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));
         self.largest_angular_momentum = self.largest_angular_momentum.max(norm(record.angular_momentum));
         let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();
-        self.linear_momentum_scale = (2.0 * self.largest_kinetic_energy * mass).sqrt();
-        self.angular_momentum_scale = (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
+        self.linear_momentum_scale = (2.0 * self.largest_energy * mass).sqrt();
+        self.angular_momentum_scale = (2.0 * self.largest_energy * polar_inertia(body)).sqrt();
     }
 
     fn add_residuals(&mut self, record: &Record) {
@@ -226,9 +229,23 @@ impl RunStatistics {
         ratio(self.accumulated_energy_residual.abs(), self.largest_energy)
     }
 
-    /// Accumulated angular momentum residual over the largest |L|.
+    /// Accumulated angular momentum residual over the largest |L|, or over the largest possible one of a body that does not
+    /// turn.
     pub fn angular_momentum_drift(&self) -> f64 {
-        ratio(self.accumulated_angular_momentum_residual, self.largest_angular_momentum)
+        let turning = self.largest_angular_momentum;
+        let size = if self.is_turning() { turning } else { self.angular_momentum_scale };
+        ratio(self.accumulated_angular_momentum_residual, size)
+    }
+
+    /// Whether the angular momentum of some step was more than round-off beside the largest possible one.
+    ///
+    /// ```
+    /// use emmy::motion::RunStatistics;
+    /// let at_rest = RunStatistics { largest_angular_momentum: 1e-14, angular_momentum_scale: 2.0, ..Default::default() };
+    /// assert!(!at_rest.is_turning());
+    /// ```
+    pub fn is_turning(&self) -> bool {
+        self.largest_angular_momentum >= AT_REST * self.angular_momentum_scale
     }
 }
 

@@ -1,5 +1,6 @@
 //! The report of `emmy check`: a line for each fact.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -9,6 +10,7 @@ use emmy::body::{
 };
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
+use emmy::time::Scheme;
 use emmy_io::input::{Problem, Start};
 use emmy_io::message::{counted, shown};
 use emmy_io::units::Units;
@@ -125,11 +127,18 @@ impl Report {
         }
         problem.initial.iter().for_each(|field| self.field(field));
         let Some(state) = state else { return };
-        let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
+        let momentum = match problem.scheme {
+            Scheme::CentralDifferences => {
+                let masses = problem.body.lumped_mass().iter().flat_map(|mass| [mass; 3]);
+                Cow::Owned(masses.zip(&state.velocity).map(|(mass, v)| mass * v).collect::<Vec<f64>>())
+            }
+            _ => Cow::Borrowed(&state.momentum),
+        };
+        let products = momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
         let units = self.units;
         let kinetic_energy = units.number(products.sum::<f64>() / 2.0, "energy");
-        let linear = [0, 1, 2].map(|i| state.momentum.iter().skip(i).step_by(3).sum());
-        let angular = problem.body.moment(&state.displacement, &state.momentum);
+        let linear = [0, 1, 2].map(|i| momentum.iter().skip(i).step_by(3).sum());
+        let angular = problem.body.moment(&state.displacement, &momentum);
         self.line("start", &format!("kinetic energy {kinetic_energy}"));
         let linear = units.vector(linear, "mass·length/time");
         self.line("", &format!("linear momentum {linear}"));

@@ -138,8 +138,12 @@ impl Closing<'_> {
         message!(self.host, "worst balance of a step:");
         residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
         residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
-        let relative = part(angular_momentum, statistics.largest_angular_momentum);
-        residual("angular momentum", angular_momentum, "mass·length²/time", Some((relative, "|L|")));
+        let (size, of) = match statistics.is_turning() {
+            true => (statistics.largest_angular_momentum, "|L|"),
+            false => (statistics.angular_momentum_scale, "possible |L|"),
+        };
+        let relative = Some((part(angular_momentum, size), of));
+        residual("angular momentum", angular_momentum, "mass·length²/time", relative);
     }
 
     /// Resultant and moment of all forces, which vanish in equilibrium.

@@ -33,6 +33,7 @@ pub(super) fn all() -> Vec<Mistake> {
             .with(&["--set", "support.0={ group = 'y-min', move = { x = 't' } }"])
             .unseen(),
         changed("degree-too-high", "degree = 1", "degree = 9"),
+        scheme("scheme-with-a-number-too-large", "AS(9, 2)").unseen(),
         changed("degree-of-nothing", "degree = 1", "degree = 0"),
         scheme("explicit-steps-beyond-the-critical-one", "central-differences").unseen(),
         changed(

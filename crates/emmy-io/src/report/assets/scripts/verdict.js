@@ -24,7 +24,7 @@ function balances(run) {
     const largest = run.largest[key];
     const scale = summary[`${key}_scale`];
     if (scale === undefined && largest < 10 * summary[`worst_${key}_residual`]) return [NaN, null];
-    const bound = key === "angular_momentum" ? "√(2\u00a0T\u00a0I)" : "√(2\u00a0T\u00a0m)";
+    const bound = key === "angular_momentum" ? "√(2\u00a0(T\u00a0+\u00a0V)\u00a0I)" : "√(2\u00a0(T\u00a0+\u00a0V)\u00a0m)";
     return isRounding(run, key) ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
   };
   const balance = (name, key, [size, of], drift) => {
