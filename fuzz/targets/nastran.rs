@@ -5,8 +5,8 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let links = ["links".to_string()];
-    match emmy_io::mesh::parse_with_links("fuzz.bdf".as_ref(), bytes, &links) {
+    let options = emmy_io::mesh::MeshOptions { links: vec!["links".to_string()], plane_shells: true };
+    match emmy_io::mesh::parse_with("fuzz.bdf".as_ref(), bytes, &options) {
         Ok(file) => assert!(file.mesh.n_cells() > 0),
         Err(error) => assert!(!error.to_string().is_empty()),
     }

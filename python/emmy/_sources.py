@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,7 +61,9 @@ class Sources:
         return mesh
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], links: Sequence[str] = ()) -> Self:
+    def read(
+        cls, path: str | os.PathLike[str], links: Sequence[str] = (), *, shells: Literal["plane-strain"] | None = None
+    ) -> Self:
         """Mesh from a file of Gmsh, Abaqus, Nastran or VTK.
 
         Parameters
@@ -70,6 +72,9 @@ class Sources:
             File.
         links : list of str, optional
             Groups of lines that are links, not edges.
+        shells : {"plane-strain"}, optional
+            What the shells of a Nastran or Abaqus file without solid cells are: cells in plane strain, without their
+            thickness. Without it they are an error.
 
         Returns
         -------
@@ -79,6 +84,8 @@ class Sources:
         ------
         MeshError
             If the file cannot be read.
+        InputError
+            If ``shells`` is another word.
 
         Examples
         --------
@@ -86,7 +93,9 @@ class Sources:
         >>> emmy.Mesh.read(path).n_cells
         2
         """
-        mesh = cls._of(_emmy.Mesh.read(os.fspath(path), list(links)))
+        if shells not in (None, "plane-strain"):
+            raise fault("shells", f'expected "plane-strain" or None, not {shells!r}')
+        mesh = cls._of(_emmy.Mesh.read(os.fspath(path), list(links), shells is not None))
         warn(mesh._native.notes)
         return mesh
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::mesh::{self, CellKind, Facet, MeshBuilder};
+use emmy_io::mesh::MeshOptions;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -147,10 +148,11 @@ impl Mesh {
         Ok(Mesh::new(mesh, note.into_iter().collect()))
     }
 
-    /// A mesh from a file; lines in the groups `links` are cells.
+    /// A mesh from a file; lines in the groups `links` are cells, and so are shells with `plane_shells`.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, links: Vec<String>) -> PyResult<Self> {
-        let file = pool::interruptible(py, move || emmy_io::mesh::read_with_links(&path, &links))?;
+    fn read(py: Python<'_>, path: PathBuf, links: Vec<String>, plane_shells: bool) -> PyResult<Self> {
+        let options = MeshOptions { links, plane_shells };
+        let file = pool::interruptible(py, move || emmy_io::mesh::read_with(&path, &options))?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))
     }
@@ -159,7 +161,8 @@ impl Mesh {
     #[staticmethod]
     fn from_vtu(py: Python<'_>, bytes: &[u8], links: Vec<String>) -> PyResult<Self> {
         let bytes = bytes.to_vec();
-        let parse = move || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), &bytes, &links);
+        let options = MeshOptions { links, ..MeshOptions::default() };
+        let parse = move || emmy_io::mesh::parse_with("mesh.vtu".as_ref(), &bytes, &options);
         let file = pool::interruptible(py, parse)?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))

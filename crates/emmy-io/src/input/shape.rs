@@ -12,7 +12,7 @@ use super::description::{Described, Key, Kind, POSITIVE, Section, exactly, list,
 use super::fault::{Fault, Place};
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
-use crate::mesh::MeshFile;
+use crate::mesh::{MeshFile, MeshOptions};
 use crate::message;
 
 /// A source of meshes.
@@ -94,8 +94,17 @@ pub(super) static MESH: Described = Described::new(|| {
     let section = Section::new("[mesh]", "Where the cells come from: exactly one source").exactly_one(&names);
     let add = |section: Section, key: Key| section.key(Key { if_absent: IfAbsent::Means(""), ..key });
     let section = keys.into_iter().fold(section, add);
-    section.may("scale", POSITIVE, "", "Factor on all coordinates").absent("1")
+    section
+        .may("scale", POSITIVE, "", "Factor on all coordinates")
+        .absent("1")
+        .may("shells", Kind::Word(vec![PLANE_STRAIN]), "", SHELLS)
+        .absent("an error")
 });
+
+/// Word of `shells`.
+const PLANE_STRAIN: &str = "plane-strain";
+
+const SHELLS: &str = "What the shells of a Nastran or Abaqus file without solid cells are: cells in plane strain, without their thickness";
 
 static L_BLOCK: Described = Described::new(|| {
     Section::new("l-block", "L-shaped block").must(
@@ -151,6 +160,8 @@ pub(super) struct Shape {
     /// Place of the source's value.
     place: Place,
     scale: Option<f64>,
+    /// Whether shells of a file are cells in plane strain.
+    plane_shells: bool,
 }
 
 #[derive(Debug)]
@@ -254,14 +265,25 @@ fn members(name: &str, item: &Item<'_>, what: &str, n: usize) -> Result<(String,
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     if let Some(mesh) = item.mesh() {
-        return Ok(Shape { source: Source::Given(mesh.clone()), place: item.place().clone(), scale: None });
+        let (source, place) = (Source::Given(mesh.clone()), item.place().clone());
+        return Ok(Shape { source, place, scale: None, plane_shells: false });
     }
     let table = item.table(&MESH)?;
     let item = table.exactly_one("one source")?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
     let kind = SOURCES.iter().find(|source| (source.key)().name == item.key());
     let kind = kind.ok_or_else(|| item.fault(format!("`{}` is not a source", item.key()), "not known"))?;
-    Ok(Shape { source: (kind.read)(item, directory)?, place: item.place().clone(), scale })
+    let source = (kind.read)(item, directory)?;
+    let shells = table.get("shells");
+    if let Some(shells) = &shells {
+        shells.word("treatment of shells", &[PLANE_STRAIN])?;
+        if !matches!(source, Source::File(_)) {
+            return Err(
+                shells.fault("`shells` is a key of mesh files; a built-in mesh has none", "of no use here")
+            );
+        }
+    }
+    Ok(Shape { source, place: item.place().clone(), scale, plane_shells: shells.is_some() })
 }
 
 fn l_block(table: Table<'_>) -> Result<Source, Fault> {
@@ -322,7 +344,8 @@ impl Shape {
             Source::Network(network) => made(network.mesh(), network.notes.clone()),
             Source::Given(mesh) => made(emmy::mesh::check(mesh).map(|()| Mesh::clone(mesh)), Vec::new()),
             Source::File(path) => {
-                crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
+                let options = MeshOptions { links: links.to_vec(), plane_shells: self.plane_shells };
+                crate::mesh::read_with(path, &options).map_err(|error| match neighbour(path) {
                     Some(name) => at(&error).help(format!("did you mean `{name}`?")),
                     None => at(&error),
                 })

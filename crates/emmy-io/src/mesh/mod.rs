@@ -49,6 +49,24 @@ pub struct MeshFile {
     pub files: Vec<PathBuf>,
 }
 
+/// How a file is read where its format leaves a choice.
+///
+/// ```
+/// let options = emmy_io::mesh::MeshOptions { plane_shells: true, ..Default::default() };
+/// let sheet = b"GRID,1\nGRID,2,,2.\nGRID,3,,2.,1.\nGRID,4,,,1.\nCQUAD4,1,7,1,2,3,4\nPSHELL,7,1,.01,1\nENDDATA\n";
+/// let file = emmy_io::mesh::parse_with("sheet.bdf".as_ref(), sheet, &options)?;
+/// assert_eq!(file.mesh.cell(0).kind, emmy::mesh::CellKind::Quad4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct MeshOptions {
+    /// Groups whose lines of two nodes are cells (line2), not edges. The links of Abaqus (T3D2, T2D2, CONN3D2, SPRINGA)
+    /// are always cells.
+    pub links: Vec<String>,
+    /// Whether the shells of a file without solid cells are cells in plane strain; without it they are an error.
+    pub plane_shells: bool,
+}
+
 /// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
 /// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression).
 ///
@@ -77,18 +95,17 @@ pub struct MeshFile {
 /// # Errors
 /// [`MeshError`]: file unreadable, of unknown format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
 pub fn read(path: &Path) -> Result<MeshFile> {
-    read_with_links(path, &[])
+    read_with(path, &MeshOptions::default())
 }
 
-/// As [`read`], but lines of two nodes in some groups are cells (line2). The links of Abaqus (T3D2, T2D2, CONN3D2,
-/// SPRINGA) are always cells.
+/// As [`read`], with options.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
+pub fn read_with(path: &Path, options: &MeshOptions) -> Result<MeshFile> {
     let bytes = crate::whole_file::read(path)
         .map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
-    parse_with_links(path, &bytes, links)
+    parse_with(path, &bytes, options)
 }
 
 /// Mesh in the bytes of a file, as [`read`]; `path` is its name in messages and the base of its includes.
@@ -103,14 +120,14 @@ pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
-    parse_with_links(path, bytes, &[])
+    parse_with(path, bytes, &MeshOptions::default())
 }
 
-/// Mesh in the bytes of a file, as [`read_with_links`].
+/// Mesh in the bytes of a file, as [`read_with`].
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
+pub fn parse_with(path: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
     if let Some(error) = other::format(path) {
         return Err(error);
     }
@@ -122,10 +139,10 @@ pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<M
         });
     }
     match format(path, bytes) {
-        Some(Format::Gmsh) => gmsh::mesh(path, bytes, links),
-        Some(Format::Abaqus) => abaqus::mesh(path, bytes, links),
-        Some(Format::Vtu) => vtu::mesh(path, bytes, links),
-        Some(Format::Nastran) => nastran::mesh(path, bytes, links),
+        Some(Format::Gmsh) => gmsh::mesh(path, bytes, &options.links),
+        Some(Format::Abaqus) => abaqus::mesh(path, bytes, options),
+        Some(Format::Vtu) => vtu::mesh(path, bytes, &options.links),
+        Some(Format::Nastran) => nastran::mesh(path, bytes, options),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
 }

@@ -23,11 +23,8 @@ fn mesh_files() {
         [("gmsh", "fuzz.msh"), ("abaqus", "fuzz.inp"), ("nastran", "fuzz.bdf"), ("vtu", "fuzz.vtu")];
     for (target, name) in readers {
         for file in corpus(target) {
-            let read = emmy_io::mesh::parse_with_links(
-                name.as_ref(),
-                &fs::read(&file).unwrap(),
-                &["links".to_string()],
-            );
+            let options = crate::meshes::links("links");
+            let read = emmy_io::mesh::parse_with(name.as_ref(), &fs::read(&file).unwrap(), &options);
             if let Err(error) = read {
                 assert!(!error.to_string().is_empty(), "{}", file.display());
             }

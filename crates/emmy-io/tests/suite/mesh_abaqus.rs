@@ -170,7 +170,7 @@ fn lines_beside_faces_are_edges_unless_links_are_asked_for() {
     assert_eq!([0, 1, 2].into_iter().filter(|&axis| constant(axis)).count(), 2, "{points:?}");
     assert!(file.notes.iter().any(|note| note.contains("lines are read as edges")), "{:?}", file.notes);
     let links =
-        emmy_io::mesh::read_with_links(&crate::meshes::path("gmsh-solid.inp"), &["Line1".to_string()])
+        emmy_io::mesh::read_with(&crate::meshes::path("gmsh-solid.inp"), &crate::meshes::links("Line1"))
             .unwrap();
     assert!(links.mesh.counts_by_kind().iter().any(|(kind, _)| *kind == CellKind::Line2));
 }

@@ -1,7 +1,9 @@
 //! Lines of mesh files as links: cells on request, edges otherwise.
 
 use emmy::mesh::CellKind;
-use emmy_io::mesh::{parse, parse_with_links};
+use emmy_io::mesh::{parse, parse_with};
+
+use crate::meshes::links;
 
 /// A tetrahedron, two lines from its tip in the physical curve `springs`, one along an edge in `edge`.
 const GMSH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"springs\"\n1 2 \"edge\"\n3 3 \"body\"\n\
@@ -10,7 +12,7 @@ const GMSH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1
 
 #[test]
 fn lines_of_gmsh_are_cells_in_the_groups_that_are_named() {
-    let file = parse_with_links("a.msh".as_ref(), GMSH.as_bytes(), &["springs".to_string()]).unwrap();
+    let file = parse_with("a.msh".as_ref(), GMSH.as_bytes(), &links("springs")).unwrap();
     let (mesh, groups) = (&file.mesh, file.mesh.groups());
     assert_eq!(mesh.counts_by_kind(), [(CellKind::Tet4, 1), (CellKind::Line2, 2)]);
     assert_eq!((groups.cells("springs").unwrap().len(), groups.cells("body").unwrap().len()), (2, 1));
@@ -32,7 +34,7 @@ fn lines_are_no_cells_unless_they_are_asked_for() {
 fn a_file_of_lines_alone_is_a_network() {
     let start = GMSH.find("$Elements").unwrap();
     let text = format!("{}$Elements\n2\n1 1 2 1 1 4 5\n2 1 2 1 1 5 6\n$EndElements\n", &GMSH[..start]);
-    let file = parse_with_links("a.msh".as_ref(), text.as_bytes(), &["springs".to_string()]).unwrap();
+    let file = parse_with("a.msh".as_ref(), text.as_bytes(), &links("springs")).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Line2, 2)]);
     assert!((emmy::mesh::quality(&file.mesh).volume - 2.0).abs() < 1e-15);
     let none = parse("a.msh".as_ref(), text.as_bytes()).unwrap_err().to_string();

@@ -1,8 +1,8 @@
 //! Nastran files written by Gmsh (`meshes/generate.py`), and others by hand.
 
-use crate::meshes::{assert_plane, assert_straight, close, parse_text, read, volume};
+use crate::meshes::{assert_plane, assert_straight, close, links, parse_text, read, volume};
 use emmy::mesh::CellKind;
-use emmy_io::mesh::{parse_with_links, read_with_links};
+use emmy_io::mesh::{MeshOptions, parse_with, read_with};
 
 /// Corners of a unit cube, prism, tetrahedron and pyramid, and the corners at the ends of the edge of each midside node
 /// in the order of the Quick Reference Guide (CHEXA, CPENTA, CTETRA, CPYRAM), counted from 1.
@@ -138,10 +138,10 @@ fn a_plane_of_shells_is_a_body_in_plane_strain() {
 #[test]
 fn lines_of_a_group_for_links_are_cells() {
     let text = format!("{TET}CTETRA,1,3,1,2,3,4\nCROD,2,8,1,4\n");
-    let file = parse_with_links("a.bdf".as_ref(), text.as_bytes(), &["pid_8".to_string()]).unwrap();
+    let file = parse_with("a.bdf".as_ref(), text.as_bytes(), &links("pid_8")).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1), (CellKind::Line2, 1)]);
     let path = crate::meshes::path("nastran-wedge15.bdf");
-    assert!(read_with_links(&path, &[]).is_ok());
+    assert!(read_with(&path, &MeshOptions::default()).is_ok());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use emmy::mesh::{Cell, Mesh};
-use emmy_io::mesh::{MeshError, MeshFile, parse};
+use emmy_io::mesh::{MeshError, MeshFile, MeshOptions, parse};
 
 pub(crate) fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/meshes").join(name)
@@ -16,6 +16,11 @@ pub(crate) fn bytes(name: &str) -> Vec<u8> {
 
 pub(crate) fn read(name: &str) -> MeshFile {
     emmy_io::mesh::read(&path(name)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Lines of a group as cells.
+pub(crate) fn links(group: &str) -> MeshOptions {
+    MeshOptions { links: vec![group.to_string()], ..MeshOptions::default() }
 }
 
 pub(crate) fn parse_text(name: &str, text: &str) -> Result<MeshFile, MeshError> {

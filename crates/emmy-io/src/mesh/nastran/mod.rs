@@ -10,19 +10,19 @@ use std::path::Path;
 use emmy::mesh::CellKind;
 
 use super::abaqus::{At, Deck, Element, Of, assembled};
-use super::{MeshError, MeshFile, Place, Result, without_mark};
+use super::{MeshError, MeshFile, MeshOptions, Place, Result, without_mark};
 use crate::message::counted;
 use card::Card;
 
-/// The mesh in the bytes of a bulk data file; lines in the groups `links` are cells.
-pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
+/// The mesh in the bytes of a bulk data file.
+pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
     let text = String::from_utf8_lossy(without_mark(bytes));
     let mut reader = Reader { file, deck: Deck::default(), elements: Vec::new(), omitted: BTreeMap::new() };
     reader.deck.files.push(file.to_path_buf());
     for card in card::cards(&text) {
         reader.card(&card)?;
     }
-    let deck = reader.deck(&names::properties(&text), links)?;
+    let deck = reader.deck(&names::properties(&text), &options.links)?;
     assembled::mesh(file, &deck).map_err(|error| match error {
         MeshError::NoCells { file, .. } => MeshError::NoCells {
             file,
