@@ -11,11 +11,15 @@ pub(crate) enum Treatment {
     NoEffect,
     /// It would change the motion, and is left out, with a note.
     LeftOut,
+    /// It makes nodes or cells in a way that is not read: an error.
+    Refused,
 }
 
+#[cfg(test)]
 impl Treatment {
     /// All, in the order of the documentation.
-    pub(crate) const ALL: [Treatment; 3] = [Treatment::Read, Treatment::NoEffect, Treatment::LeftOut];
+    pub(crate) const ALL: [Treatment; 4] =
+        [Treatment::Read, Treatment::NoEffect, Treatment::LeftOut, Treatment::Refused];
 
     /// Words of the documentation.
     pub(crate) const fn name(self) -> &'static str {
@@ -23,6 +27,7 @@ impl Treatment {
             Treatment::Read => "read",
             Treatment::NoEffect => "without effect on the motion",
             Treatment::LeftOut => "would change the motion: left out, with a note",
+            Treatment::Refused => "makes nodes or cells: an error",
         }
     }
 }
@@ -31,7 +36,8 @@ impl Treatment {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entries {
     pub(crate) treatment: Treatment,
-    /// What they have in common, such as `rigid elements and constraints`.
+    /// What they have in common, such as `rigid elements and constraints`, for the documentation.
+    #[cfg_attr(not(test), expect(dead_code))]
     pub(crate) what: &'static str,
     /// Names in upper case; one that ends with `*` stands for all names that begin so.
     pub(crate) names: &'static [&'static str],
@@ -59,7 +65,7 @@ impl Account {
     pub(crate) fn add(&mut self, table: &[Entries], name: &str) -> Option<Treatment> {
         let treatment = treatment(table, name);
         match treatment {
-            Some(Treatment::Read | Treatment::NoEffect) => {}
+            Some(Treatment::Read | Treatment::NoEffect | Treatment::Refused) => {}
             Some(Treatment::LeftOut) => self.leave_out(name),
             None => *self.unknown.entry(name.to_string()).or_default() += 1,
         }

@@ -199,6 +199,16 @@ pub enum MeshError {
         /// Something to try.
         advice: &'static str,
     },
+    /// A file whose elements are neither solid nor plane.
+    #[error("{}: the file has no solid or plane cells, only {found}; {advice}", file.display())]
+    NothingSolid {
+        /// The file.
+        file: PathBuf,
+        /// Numbers and types of its elements.
+        found: String,
+        /// Something to try.
+        advice: String,
+    },
     /// Text or bytes that the format does not permit at this place.
     #[error("{place}: {problem}; {advice}")]
     Malformed {

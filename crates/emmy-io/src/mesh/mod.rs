@@ -36,6 +36,10 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
     (gmsh::number(kind), abaqus::types(kind))
 }
 
+/// Entries of each format, and what its reader does with them.
+#[cfg(test)]
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 1] = [("Nastran", nastran::TABLE)];
+
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
 /// A mesh from a file, with remarks on how it was read.
@@ -79,7 +83,7 @@ pub struct MeshOptions {
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
-/// `spc_SET`.
+/// `spc_SET`. Cards that are left out are counted in notes.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane

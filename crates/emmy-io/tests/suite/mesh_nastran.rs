@@ -124,7 +124,13 @@ fn sets_names_and_shells_become_groups() {
     assert_eq!((groups.facets("pid_4").unwrap().len(), groups.cells("steel").unwrap()), (1, &[0][..]));
     assert_eq!((&groups.nodes["spc_5"][..], &groups.nodes["spc_6"][..]), (&[0, 1, 2][..], &[1, 3][..]));
     assert!(close(file.mesh.points()[2], [0.0, 2.0, 0.0]) && (volume(&file.mesh) - 4.0 / 3.0).abs() < 1e-15);
-    assert_eq!(file.notes, ["elements that are not read: 1 CONM2, 1 RBE2"]);
+    assert_eq!(
+        file.notes,
+        [
+            "2 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups spc_5, spc_6",
+            "left out, though it may change the motion: 1 CONM2, 1 CTRIA3, 1 FORCE, 1 RBE2"
+        ]
+    );
 }
 
 #[test]
@@ -160,8 +166,9 @@ fn faults_have_their_line_and_their_card() {
     let broken = TET.replacen("2.+0", "2.x0", 1);
     let twice = TET.replacen("GRID    2", "GRID    1", 1);
     let cases = [
-        (format!("{system}CTETRA,1,3,1,2,3,4\n"), "a.bdf, line 2: coordinates in system 7 are not supported"),
-        (format!("GRDSET,,5\n{TET}"), "a.bdf, line 1: coordinates in system 5"),
+        (format!("{system}CTETRA,1,3,1,2,3,4\n"), "a.bdf, line 2: there is no coordinate system 7"),
+        (format!("GRDSET,,5\n{TET}"), "a.bdf, line 2: there is no coordinate system 5"),
+        (format!("GRDSET,,5\nGRDSET\n{TET}"), "a.bdf, line 2: a second GRDSET"),
         (
             format!("{broken}CTETRA,1,3,1,2,3,4\n"),
             "a.bdf, line 2: expected a coordinate in GRID, found \"2.x0\"",
@@ -172,11 +179,30 @@ fn faults_have_their_line_and_their_card() {
             format!("{TET}CTETRA,1,3,1,2,3\n"),
             "a.bdf, line 5: element 1 (CTETRA) has 3 nodes instead of 4 or 10",
         ),
-        (format!("{TET}CTETRA,1,3,1,2,3,4,2\n"), "element 1 (CTETRA) has 5 nodes instead of 4 or 10"),
+        (
+            format!("{TET}CTETRA,1,3,1,2,3,4,2\n"),
+            "element 1 (CTETRA) names node 2 as a corner and as a midside node",
+        ),
         (format!("{TET}CTETRA,1,3,1,2,x,4\n"), "expected a grid point in CTETRA, found \"x\""),
         (format!("{TET}CTETRA,1,3,1,2,3,4\nCTRIA3,1,3,1,2,3\n"), "a.bdf, line 6: element 1 exists already"),
         (format!("{TET}CTETRA,1,3,1,3,2,4\n"), "a.bdf: element 1 (tet4) is inverted"),
-        (format!("{TET}INCLUDE 'more.bdf'\n"), "a.bdf, line 5: INCLUDE is not supported"),
+        (format!("{TET}INCLUDE 'more.bdf'\n"), "a.bdf, line 5: the file more.bdf cannot be read"),
+        (format!("{TET}INCLUDE 'more.bdf\n"), "a.bdf, line 5: INCLUDE without a path"),
+        (format!("=,*1\n{TET}"), "a.bdf, line 1: `=` repeats the card above, and there is none"),
+        (format!("{TET}=3\n"), "a.bdf, line 5: `=3` repeats the card above, and there is none with `=`"),
+        (format!("{TET}=,*1,,*x\n"), "a.bdf, line 5: the field 0. by *x of GRID cannot be incremented"),
+        (
+            format!("{TET}=,*1\n=4000000000\n"),
+            "a.bdf, line 6: lines with `=` ask for more than 1000000 cards",
+        ),
+        (format!("{TET}=,*0\n"), "a.bdf, line 5: node 4 exists already"),
+        (format!("{TET}CHEX8,1,1,1,2,3,4\n"), "a.bdf, line 5: solid cells of the kind CHEX8 are not read"),
+        (format!("{TET}CGEN,CHEXA,1\n"), "a.bdf, line 5: CGEN makes grid points or cells, and is not read"),
+        (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SU makes grid points or cells"),
+        (
+            format!("{TET}CBAR,1,1,1,2\nCONM2,3,1,,2.5\n"),
+            "a.bdf: the file has no solid or plane cells, only 1 CBAR, 1 CONM2; the body must be",
+        ),
         (TET.to_string(), "a.bdf: the mesh has no solid or plane cells; the body must be in it as GRID"),
         (
             "GRID,1,,1.+999,0.,0.\n".to_string(),
@@ -187,4 +213,289 @@ fn faults_have_their_line_and_their_card() {
         let error = parse_text("a.bdf", &text).unwrap_err().to_string();
         assert!(error.contains(message), "{error}\n{message}");
     }
+}
+
+/// Two cells, as cards without `ENDDATA`.
+const CELLS: &str = "CHEXA,1,1,1,2,3,4,5,6\n,7,8\nCHEXA,2,1,2,9,10,3,6,11\n,12,7\n";
+
+/// Their corners.
+const CORNERS: [[f64; 3]; 12] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+    [2.0, 0.0, 0.0],
+    [2.0, 1.0, 0.0],
+    [2.0, 0.0, 1.0],
+    [2.0, 1.0, 1.0],
+];
+
+/// Grid points with the coordinates of a function, in a system.
+fn grids(system: &str, coordinates: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    let grid = |(index, point): (usize, &[f64; 3])| {
+        let [a, b, c] = coordinates(*point);
+        format!("GRID,{},{system},{a:?},{b:?},{c:?}\n", index + 1)
+    };
+    CORNERS.iter().enumerate().map(grid).collect()
+}
+
+fn has_note(notes: &[String], text: &str) {
+    assert!(notes.iter().any(|note| note.contains(text)), "{text}\n{notes:?}");
+}
+
+#[test]
+fn cells_repeat_with_increments() {
+    let mut text = "BEGIN BULK\n".to_string();
+    for x in [0, 1, 2, 3] {
+        for (node, [y, z, w]) in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().enumerate() {
+            text += &format!("GRID,{},,{}.,{z}.,{w}.\n", 10 * x + node as i32 + 1, 3 * x + y);
+        }
+    }
+    let fixed = "=             *1       =     *10     *10     *10     *10\n=(2)\n";
+    for copies in ["=,*1,=,*10,*10,*10,*10\n=2\n", "=,*(1),=,*(10),*10,*10,*10\n=(2)\n", fixed] {
+        let mesh = parse_text("a.bdf", &format!("{text}CTETRA,1,1,1,2,3,4\n{copies}ENDDATA\n")).unwrap().mesh;
+        assert_eq!((mesh.n_cells(), mesh.n_nodes()), (4, 16), "{copies}");
+        // Four tetrahedra of a sixth each.
+        assert!((volume(&mesh) - 2.0 / 3.0).abs() < 1e-15, "{copies}");
+        assert_eq!(mesh.groups().cells("pid_1").unwrap().len(), 4);
+    }
+    // Grid points along x, and cells between them with continuations.
+    let row = "GRID,1\n=,*1,,*1.\n=3\nGRID,11,,0.,1.\n=,*1,=,*1.,==\n=(3)\nGRID,21,,0.,0.,1.\n=,*1,=,*1.,==\n=3\n\
+               GRID,31,,0.,1.,1.\n=,*1,=,*1.,==\n=3\nCHEXA,1,7,1,2,12,11,21,22\n,32,31\n=,*1,=,*1,*1,*1,*1,*1,*1\n,*1,*1\n=2\nENDDATA\n";
+    let file = parse_text("a.bdf", row).unwrap();
+    assert_eq!((file.mesh.n_cells(), file.mesh.n_nodes(), file.notes.len()), (4, 20, 0), "{:?}", file.notes);
+    assert!((volume(&file.mesh) - 4.0).abs() < 1e-14);
+}
+
+#[test]
+fn tabs_lead_to_the_next_field() {
+    let grid =
+        |(index, [x, y, z]): (usize, &[f64; 3])| format!("GRID\t{}\t\t{x:.6}{y:.6}{z:.6}\n", index + 1);
+    let nodes: String = CORNERS.iter().enumerate().map(grid).collect();
+    let file = parse_text("a.bdf", &format!("BEGIN BULK\n{nodes}{CELLS}ENDDATA\n")).unwrap();
+    assert_eq!((file.mesh.n_cells(), file.notes.len()), (2, 0));
+    assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
+}
+
+#[test]
+fn local_systems_are_placed() {
+    let mean_of = |text: &str| {
+        let file = parse_text("a.bdf", text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert!((volume(&file.mesh) - 2.0).abs() < 1e-12, "{text}");
+        crate::meshes::mean(file.mesh.points())
+    };
+    let plain = |point| point;
+    let shifted = "CORD2R,5,,10.,0.,0.,10.,0.,1.\n,10.,1.,0.\n";
+    // The axis x of this system is y, its y is -x.
+    let turned = mean_of(&format!("{shifted}{}{CELLS}", grids("5", plain)));
+    assert!(close(turned, [10.0 - 0.5, 1.0, 0.5]), "{turned:?}");
+    let shifted = "CORD2R,5,,10.,0.,0.,10.,0.,1.\n,11.,0.,0.\n";
+    assert!(close(mean_of(&format!("{shifted}{}{CELLS}", grids("5", plain))), [11.0, 0.5, 0.5]));
+    // GRDSET, after the grid points; one that names the basic system stays there.
+    let default = format!("{}{CELLS}{shifted}GRDSET,,5\n", grids("", plain));
+    assert!(close(mean_of(&default), [11.0, 0.5, 0.5]));
+    assert!(close(mean_of(&format!("{}{CELLS}{shifted}GRDSET,,5\n", grids("0", plain))), [1.0, 0.5, 0.5]));
+    // Polar coordinates of every corner, about an axis parallel to z through (-1, -1, 0).
+    let polar = |[x, y, z]: [f64; 3]| [(x + 1.0).hypot(y + 1.0), (y + 1.0).atan2(x + 1.0).to_degrees(), z];
+    let cylinder = "CORD2C,6,,-1.,-1.,0.,-1.,-1.,1.\n,0.,-1.,0.\n";
+    assert!(close(mean_of(&format!("{cylinder}{}{CELLS}", grids("6", polar))), [1.0, 0.5, 0.5]));
+    // Angle from the axis z, then about it.
+    let spherical = |[x, y, z]: [f64; 3]| {
+        let (x, y, z) = (x + 1.0, y + 1.0, z + 1.0);
+        [(x * x + y * y + z * z).sqrt(), x.hypot(y).atan2(z).to_degrees(), y.atan2(x).to_degrees()]
+    };
+    let sphere = "CORD2S,6,,-1.,-1.,-1.,-1.,-1.,1.\n,0.,-1.,-1.\n";
+    assert!(close(mean_of(&format!("{sphere}{}{CELLS}", grids("6", spherical))), [1.0, 0.5, 0.5]));
+    // A system in a cylindrical one: origin r = 3, theta = 90, its z along z, its x along -x.
+    let nested =
+        "CORD2C,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,2,1,3.,90.,0.,3.,90.,1.\n,5.,143.13010235415598,0.\n";
+    assert!(close(mean_of(&format!("{nested}{}{CELLS}", grids("2", plain))), [-1.0, 2.5, 0.5]));
+    // Two systems by grid points, which lie in a local one themselves; z of system 8 is its y.
+    let points = "GRID,91,5,1.,0.,0.\nGRID,92,5,1.,1.,0.\nGRID,93,5,2.,0.,0.\nCORD1R,7,91,93,92,8,91,92,93\n";
+    let by_grids = format!("{shifted}{points}{}{CELLS}", grids("8", plain));
+    assert!(close(mean_of(&by_grids), [12.0, 0.5, -0.5]), "{:?}", mean_of(&by_grids));
+    for (kind, coordinates) in [("C", &polar as &dyn Fn([f64; 3]) -> [f64; 3]), ("S", &spherical)] {
+        let z = if kind == "S" { -1.0 } else { 0.0 };
+        let points = format!(
+            "GRID,91,,-1.,-1.,{z:?}\nGRID,92,,-1.,-1.,5.\nGRID,93,,0.,-1.,{z:?}\nCORD1{kind},7,91,92,93\n"
+        );
+        let mean = mean_of(&format!("{points}{}{CELLS}", grids("7", coordinates)));
+        assert!(close(mean, [1.0, 0.5, 0.5]), "{kind} {mean:?}");
+    }
+    let cases = [
+        (
+            "CORD2R,5,6,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,6,5,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
+            "is a system given in itself?",
+        ),
+        ("CORD1R,5,1,2,3\n", "is a system given in itself?"),
+        ("CORD1R,5,71,2,3\n", "a.bdf, line 1: there is no grid point 71"),
+        ("CORD2R,5,6,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n", "a.bdf, line 1: there is no coordinate system 6"),
+        (
+            "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,0.,3.\n",
+            "line 1: the three points of coordinate system 5 lie on one line",
+        ),
+        (
+            "CORD2R,5,,0.,0.,0.,0.,0.,0.\n,0.,0.,3.\n",
+            "the three points of coordinate system 5 lie on one line",
+        ),
+        ("CORD1R,5,1,2,3,5,1,2,3\n", "line 1: coordinate system 5 exists already"),
+        ("CORD2R,0,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n", "coordinate system 0 exists already"),
+    ];
+    for (systems, message) in cases {
+        let error =
+            parse_text("a.bdf", &format!("{systems}{}{CELLS}", grids("5", plain))).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}\n{message}");
+    }
+}
+
+#[test]
+fn files_include_others() {
+    let folder = std::env::temp_dir().join(format!("emmy-nastran-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("a long/name")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write(
+        "main.bdf",
+        "SOL 101\nCEND\nBEGIN BULK\nINCLUDE 'a long/\n   name/\n  cells.bulk' $ cells\ninclude \"a long\\name\\end.bulk\"\n,12,7\nENDDATA\n",
+    );
+    write("a long/name/cells.bulk", "INCLUDE grids.bulk\nCHEXA,1,1,1,2,3,4,5,6\n,7,8\n");
+    write("a long/name/grids.bulk", &grids("", |point| point));
+    write("a long/name/end.bulk", "$ Femap Property 1 : steel\nCHEXA,2,1,2,9,10,3,6,11\n");
+    let file = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap();
+    assert_eq!((file.mesh.n_cells(), file.notes.len()), (2, 0), "{:?}", file.notes);
+    assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
+    assert_eq!(file.mesh.groups().cells("steel").unwrap().len(), 2);
+    let names = ["main.bdf", "a long/name/cells.bulk", "a long/name/grids.bulk", "a long/name/end.bulk"];
+    let same = |(path, name): (&std::path::PathBuf, &str)| {
+        path.canonicalize().unwrap() == folder.join(name).canonicalize().unwrap()
+    };
+    assert!(file.files.len() == 4 && file.files.iter().zip(names).all(same), "{:?}", file.files);
+    // A fault has the line of its own file, and a file that includes itself ends.
+    write("main.bdf", "INCLUDE 'wrong.bulk'\n");
+    write("wrong.bulk", "GRID,1\nGRID,x\n");
+    let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
+    assert!(error.contains("wrong.bulk, line 2: expected the number of a grid point"), "{error}");
+    write("main.bdf", "INCLUDE 'main.bdf'\nINCLUDE 'main.bdf'\n");
+    let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
+    assert!(error.contains("does a file include itself?"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn missing_midside_nodes_are_put_on_their_edges() {
+    let sheet = "GRID,1,,0,0,0.\nGRID,2,,1,0,0.\nGRID,3,,1,1,0.\nGRID,4,,0,1,0.\nGRID,5,,0.5,0,0.\nGRID,7,,0.5,1,0.\n\
+                 GRID,8,,0,0.5,0.\nCQUAD8,1,7,1,2,3,4,5,\n,7,8,,,,,90.\nENDDATA\n";
+    let file = parse_text("a.bdf", sheet).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Quad8, 1)]);
+    assert!(close(file.mesh.points()[file.mesh.cell(0).nodes[5] as usize], [1.0, 0.5, 0.0]));
+    has_note(&file.notes, "1 midside node was missing, and is put at the middle of the edge");
+    // Two tetrahedra at the face 1, 2, 3: one new node on its edge 2-3, which both have; the edge 1-3 has one already.
+    let text = format!(
+        "{TET}GRID,5,,0.,0.,-2.\nGRID,6,,1.,0.,0.\nGRID,7,,0.,1.,0.\nCTETRA,1,3,1,2,3,4,6,0\n,7\nCTETRA,2,3,1,3,2,5,\n,6\nENDDATA\n"
+    );
+    let file = parse_text("a.bdf", &text).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet10, 2)]);
+    // Five corners and nine edges.
+    assert_eq!(file.mesh.n_nodes(), 5 + 9);
+    assert_straight(&file.mesh);
+    has_note(&file.notes, "7 midside nodes were missing, and are put at the middle of the edge");
+    // A linear cell does not follow the new nodes of the face.
+    let text = text.replace("CTETRA,2,3,1,3,2,5,\n,6\n", "CTETRA,2,3,1,3,2,5\n");
+    let file = parse_text("a.bdf", &text).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1), (CellKind::Tet10, 1)]);
+    has_note(&file.notes, "edge; 1 linear cell lies at these edges, not joined to the new nodes");
+}
+
+/// Three squares of one property.
+const SHEET: &str = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,1.,1.,0.\nGRID,6,,2.,1.,0.\n\
+    GRID,7,,3.,0.,0.\nGRID,8,,3.,1.,0.\nCQUAD4,1,7,1,2,5,4\nCQUAD4,2,7,2,3,6,5\nCQUAD4,3,7,3,7,8,6\nMAT1,1,2.1+11,,.3,7850.\n";
+
+#[test]
+fn shells_are_plane_strain_on_request_only() {
+    let plane = MeshOptions { plane_shells: true, ..MeshOptions::default() };
+    let area = |properties: &str, options: &MeshOptions| {
+        let text = format!("{SHEET}{properties}ENDDATA\n");
+        parse_with("a.bdf".as_ref(), text.as_bytes(), options)
+            .map(|file| (emmy::mesh::quality(&file.mesh).volume, file.notes))
+    };
+    for shell in ["PSHELL,7,1,0.01,1,,1\n", "PCOMP,7\n,1,.1,45.\n"] {
+        let error = area(shell, &MeshOptions::default()).unwrap_err().to_string();
+        let card = &shell[..shell.find(',').unwrap()];
+        assert!(
+            error.contains(&format!("a.bdf, line 9: element 1 (CQUAD4) is a shell with {card} 7")),
+            "{error}"
+        );
+        assert!(error.contains("shells = \"plane-strain\""), "{error}");
+        let (area, notes) = area(shell, &plane).unwrap();
+        assert!((area - 3.0).abs() < 1e-15);
+        assert_eq!(notes, ["3 shells are read as cells in plane strain; their thickness is not read"]);
+    }
+    let (_, notes) = area("", &MeshOptions::default()).unwrap();
+    assert_eq!(notes, ["3 elements without PSHELL or PCOMP are read as cells in plane strain"]);
+    // Properties that say plane strain themselves.
+    for property in ["PLPLANE,7,1\n", "PSHELL,7,1,.1,-1\n"] {
+        assert_eq!(area(property, &MeshOptions::default()).unwrap().1, Vec::<String>::new());
+    }
+}
+
+#[test]
+fn what_is_beside_the_cells_is_left_out_and_its_sets_are_groups() {
+    let nodes = grids("", |point| point);
+    let text = format!(
+        "{nodes}{CELLS}PSOLID,1,1\nGRID,21,,5.,0.,0.\nGRID,22,,6.,0.,0.\nGRID,23,,6.,1.,0.\nGRID,24,,5.,1.,0.\n$ Femap Property 4 : cover\n\
+         CQUAD4,11,4,21,22,23,24\nCQUAD4,12,4,10,9,22,23\nPSHELL,4,1,.1\nCQUAD4,13,5,9,10,12,11\nCELAS1,21,6,9,1,10,1\nPELAS,6,100.\n\
+         CBUSH,22,7,11\nCBEAM,23,8,1,21\nPBEAML,8,1\nCONM2,24,3,,2.5\nMPC,1,9,1,1.,10,1,-1.\nTEMPD,1,20.\nTIC,1,9,1,.1\nPLOAD4,1,1,2.\nSPC1,5,12,1,THRU,4,9\nFOO,1\nENDDATA\n"
+    );
+    let file = parse_text("a.bdf", &text).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Hex8, 2)]);
+    assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
+    let groups = file.mesh.groups();
+    assert_eq!(groups.names(), ["cover", "pid_1", "pid_5", "pid_6", "pid_7", "pid_8", "spc_5"]);
+    assert_eq!((groups.facets("pid_5").unwrap().len(), groups.nodes["cover"].len()), (1, 2));
+    assert_eq!(
+        (groups.nodes["pid_6"].len(), groups.nodes["pid_7"].len(), groups.nodes["pid_8"].len()),
+        (2, 1, 1)
+    );
+    assert_eq!(groups.nodes["spc_5"].len(), 5);
+    let left_out = "1 CBEAM, 1 CBUSH, 1 CELAS1, 1 CONM2, 1 MPC, 1 PLOAD4, 1 TEMPD, 1 TIC";
+    has_note(&file.notes, &format!("left out, though it may change the motion: 2 CQUAD4, {left_out}"));
+    has_note(&file.notes, "not known, and left out: 1 FOO");
+    has_note(&file.notes, "1 constraint (SPC, SPC1, GRID) fixes nothing without a `support`: groups spc_5");
+}
+
+#[test]
+fn constraints_of_grid_points_are_groups() {
+    let mut nodes = grids("", |point| point).replace("GRID,1,,0.0,0.0,0.0\n", "GRID,1,,0.,0.,0.,,3456\n");
+    nodes = nodes.replace("GRID,2,,1.0,0.0,0.0\n", "GRID,2,,1.,0.,0.,,0\n");
+    let file = parse_text("a.bdf", &format!("{nodes}{CELLS}ENDDATA\n")).unwrap();
+    assert_eq!(file.mesh.groups().nodes["ps_3"], [0]);
+    let file = parse_text("a.bdf", &format!("GRDSET,,,,,,,21456\n{nodes}{CELLS}ENDDATA\n")).unwrap();
+    assert_eq!((file.mesh.groups().nodes["ps_3"].len(), file.mesh.groups().nodes["ps_12"].len()), (1, 10));
+    has_note(
+        &file.notes,
+        "11 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups ps_12, ps_3",
+    );
+    // In a plane, z is fixed anyway.
+    let sheet = SHEET
+        .replace("GRID,1,,0.,0.,0.", "GRID,1,,0.,0.,0.,,3")
+        .replace("GRID,2,,1.,0.,0.", "GRID,2,,1.,0.,0.,,13");
+    let file = parse_text("a.bdf", &format!("{sheet}ENDDATA\n")).unwrap();
+    assert_eq!((file.mesh.groups().nodes.len(), &file.mesh.groups().nodes["ps_1"][..]), (1, &[1][..]));
+}
+
+#[test]
+fn a_file_that_is_cut_off_has_a_note() {
+    let text = format!("{}{CELLS}ENDDATA\n", grids("", |point| point));
+    let notes = |text: &str| parse_text("a.bdf", text).unwrap().notes;
+    assert_eq!(notes(&text), Vec::<String>::new());
+    let cut = text.find("CHEXA,2").unwrap();
+    has_note(&notes(&text[..cut]), "a.bdf: there is no ENDDATA at the end; is the file cut off?");
+    let announced =
+        text[..cut].replace("CHEXA,1,1,1,2,3,4,5,6\n,7,8", "CHEXA,1,1,1,2,3,4,5,6,+A\n+A,7,8,,,,,,,+B");
+    has_note(&notes(&announced), "a.bdf, line 14: 1 line announces a continuation that is not there");
+    has_note(&notes(&format!("+Q,7\n{text}GRID,99\n")), "a.bdf, line 1: 1 line continues no card");
+    has_note(&notes(&format!("{text}GRID,99\n")), "a.bdf, line 18: 1 line after ENDDATA is not read");
 }

@@ -94,6 +94,8 @@ fn formats() -> Vec<Mistake> {
         nastran("nastran-with-a-coordinate-that-is-none", "GRID,5,,1.,x,0.\n"),
         nastran("nastran-of-bars", "CBAR,1,1,1,2\n"),
         nastran("nastran-of-masses", "CONM2,1,1,,2.5\n"),
+        nastran("nastran-of-shells", "CTRIA3,1,7,1,2,3\nPSHELL,7,1,.1\n"),
+        nastran("nastran-with-an-unknown-solid", "CHEX8,1,1,1,2,3,4\n"),
         nastran("nastran-in-two-files", "INCLUDE 'part2.bdf'\n"),
         file("mesh-of-salome", "part.med", "HDF"),
         file("mesh-of-cgns", "part.cgns", "CDF"),

@@ -1,5 +1,10 @@
 //! Cards of bulk data: fields of 8 or 16 columns, or between commas, on one or more lines.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use super::super::abaqus::At;
+
 /// Columns of the name, of a field and of a large field.
 const NARROW: usize = 8;
 const WIDE: usize = 16;
@@ -13,43 +18,173 @@ const N_WIDE: usize = 4;
 pub(super) struct Card<'a> {
     /// The name in upper case, without `*`.
     pub(super) name: String,
-    pub(super) fields: Vec<&'a str>,
-    /// Number of the first line.
-    pub(super) line: u32,
+    pub(super) fields: Vec<Cow<'a, str>>,
+    /// The first line.
+    pub(super) at: At,
 }
 
-impl<'a> Card<'a> {
+impl Card<'_> {
     /// A field, counted from 0 after the name; one that is not there is empty.
-    pub(super) fn field(&self, index: usize) -> &'a str {
-        self.fields.get(index).copied().unwrap_or_default()
+    pub(super) fn field(&self, index: usize) -> &str {
+        self.fields.get(index).map_or("", |field| field)
+    }
+
+    /// The fields from an index on.
+    pub(super) fn from(&self, index: usize) -> Vec<&str> {
+        self.fields.iter().skip(index).map(|field| &**field).collect()
     }
 }
 
-/// The cards of a text, from `BEGIN BULK`, if it is there, up to `ENDDATA`.
-pub(super) fn cards(text: &str) -> Vec<Card<'_>> {
-    let lines = || text.lines().zip(1..).map(|(line, number)| (without_comment(line), number));
-    let start = lines().find(|(line, _)| is_begin(line)).map_or(0, |(_, number)| number);
-    let mut cards: Vec<Card<'_>> = Vec::new();
-    for (line, number) in lines().skip(start as usize).filter(|(line, _)| !line.is_empty()) {
-        let (head, fields, width) = split(line);
-        if head.is_empty() || head.starts_with(['+', '*']) {
-            // A continuation without a card belongs to nothing.
-            let Some(card) = cards.last_mut() else { continue };
-            card.fields.resize(card.fields.len().next_multiple_of(width), "");
-            card.fields.extend(fields);
+/// The bulk data section.
+#[derive(Debug, Default)]
+pub(super) struct Bulk<'a> {
+    pub(super) cards: Vec<Card<'a>>,
+    /// Continuations that belong to no card: their number, and the first one.
+    pub(super) stray: Option<(usize, At)>,
+    /// Lines with the mark of a continuation that is not there.
+    pub(super) open: Option<(usize, At)>,
+    pub(super) has_end: bool,
+    /// Lines after the end.
+    pub(super) rest: Option<(usize, At)>,
+}
+
+fn count(counted: &mut Option<(usize, At)>, at: At) {
+    counted.get_or_insert((0, at)).0 += 1;
+}
+
+/// Fields of a card, or of continuations whose card is elsewhere; those have no name.
+#[derive(Debug)]
+struct Piece<'a> {
+    name: String,
+    fields: Vec<Cow<'a, str>>,
+    at: At,
+    /// Mark of the first line, if it is a continuation.
+    own: String,
+    /// Mark of the last line.
+    next: Mark,
+    /// Fields of a full first and last line, and the index of the first field in the last line.
+    widths: [usize; 2],
+    last: usize,
+}
+
+#[derive(Debug)]
+struct Mark {
+    key: String,
+    at: At,
+    /// Whether it begins with `+` or `*`; sequence numbers do not.
+    is_sure: bool,
+}
+
+impl<'a> Piece<'a> {
+    fn new(name: String, own: String, line: Line<'a>, at: At) -> Self {
+        Piece {
+            name,
+            at,
+            own,
+            next: mark(&line.mark, at),
+            widths: [line.width; 2],
+            fields: line.fields,
+            last: 0,
+        }
+    }
+
+    fn line(&mut self, line: Line<'a>, at: At) {
+        self.append(Piece::new(String::new(), String::new(), line, at));
+    }
+
+    /// Adds continuations; the line before them counts as full.
+    fn append(&mut self, more: Piece<'a>) {
+        let full = self.fields.len().max(self.last + self.widths[1]).next_multiple_of(more.widths[0]);
+        self.fields.resize(full, Cow::Borrowed(""));
+        self.fields.extend(more.fields);
+        (self.last, self.widths[1], self.next) = (full + more.last, more.widths[1], more.next);
+    }
+}
+
+/// The cards from `BEGIN BULK`, if it is there, up to `ENDDATA`, with their continuations: the next lines, if these have no
+/// mark or the mark of the line before, otherwise the lines with its mark anywhere.
+pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bulk<'a> {
+    let lines = lines.map(|(line, at)| (without_comment(line), at));
+    let start = lines.clone().position(|(line, _)| is_begin(line)).map_or(0, |index| index + 1);
+    let mut bulk = Bulk::default();
+    let mut pieces: Vec<Piece<'a>> = Vec::new();
+    for (text, at) in lines.skip(start).filter(|(line, _)| !line.trim().is_empty() && !is_begin(line)) {
+        if bulk.has_end {
+            count(&mut bulk.rest, at);
             continue;
         }
-        let name = head.trim_end_matches('*').trim_end().to_ascii_uppercase();
-        if name == "ENDDATA" {
-            break;
+        let line = split(text);
+        if line.head.is_empty() || line.head.starts_with(['+', '*']) {
+            let own = key(&line.head);
+            match pieces.last_mut() {
+                Some(last) if own.is_empty() || own == last.next.key => last.line(line, at),
+                None if own.is_empty() => count(&mut bulk.stray, at),
+                _ => pieces.push(Piece::new(String::new(), own, line, at)),
+            }
+            continue;
         }
-        cards.push(Card { name, fields, line: number });
+        let name = line.head.trim_end_matches('*').trim_end().to_ascii_uppercase();
+        match name.as_str() {
+            "ENDDATA" => bulk.has_end = true,
+            _ => pieces.push(Piece::new(name, String::new(), line, at)),
+        }
+    }
+    bulk.cards = joined(pieces, &mut bulk.stray, &mut bulk.open);
+    bulk
+}
+
+/// Cards with the continuations that stand elsewhere.
+fn joined<'a>(
+    pieces: Vec<Piece<'a>>,
+    stray: &mut Option<(usize, At)>,
+    open: &mut Option<(usize, At)>,
+) -> Vec<Card<'a>> {
+    let mut loose = HashMap::<String, Piece<'a>>::new();
+    let mut cards: Vec<Piece<'a>> = Vec::new();
+    // Continuations after a line without a mark, which belong to it unless another card has their mark.
+    let mut nearest = Vec::new();
+    let mut is_after_unmarked = false;
+    for piece in pieces {
+        let is_unmarked = piece.next.key.is_empty();
+        if !piece.name.is_empty() {
+            cards.push(piece);
+        } else if loose.contains_key(&piece.own) {
+            count(stray, piece.at);
+        } else {
+            if is_after_unmarked {
+                nearest.push((cards.len() - 1, piece.own.clone()));
+            }
+            loose.insert(piece.own.clone(), piece);
+        }
+        is_after_unmarked = is_unmarked && !cards.is_empty();
     }
     for card in &mut cards {
-        let length = card.fields.iter().rposition(|field| !field.is_empty()).map_or(0, |last| last + 1);
-        card.fields.truncate(length);
+        // The continuation of a line is never without a mark here.
+        while let Some(more) = loose.remove(&card.next.key) {
+            card.append(more);
+        }
     }
-    cards
+    for (card, own) in nearest {
+        if let Some(more) = loose.remove(&own) {
+            cards[card].append(more);
+        }
+    }
+    let mut rest: Vec<At> = loose.into_values().map(|piece| piece.at).collect();
+    rest.sort_unstable_by_key(|at| (at.file, at.line));
+    rest.into_iter().for_each(|at| count(stray, at));
+    for card in &cards {
+        if card.next.is_sure {
+            count(open, card.next.at);
+        }
+    }
+    cards.into_iter().map(card).collect()
+}
+
+fn card(piece: Piece<'_>) -> Card<'_> {
+    let Piece { name, mut fields, at, .. } = piece;
+    let length = fields.iter().rposition(|field| !field.is_empty()).map_or(0, |last| last + 1);
+    fields.truncate(length);
+    Card { name, fields, at }
 }
 
 fn without_comment(line: &str) -> &str {
@@ -58,34 +193,84 @@ fn without_comment(line: &str) -> &str {
 
 fn is_begin(line: &str) -> bool {
     let mut words = line.split_whitespace();
-    let is_word =
-        |word: Option<&str>, wanted: &str| word.is_some_and(|word| word.eq_ignore_ascii_case(wanted));
-    is_word(words.next(), "BEGIN") && is_word(words.next(), "BULK")
+    let mut is_next = |wanted: &str| words.next().is_some_and(|word| word.eq_ignore_ascii_case(wanted));
+    is_next("BEGIN") && is_next("BULK") && words.next().is_none()
 }
 
-/// Name, fields and number of fields of a full line.
-fn split(line: &str) -> (&str, Vec<&str>, usize) {
-    if line.contains([',', '\t']) {
-        let mut fields = line.split([',', '\t']).map(str::trim);
-        let head = fields.next().unwrap_or_default();
-        let width = if head.contains('*') { N_WIDE } else { N_NARROW };
-        let mut fields: Vec<&str> = fields.collect();
-        // The last field of a full line marks its continuation.
-        if fields.len() == width + 1 {
-            fields.pop();
-        }
-        return (head, fields, width);
+/// A mark without its first `+` or `*`.
+fn key(mark: &str) -> String {
+    mark.trim_start_matches(['+', '*']).trim().to_ascii_uppercase()
+}
+
+/// A line of a card.
+#[derive(Debug)]
+struct Line<'a> {
+    /// The name, or the mark of a continuation.
+    head: Cow<'a, str>,
+    fields: Vec<Cow<'a, str>>,
+    /// Mark of its continuation.
+    mark: Cow<'a, str>,
+    /// Fields of a full line.
+    width: usize,
+}
+
+fn mark(written: &str, at: At) -> Mark {
+    let key = key(written);
+    let is_sure = !key.is_empty() && written.starts_with(['+', '*']);
+    Mark { key, at, is_sure }
+}
+
+fn split(line: &str) -> Line<'_> {
+    if line.contains(',') {
+        return free(line);
     }
-    let head = columns(line, 0, NARROW);
-    let (count, size) = if head.contains('*') { (N_WIDE, WIDE) } else { (N_NARROW, NARROW) };
-    let field = |index: usize| columns(line, NARROW + index * size, size);
-    (head, (0..count).map(field).collect(), count)
+    let line = match line.contains('\t') {
+        true => Cow::Owned(expanded(line)),
+        false => Cow::Borrowed(line),
+    };
+    let head = columns(&line, 0, NARROW);
+    let is_wide = head.contains('*') && !head.starts_with('=');
+    let (count, size) = if is_wide { (N_WIDE, WIDE) } else { (N_NARROW, NARROW) };
+    let fields = (0..count).map(|index| columns(&line, NARROW + index * size, size)).collect();
+    Line { fields, mark: columns(&line, NARROW + count * size, NARROW), head, width: count }
+}
+
+/// A line with fields between commas.
+fn free(line: &str) -> Line<'_> {
+    let mut fields = line.split(',').map(|field| Cow::Borrowed(field.trim()));
+    let head = fields.next().unwrap_or_default();
+    let width = if head.contains('*') && !head.starts_with('=') { N_WIDE } else { N_NARROW };
+    let mut fields: Vec<Cow<'_, str>> = fields.collect();
+    // The last field of a full line marks its continuation; a number there belongs to a longer line.
+    let has_mark = fields.len() == width + 1
+        && fields
+            .last()
+            .is_some_and(|field| real(field).is_none() || field.starts_with('+') || field.is_empty());
+    let mark = if has_mark { fields.pop().unwrap_or_default() } else { Cow::Borrowed("") };
+    Line { head, fields, mark, width }
+}
+
+/// A line with spaces in place of its tabs, which lead to the next multiple of eight columns.
+fn expanded(line: &str) -> String {
+    let mut text = String::with_capacity(2 * line.len());
+    for c in line.chars() {
+        match c {
+            '\t' => text.extend(std::iter::repeat_n(' ', NARROW - text.len() % NARROW)),
+            c => text.push(c),
+        }
+    }
+    text
 }
 
 /// Columns of a line without spaces around them. Cards have ASCII characters; a longer one spoils only its own field.
-fn columns(line: &str, from: usize, count: usize) -> &str {
-    let end = (from + count).min(line.len());
-    line.get(from..end).unwrap_or_default().trim()
+fn columns<'a>(line: &Cow<'a, str>, from: usize, count: usize) -> Cow<'a, str> {
+    fn part(line: &str, from: usize, count: usize) -> &str {
+        line.get(from..(from + count).min(line.len())).unwrap_or_default().trim()
+    }
+    match line {
+        Cow::Borrowed(line) => Cow::Borrowed(part(line, from, count)),
+        Cow::Owned(line) => Cow::Owned(part(line, from, count).to_string()),
+    }
 }
 
 /// A real number; the exponent may lack its letter, as in `1.5-3`, and an empty field is zero.
@@ -106,6 +291,30 @@ pub(super) fn real(field: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Names, fields and lines of the cards in a text.
+    fn cards(text: &str) -> Vec<(String, Vec<String>, u32)> {
+        let cards = bulk_of(text).cards.into_iter();
+        cards
+            .map(|card| {
+                (card.name.clone(), card.from(0).iter().map(|f| f.to_string()).collect(), card.at.line)
+            })
+            .collect()
+    }
+
+    fn bulk_of(text: &str) -> Bulk<'_> {
+        bulk(
+            text.lines()
+                .zip(1..)
+                .map(|(line, number)| (line, At { file: 0, line: number }))
+                .collect::<Vec<_>>()
+                .into_iter(),
+        )
+    }
+
+    fn of(name: &str, fields: &[&str], line: u32) -> (String, Vec<String>, u32) {
+        (name.to_string(), fields.iter().map(|field| field.to_string()).collect(), line)
+    }
 
     #[test]
     fn numbers_may_lack_the_letter_of_the_exponent() {
@@ -129,38 +338,61 @@ mod tests {
         let long = "GRID*   12                              1.5             2.-3            *A\n*A                      \n";
         let free = "grid,12,,1.5,2.-3\n";
         let free_wide = "GRID*,12,,1.5,2.-3,*1\n*1,\n";
-        for text in [short, long, free, free_wide] {
-            let card = Card { name: "GRID".into(), fields: vec!["12", "", "1.5", "2.-3"], line: 1 };
-            assert_eq!(cards(text), [card], "{text}");
+        let tabs = "GRID\t12\t\t1.5\t2.-3\n";
+        for text in [short, long, free, free_wide, tabs] {
+            assert_eq!(cards(text), [of("GRID", &["12", "", "1.5", "2.-3"], 1)], "{text}");
         }
+        let full = "GRID\t1\t\t0.0000001.0000002.000000\n";
+        assert_eq!(cards(full), [of("GRID", &["1", "", "0.000000", "1.000000", "2.000000"], 1)]);
     }
 
     #[test]
     fn continued_lines_are_joined() {
         let nodes: Vec<String> = (1..=10).map(|node| node.to_string()).collect();
         let head = "$ a comment, with a comma\nSOL 101\nCEND\nBEGIN BULK\n";
+        let fields = [&["5", "3"], &nodes.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat();
         for card in [
             "CTETRA  5       3       1       2       3       4       5       6       +E5\n+E5     7       8       9       10\nENDDATA\nGRID",
             "CTETRA  5       3       1       2       3       4       5       6\n        7       8       9       10      $ end",
             "CTETRA,5,3,1,2,3,4,5,6,+\n+,7,8,9,10",
             "CTETRA,5,3,1,2,3,4,5,6\n,7,8,9,10",
             "CTETRA* 5               3               1               2               *\n*       3               4               5               6\n        7       8       9       10",
+            "CTETRA* 5               3               1               2               *\n*       3               4               5               6               *B\n*B      7               8               9               10",
             "CTETRA,5,3,1,2,3,4,5,6,7,8,9,10",
+            "CTETRA,5,3,1,2,3,4,5,6,E5\n+E5,7,8,9,10",
+            "CTETRA,5,3,1,2,3,4,5,6\n+E5,7,8,9,10",
         ] {
-            let text = format!("{head}{card}\n");
-            let cards = cards(&text);
-            assert_eq!((cards.len(), cards[0].line, cards[0].name.as_str()), (1, 5, "CTETRA"), "{card}");
-            assert_eq!(
-                cards[0].fields,
-                [&["5", "3"], &nodes.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat()
-            );
+            assert_eq!(cards(&format!("{head}{card}\n")), [of("CTETRA", &fields, 5)], "{card}");
         }
+        // Continuations before and after other cards, in another form, and with continuations of their own.
+        let apart = "*E5,7,8\nCTETRA,5,3,1,2,3,4,5,6,+E5\nGRID,7\n";
+        assert_eq!(cards(apart), [of("CTETRA", &fields[..10], 2), of("GRID", &["7"], 3)]);
+        let far = format!("{:<8}{:<8}{:<8}{:<8}{:<40}+b", "+a", 3, 4, 5, 6);
+        let chain = format!("CTETRA,5,3,1,2,,,,,+A\nGRID,7\n+B,7,8,9,10\n{far}\n");
+        let blank = [""; 4];
+        let joined =
+            [&["5", "3", "1", "2"], &blank[..], &["3", "4", "5", "6"], &blank, &["7", "8", "9", "10"]];
+        assert_eq!(cards(&chain), [of("CTETRA", &joined.concat(), 1), of("GRID", &["7"], 2)]);
+    }
+
+    #[test]
+    fn lines_that_belong_to_nothing_are_counted() {
+        let text = "+,9\nGRID,1,,,,,,,,+A\nGRID,2,,,,,,,,7\n+X,1\nGRID,3\n+C,5\n+X,2\nENDDATA\nGRID,4\n$ end\n\nGRID,5\n";
+        let bulk = bulk_of(text);
+        let at = |line: u32| At { file: 0, line };
+        // `+C` follows a line without a mark, so it belongs to that.
+        assert_eq!(bulk.cards.len(), 3);
+        assert_eq!(bulk.cards[2].from(0), ["3", "", "", "", "", "", "", "", "5"]);
+        assert_eq!((bulk.stray, bulk.open), (Some((2, at(1))), Some((1, at(2)))));
+        assert_eq!((bulk.has_end, bulk.rest), (true, Some((2, at(9)))));
+        let whole = bulk_of("GRID,1\n");
+        assert_eq!((whole.stray, whole.open, whole.has_end, whole.rest), (None, None, false, None));
     }
 
     #[test]
     fn odd_lines_do_no_harm() {
-        let card = Card { name: "\u{e4}\u{f6}\u{fc}\u{e4}".into(), fields: vec!["\u{f6}"], line: 2 };
-        assert_eq!(cards("+       1\n\u{e4}\u{f6}\u{fc}\u{e4}\u{f6}\n,\n"), [card]);
+        let odd = "\u{e4}\u{f6}\u{fc}\u{e4}";
+        assert_eq!(cards("+       1\n\u{e4}\u{f6}\u{fc}\u{e4}\u{f6}\n,\n"), [of(odd, &["\u{f6}"], 2)]);
         // A boundary of columns inside a character.
         assert_eq!(cards("a\u{e4}\u{f6}\u{fc}\u{e4}\u{f6}\n"), []);
     }

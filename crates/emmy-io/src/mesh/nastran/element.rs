@@ -20,48 +20,77 @@ const TETRAHEDRA: &[Row] = &[(CellKind::Tet4, first(4)), (CellKind::Tet10, first
 const HEXAHEDRA: &[Row] = &[(CellKind::Hex8, first(8)), (CellKind::Hex20, &HEX20)];
 const WEDGES: &[Row] = &[(CellKind::Wedge6, first(6)), (CellKind::Wedge15, &WEDGE15)];
 const PYRAMIDS: &[Row] = &[(CellKind::Pyramid5, first(5)), (CellKind::Pyramid13, first(13))];
+const TRIANGLE: Row = (CellKind::Tri3, first(3));
+const QUADRILATERAL: Row = (CellKind::Quad4, first(4));
+const LINES: &[Row] = &[(CellKind::Line2, first(2))];
 
-/// Kinds of cells by the names of their cards. Shells and membranes are faces of solid cells, or cells in a plane.
-const CARDS: [(&str, &[Row]); 17] = [
+/// Kinds of cells by the names of their cards; the second one has midside nodes. Shells and membranes are faces of solid
+/// cells, or cells in a plane.
+const CARDS: [(&str, &[Row]); 24] = [
     ("CTETRA", TETRAHEDRA),
     ("CHEXA", HEXAHEDRA),
     ("CPENTA", WEDGES),
     ("CPYRAM", PYRAMIDS),
     ("CPYRA", PYRAMIDS),
-    ("CTRIA3", &[(CellKind::Tri3, first(3))]),
-    ("CTRIAR", &[(CellKind::Tri3, first(3))]),
-    ("CPLSTN3", &[(CellKind::Tri3, first(3))]),
-    ("CTRIA6", &[(CellKind::Tri6, first(6))]),
-    ("CPLSTN6", &[(CellKind::Tri6, first(6))]),
-    ("CQUAD4", &[(CellKind::Quad4, first(4))]),
-    ("CQUADR", &[(CellKind::Quad4, first(4))]),
-    ("CPLSTN4", &[(CellKind::Quad4, first(4))]),
-    ("CQUAD8", &[(CellKind::Quad8, first(8))]),
-    ("CPLSTN8", &[(CellKind::Quad8, first(8))]),
-    ("CBAR", &[(CellKind::Line2, first(2))]),
-    ("CROD", &[(CellKind::Line2, first(2))]),
+    ("CTRIA3", &[TRIANGLE]),
+    ("CTRIAR", &[TRIANGLE]),
+    ("CPLSTN3", &[TRIANGLE]),
+    ("CTRIA6", &[TRIANGLE, (CellKind::Tri6, first(6))]),
+    ("CPLSTN6", &[TRIANGLE, (CellKind::Tri6, first(6))]),
+    ("CQUAD4", &[QUADRILATERAL]),
+    ("CQUADR", &[QUADRILATERAL]),
+    ("CPLSTN4", &[QUADRILATERAL]),
+    ("CQUAD8", &[QUADRILATERAL, (CellKind::Quad8, first(8))]),
+    ("CPLSTN8", &[QUADRILATERAL, (CellKind::Quad8, first(8))]),
+    ("CBAR", LINES),
+    ("CBEAM", LINES),
+    ("CBEND", LINES),
+    ("CROD", LINES),
+    ("CTUBE", LINES),
+    ("CBUSH", LINES),
+    ("CBUSH1D", LINES),
+    ("CVISC", LINES),
+    ("CGAP", LINES),
 ];
 
-/// Kinds of cells of a card.
-pub(super) fn rows(name: &str) -> Option<&'static [Row]> {
-    CARDS.iter().find(|(known, _)| *known == name).map(|(_, rows)| *rows)
+/// The name and the kinds of cells of a card.
+pub(super) fn rows(name: &str) -> Option<(&'static str, &'static [Row])> {
+    CARDS.iter().find(|(known, _)| *known == name).copied()
 }
 
-/// The row of a card with these fields for nodes. Fields after the nodes of a surface or line are its thickness and the
-/// like.
-pub(super) fn row(rows: &'static [Row], fields: &[&str]) -> Option<Row> {
-    let is_whole = |(kind, _): &&Row| {
-        let is_solid = kind.dimension() == 3;
-        let fits = if is_solid { fields.len() == kind.n_nodes() } else { fields.len() >= kind.n_nodes() };
-        fits && fields[..kind.n_nodes()].iter().all(|field| !matches!(*field, "" | "0"))
-    };
-    rows.iter().find(is_whole).copied()
+/// Whether a field names no node.
+pub(super) fn is_blank(field: &str) -> bool {
+    matches!(field, "" | "0")
 }
 
-/// Whether a card without a kind of cell is an element that carries load or mass: `CONM2`, `RBE2`, ...
-pub(super) fn is_omitted(name: &str) -> bool {
-    let is_element = name.starts_with('C') && !name.starts_with("CORD");
-    is_element || ["RBE", "RBAR", "RROD", "RTRPLT", "RSPLINE"].iter().any(|rigid| name.starts_with(rigid))
+/// The row of a card with these fields for nodes: without any midside node the linear one. Fields after the nodes of a
+/// surface or line are its thickness and the like. `Err`: the number of its nodes.
+pub(super) fn row(rows: &'static [Row], fields: &[&str]) -> Result<Row, usize> {
+    let (linear, _) = rows[0];
+    let (most, _) = rows[rows.len() - 1];
+    let is_there = |index: usize| fields.get(index).is_some_and(|field| !is_blank(field));
+    let n_fields = if linear.dimension() == 3 { fields.len() } else { most.n_nodes() };
+    let has_corners = (0..linear.n_nodes()).all(is_there);
+    let has_midside = (linear.n_nodes()..most.n_nodes()).any(is_there);
+    if has_corners && n_fields <= most.n_nodes() {
+        return Ok(if has_midside { rows[rows.len() - 1] } else { rows[0] });
+    }
+    Err((0..n_fields).filter(|&index| is_there(index)).count())
+}
+
+/// Midside nodes of a kind of cell with the corners at the ends of their edges, as local numbers in VTK order.
+pub(super) fn midsides(kind: CellKind) -> Vec<(usize, [usize; 2])> {
+    let mut all: Vec<(usize, [usize; 2])> = Vec::new();
+    for facet in kind.facets() {
+        let n = facet.kind.n_corners();
+        for (i, &local) in facet.nodes.iter().enumerate().skip(n).take(n) {
+            let corners = [facet.nodes[i - n], facet.nodes[(i - n + 1) % n]];
+            if !all.iter().any(|(known, _)| *known == local) {
+                all.push((local, corners));
+            }
+        }
+    }
+    all
 }
 
 #[cfg(test)]
@@ -75,7 +104,23 @@ mod tests {
                 let mut sorted = order.to_vec();
                 sorted.sort_unstable();
                 assert_eq!(sorted, (0..kind.n_nodes()).collect::<Vec<_>>(), "{card}");
+                assert_eq!(midsides(*kind).len(), kind.n_nodes() - kind.n_corners(), "{card}");
             }
         }
+    }
+
+    #[test]
+    fn fields_decide_on_the_kind() {
+        let [_, tets] = [rows("CBAR"), rows("CTETRA")].map(|rows| rows.unwrap().1);
+        let kind = |fields: &[&str]| row(tets, fields).map(|(kind, _)| kind);
+        assert_eq!(kind(&["1", "2", "3", "4"]), Ok(CellKind::Tet4));
+        assert_eq!(kind(&["1", "2", "3", "4", "", "0"]), Ok(CellKind::Tet4));
+        assert_eq!(kind(&["1", "2", "3", "4", "", "6"]), Ok(CellKind::Tet10));
+        assert_eq!(kind(&["1", "", "3", "4", "5"]), Err(4));
+        assert_eq!(kind(&["1"; 11]), Err(11));
+        let quads = rows("CQUAD8").unwrap().1;
+        let fields = ["1", "2", "3", "4", "5", "", "7", "8", "", "", "", "", "90."];
+        assert_eq!(row(quads, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
+        assert_eq!(row(quads, &["1", "2", "", "4", "5", "", "7", "8", "90."]), Err(6));
     }
 }

@@ -1,148 +1,379 @@
 //! Nastran: bulk data with grid points and elements (MSC Nastran Quick Reference Guide, "Bulk Data Entries").
 
+mod assembly;
 mod card;
 mod element;
 mod names;
+mod repeat;
+mod source;
+mod system;
+mod table;
 
-use std::collections::{BTreeMap, HashMap};
+#[cfg(test)]
+mod random_decks;
+
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use emmy::mesh::CellKind;
 
-use super::abaqus::{At, Deck, Element, Of, assembled};
-use super::{MeshError, MeshFile, MeshOptions, Place, Result, without_mark};
+use super::abaqus::{At, Deck, Of, assembled};
+use super::account::{self, Account, Treatment};
+use super::{MeshError, MeshFile, MeshOptions, Result};
 use crate::message::counted;
-use card::Card;
+use card::{Bulk, Card};
+use source::Sources;
+use system::{Grid, Placement, Points, Shape, System};
+
+pub(in crate::mesh) use table::TABLE;
+
+/// What to do without a body.
+const ADVICE: &str = "the body must be in it as GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards";
+
+const FIELDS: &str = "fields are 8 columns wide, 16 with a `*` after the name, or end at commas";
 
 /// The mesh in the bytes of a bulk data file.
 pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
-    let text = String::from_utf8_lossy(without_mark(bytes));
-    let mut reader = Reader { file, deck: Deck::default(), elements: Vec::new(), omitted: BTreeMap::new() };
-    reader.deck.files.push(file.to_path_buf());
-    for card in card::cards(&text) {
-        reader.card(&card)?;
-    }
-    let deck = reader.deck(&names::properties(&text), &options.links)?;
-    assembled::mesh(file, &deck).map_err(|error| match error {
-        MeshError::NoCells { file, .. } => MeshError::NoCells {
-            file,
-            advice: "the body must be in it as GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards",
-        },
-        error => error,
-    })
+    let sources = Sources::read(file, bytes)?;
+    let bulk = card::bulk(sources.lines());
+    let mut reader = Reader::default();
+    reader.deck.files = sources.files.clone();
+    reader.notes_on(&bulk);
+    reader.cards(bulk.cards)?;
+    reader.place_grids()?;
+    let mut names = HashMap::new();
+    sources.texts().for_each(|text| names.extend(names::properties(text)));
+    let (deck, account) = reader.deck(&names, options)?;
+    let left_out = account.left_out();
+    let mesh = assembled::mesh(file, &deck).map_err(|error| match (error, left_out) {
+        (MeshError::NoCells { file, .. }, Some(found)) => {
+            MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
+        }
+        (MeshError::NoCells { file, .. }, None) => MeshError::NoCells { file, advice: ADVICE },
+        (error, _) => error,
+    })?;
+    Ok(MeshFile { files: sources.files, ..mesh })
 }
 
 /// An element with its nodes in the order of VTK.
 #[derive(Debug)]
 struct Raw {
     number: u64,
+    card: &'static str,
     kind: CellKind,
     property: u64,
+    /// A missing midside node is 0.
     nodes: Vec<u64>,
     at: At,
 }
 
-/// Everything read so far.
-struct Reader<'a> {
-    file: &'a Path,
-    deck: Deck,
-    elements: Vec<Raw>,
-    /// Elements that are not read, counted by the names of their cards.
-    omitted: BTreeMap<String, usize>,
+/// What a property says about its triangles and quadrilaterals.
+#[derive(Debug, Clone, PartialEq)]
+enum Sheet {
+    PlaneStrain,
+    /// Shells, by this card.
+    Shell(String),
 }
 
-impl Reader<'_> {
+/// Everything read so far.
+#[derive(Debug, Default)]
+struct Reader {
+    deck: Deck,
+    account: Account,
+    grids: Vec<Grid>,
+    systems: HashMap<u64, System>,
+    /// `GRDSET`: system and constraints of grid points that name none.
+    defaults: Option<(u64, String)>,
+    /// Constraints of grid points by themselves; none: those of `GRDSET`.
+    constraints: Vec<Option<String>>,
+    /// Number of the cards `SPC` and `SPC1`.
+    n_supports: usize,
+    /// Ranges of grid points of a group, which come before or after them.
+    ranges: Vec<(String, u64, u64)>,
+    /// Properties and grid points of springs, dampers and masses.
+    ends: Vec<(u64, u64)>,
+    elements: Vec<Raw>,
+    sheets: HashMap<u64, Sheet>,
+    /// Properties of bars, beams, springs, ...
+    bars: HashSet<u64>,
+}
+
+impl Reader {
+    fn notes_on(&mut self, bulk: &Bulk<'_>) {
+        let counted_at = |found: Option<(usize, At)>, one: &str, many: &str, rest: &str| {
+            found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
+        };
+        let [no_card, no_line] =
+            ["no card, here for the first time", "that is not there, here for the first time"];
+        let notes = [
+            counted_at(bulk.stray, "line continues", "lines continue", no_card),
+            counted_at(bulk.open, "line announces a continuation", "lines announce a continuation", no_line),
+            counted_at(bulk.rest, "line after ENDDATA is", "lines after ENDDATA are", "not read"),
+            (!bulk.has_end).then(|| {
+                format!(
+                    "{}: there is no ENDDATA at the end; is the file cut off?",
+                    self.deck.files[0].display()
+                )
+            }),
+        ];
+        self.deck.notes.extend(notes.into_iter().flatten());
+    }
+
+    /// Reads all cards, with the copies that `=` makes of them.
+    fn cards(&mut self, cards: Vec<Card<'_>>) -> Result<()> {
+        let mut above: Option<Card<'_>> = None;
+        let mut pattern: Option<Card<'_>> = None;
+        let mut n_copies = 0_usize;
+        for card in cards {
+            let wanted = repeat::copies(&card);
+            let is_read = || account::treatment(TABLE, &card.name) == Some(Treatment::Read);
+            let is_repeated =
+                repeat::repeats(&card, above.as_ref()) && (card.name.starts_with('=') || is_read());
+            if wanted.is_none() && !is_repeated {
+                self.card(&card)?;
+                (above, pattern) = (Some(card), None);
+                continue;
+            }
+            if wanted.is_none() {
+                pattern = Some(card.clone());
+            }
+            let (Some(last), Some(pattern)) = (&mut above, &mut pattern) else {
+                let problem =
+                    format!("`{}` repeats the card above, and there is none with `=`", shown(&card.name));
+                return Err(self.malformed(card.at, problem, "write the cards out"));
+            };
+            pattern.at = card.at;
+            n_copies = n_copies.saturating_add(wanted.unwrap_or(1));
+            if n_copies > repeat::MAX_COPIES {
+                let problem = format!("lines with `=` ask for more than {} cards", repeat::MAX_COPIES);
+                return Err(self.malformed(card.at, problem, "write the cards out"));
+            }
+            for _ in 0..wanted.unwrap_or(1) {
+                *last = repeat::repeated(last, pattern).map_err(|what| {
+                    let problem =
+                        format!("the field {} of {} cannot be incremented", shown(&what), last.name);
+                    self.malformed(card.at, problem, "write the cards out")
+                })?;
+                self.card(last)?;
+            }
+        }
+        Ok(())
+    }
+
     fn card(&mut self, card: &Card<'_>) -> Result<()> {
+        let name = shown(&card.name);
+        let is_solid = || name.starts_with('C') && table::SOLID.iter().any(|word| name.contains(word));
+        match account::treatment(TABLE, &name) {
+            Some(Treatment::Read) => self.read(card),
+            None if is_solid() => self.refused(card),
+            Some(Treatment::Refused) => self.refused(card),
+            _ => {
+                self.account.add(TABLE, &name);
+                self.keep_ends(card);
+                self.check_property(card);
+                Ok(())
+            }
+        }
+    }
+
+    fn read(&mut self, card: &Card<'_>) -> Result<()> {
         match card.name.as_str() {
             "GRID" => self.grid(card),
-            "GRDSET" => self.check_system(card, card.field(1)),
+            "GRDSET" => self.grid_defaults(card),
+            "CORD1R" => self.by_grids(card, Shape::Rectangular),
+            "CORD1C" => self.by_grids(card, Shape::Cylindrical),
+            "CORD1S" => self.by_grids(card, Shape::Spherical),
+            "CORD2R" => self.by_points(card, Shape::Rectangular),
+            "CORD2C" => self.by_points(card, Shape::Cylindrical),
+            "CORD2S" => self.by_points(card, Shape::Spherical),
             "SPC" => self.constraint(card, &[card.field(1), card.field(4)]),
-            "SPC1" => self.constraint(card, card.fields.get(2..).unwrap_or_default()),
-            "INCLUDE" => {
-                Err(self.malformed(card, "INCLUDE is not supported".into(), "join the files into one"))
-            }
+            "SPC1" => self.constraint(card, &card.from(2)),
+            "INCLUDE" => Err(self.malformed(card.at, "INCLUDE with a comma".into(), "write INCLUDE 'FILE'")),
+            "PLPLANE" => self.property(card, Sheet::PlaneStrain),
+            // MID2 = -1 is plane strain.
+            "PSHELL" if card.field(3) == "-1" => self.property(card, Sheet::PlaneStrain),
+            "PSHELL" | "PCOMP" | "PCOMPG" => self.property(card, Sheet::Shell(card.name.clone())),
             name => match element::rows(name) {
-                Some(rows) => self.element(card, rows),
+                Some((known, rows)) => self.element(card, known, rows),
+                // A property of lines.
                 None => {
-                    if element::is_omitted(name) {
-                        *self.omitted.entry(name.to_string()).or_default() += 1;
-                    }
+                    self.bars.extend(card.field(0).parse::<u64>());
                     Ok(())
                 }
             },
         }
     }
 
+    fn refused(&self, card: &Card<'_>) -> Result<()> {
+        let name = shown(&card.name);
+        let what = match name.starts_with('C') && name != "CGEN" {
+            true => format!("solid cells of the kind {name} are not read"),
+            false => format!("{name} makes grid points or cells, and is not read"),
+        };
+        let advice = "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section";
+        Err(self.malformed(card.at, what, advice))
+    }
+
     fn grid(&mut self, card: &Card<'_>) -> Result<()> {
         let number = self.number(card, card.field(0), "the number of a grid point")?;
-        self.check_system(card, card.field(1))?;
-        let mut point = [0.0; 3];
-        for (axis, x) in point.iter_mut().enumerate() {
+        let system = self.system(card, card.field(1))?;
+        let mut coordinates = [0.0; 3];
+        for (axis, x) in coordinates.iter_mut().enumerate() {
             *x = self.real(card, card.field(2 + axis))?;
         }
-        if point.iter().any(|x| !x.is_finite()) {
-            return Err(MeshError::CoordinateNotFinite { place: self.place(card), node: number });
+        // The system of displacements has no effect on groups; -1 is a point of a fluid.
+        if card.field(5) != "-1" {
+            self.system(card, card.field(5))?;
         }
+        let components = self.components(card, card.field(6))?;
         let body = &mut self.deck.root;
         if body.nodes.insert(number, body.points.len() as u32).is_some() {
-            return Err(MeshError::Duplicate { place: self.place(card), what: "node", number });
+            return Err(MeshError::Duplicate { place: self.deck.place(card.at), what: "node", number });
         }
-        body.points.push(point);
+        body.points.push(coordinates);
+        self.grids.push(Grid { number, system, coordinates, at: card.at });
+        self.constraints.push(components);
         Ok(())
     }
 
-    fn check_system(&self, card: &Card<'_>, system: &str) -> Result<()> {
-        if matches!(system, "" | "0") {
-            return Ok(());
+    /// `GRDSET`.
+    fn grid_defaults(&mut self, card: &Card<'_>) -> Result<()> {
+        let system = self.system(card, card.field(1))?.unwrap_or(0);
+        let components = self.components(card, card.field(6))?.unwrap_or_default();
+        match self.defaults.replace((system, components)) {
+            None => Ok(()),
+            Some(_) => Err(self.malformed(card.at, "a second GRDSET".into(), "remove one of the two")),
         }
-        let problem = format!("coordinates in system {system} are not supported");
-        Err(self.malformed(card, problem, "write all grid points in the basic system, which has number 0"))
     }
 
-    fn element(&mut self, card: &Card<'_>, rows: &'static [element::Row]) -> Result<()> {
+    /// A coordinate system; none for a blank field.
+    fn system(&self, card: &Card<'_>, field: &str) -> Result<Option<u64>> {
+        let number = |field| self.number(card, field, "the number of a coordinate system");
+        (!field.is_empty()).then(|| number(field)).transpose()
+    }
+
+    /// The translations x, y, z (1, 2, 3) among constrained components; none for a blank field.
+    fn components(&self, card: &Card<'_>, field: &str) -> Result<Option<String>> {
+        if field.is_empty() {
+            return Ok(None);
+        }
+        if field.bytes().any(|c| !(b'0'..=b'6').contains(&c)) {
+            let problem =
+                format!("expected constrained components in {}, found \"{}\"", card.name, shown(field));
+            return Err(self.malformed(card.at, problem, FIELDS));
+        }
+        Ok(Some(['1', '2', '3'].into_iter().filter(|&c| field.contains(c)).collect()))
+    }
+
+    /// One or two systems by three grid points each.
+    fn by_grids(&mut self, card: &Card<'_>, shape: Shape) -> Result<()> {
+        for first in [0, 4].into_iter().filter(|&first| first == 0 || !card.field(first).is_empty()) {
+            let number = self.number(card, card.field(first), "the number of a coordinate system")?;
+            let mut points = [0; 3];
+            for (i, point) in points.iter_mut().enumerate() {
+                *point = self.number(card, card.field(first + 1 + i), "a grid point")?;
+            }
+            self.add_system(card, number, System { shape, points: Points::Grids(points), at: card.at })?;
+        }
+        Ok(())
+    }
+
+    fn by_points(&mut self, card: &Card<'_>, shape: Shape) -> Result<()> {
+        let number = self.number(card, card.field(0), "the number of a coordinate system")?;
+        let system = self.system(card, card.field(1))?.unwrap_or(0);
+        let mut points = [[0.0; 3]; 3];
+        for (i, x) in points.iter_mut().flatten().enumerate() {
+            *x = self.real(card, card.field(2 + i))?;
+        }
+        self.add_system(card, number, System { shape, points: Points::Given(system, points), at: card.at })
+    }
+
+    fn add_system(&mut self, card: &Card<'_>, number: u64, system: System) -> Result<()> {
+        match self.systems.insert(number, system) {
+            None if number > 0 => Ok(()),
+            _ => {
+                let place = self.deck.place(card.at);
+                Err(MeshError::Duplicate { place, what: "coordinate system", number })
+            }
+        }
+    }
+
+    fn property(&mut self, card: &Card<'_>, sheet: Sheet) -> Result<()> {
+        let number = self.number(card, card.field(0), "the number of a property")?;
+        self.sheets.insert(number, sheet);
+        Ok(())
+    }
+
+    fn element(&mut self, card: &Card<'_>, name: &'static str, rows: &'static [element::Row]) -> Result<()> {
         let number = self.number(card, card.field(0), "the number of an element")?;
         // A property that is left out has the number of the element.
         let property = match card.field(1) {
             "" => number,
             field => self.number(card, field, "a property")?,
         };
-        let nodes = card.fields.get(2..).unwrap_or_default();
-        let Some((kind, order)) = element::row(rows, nodes) else {
-            let count = nodes.iter().filter(|field| !field.is_empty()).count();
-            let counts =
-                rows.iter().map(|(kind, _)| kind.n_nodes().to_string()).collect::<Vec<_>>().join(" or ");
-            let problem = format!("element {number} ({}) has {count} nodes instead of {counts}", card.name);
-            return Err(self.malformed(
-                card,
-                problem,
-                "midside nodes must be there for every edge, or for none",
-            ));
+        let fields = card.from(2);
+        let (kind, order) = match element::row(rows, &fields) {
+            Ok(row) => row,
+            // A spring to the ground.
+            Err(1) if rows[0].0 == CellKind::Line2 => {
+                self.account.leave_out(name);
+                self.keep_ends(card);
+                return Ok(());
+            }
+            Err(count) => {
+                let counts: Vec<String> = rows.iter().map(|(kind, _)| kind.n_nodes().to_string()).collect();
+                let counts = counts.join(" or ");
+                let problem = format!("element {number} ({name}) has {count} nodes instead of {counts}");
+                return Err(self.malformed(card.at, problem, "no corner may be missing"));
+            }
         };
-        let nodes = order.iter().map(|&local| self.number(card, nodes[local], "a grid point"));
-        let nodes = nodes.collect::<Result<Vec<u64>>>()?;
-        self.elements.push(Raw { number, kind, property, nodes, at: at(card) });
+        let node = |&local: &usize| match fields.get(local).copied().unwrap_or_default() {
+            field if element::is_blank(field) => Ok(0),
+            field => self.number(card, field, "a grid point"),
+        };
+        let nodes = order.iter().map(node).collect::<Result<Vec<u64>>>()?;
+        self.elements.push(Raw { number, card: name, kind, property, nodes, at: card.at });
         Ok(())
     }
 
-    /// Grid points of a set of constraints: numbers, or `FIRST THRU LAST`.
+    /// The grid points of a spring, damper or mass with a property, as a group of nodes.
+    fn keep_ends(&mut self, card: &Card<'_>) {
+        let ends = match card.name.as_str() {
+            "CELAS1" | "CDAMP1" | "CMASS1" => [2, 4],
+            "CBUSH" | "CBUSH1D" | "CGAP" | "CVISC" => [2, 3],
+            _ => return,
+        };
+        let Ok(property) = card.field(1).parse::<u64>() else { return };
+        let nodes = ends.iter().filter_map(|&end| card.field(end).parse().ok());
+        self.ends.extend(nodes.map(|node| (property, node)));
+    }
+
+    /// A fluid has solid cells, too.
+    fn check_property(&mut self, card: &Card<'_>) {
+        if card.name == "PSOLID" && card.field(6).to_ascii_uppercase().ends_with("FLUID") {
+            self.account.leave_out("PSOLID of a fluid");
+        }
+    }
+
+    /// Grid points of a set of constraints: numbers, and ranges `FIRST THRU LAST`.
     fn constraint(&mut self, card: &Card<'_>, fields: &[&str]) -> Result<()> {
         let set = self.number(card, card.field(0), "the number of a set")?;
         let name = format!("spc_{set}");
-        if let [first, thru, last, ..] = fields
-            && thru.eq_ignore_ascii_case("THRU")
-        {
-            let first = self.number(card, first, "a grid point")?;
+        self.n_supports += 1;
+        let fields: Vec<&str> = fields.iter().copied().filter(|field| !field.is_empty()).collect();
+        let mut index = 0;
+        while let Some(field) = fields.get(index) {
+            let first = self.number(card, field, "a grid point")?;
+            let is_range = fields.get(index + 1).is_some_and(|word| word.eq_ignore_ascii_case("THRU"));
+            if !is_range {
+                self.deck.root.set_mut(Of::Nodes, &name).push(None, first);
+                index += 1;
+                continue;
+            }
+            let last = fields.get(index + 2).copied().unwrap_or_default();
             let last = self.number(card, last, "a grid point")?;
-            // Numbers without a grid point are left out.
-            let known = self.deck.root.nodes.keys().copied().filter(|node| (first..=last).contains(node));
-            let mut known: Vec<u64> = known.collect();
-            known.sort_unstable();
-            known.into_iter().for_each(|node| self.deck.root.set_mut(Of::Nodes, &name).push(None, node));
-            return Ok(());
-        }
-        for field in fields.iter().filter(|field| !field.is_empty()) {
-            let node = self.number(card, field, "a grid point")?;
-            self.deck.root.set_mut(Of::Nodes, &name).push(None, node);
+            self.ranges.push((name.clone(), first, last));
+            index += 3;
         }
         Ok(())
     }
@@ -150,85 +381,28 @@ impl Reader<'_> {
     fn number(&self, card: &Card<'_>, field: &str, what: &str) -> Result<u64> {
         field.parse().map_err(|_| {
             let problem = format!("expected {what} in {}, found \"{}\"", card.name, shown(field));
-            self.malformed(
-                card,
-                problem,
-                "fields are 8 columns wide, 16 with a `*` after the name, or end at commas",
-            )
+            self.malformed(card.at, problem, FIELDS)
         })
     }
 
     fn real(&self, card: &Card<'_>, field: &str) -> Result<f64> {
         card::real(field).ok_or_else(|| {
             let problem = format!("expected a coordinate in {}, found \"{}\"", card.name, shown(field));
-            self.malformed(
-                card,
-                problem,
-                "fields are 8 columns wide, 16 with a `*` after the name, or end at commas",
-            )
+            self.malformed(card.at, problem, FIELDS)
         })
     }
 
-    fn place(&self, card: &Card<'_>) -> Place {
-        Place::line(self.file, card.line as usize)
+    fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {
+        MeshError::Malformed { place: self.deck.place(at), problem, advice }
     }
 
-    fn malformed(&self, card: &Card<'_>, problem: String, advice: &'static str) -> MeshError {
-        MeshError::Malformed { place: self.place(card), problem, advice }
+    /// Places the grid points, when all coordinate systems are known.
+    fn place_grids(&mut self) -> Result<()> {
+        let default = self.defaults.as_ref().map_or(0, |(system, _)| *system);
+        let points = Placement::new(&self.deck, &self.systems, &self.grids, default).points()?;
+        self.deck.root.points = points;
+        Ok(())
     }
-
-    /// Cells, and elements of lower dimension as groups of facets or nodes, by the names of their properties.
-    fn deck(mut self, names: &HashMap<u64, String>, links: &[String]) -> Result<Deck> {
-        let elements = std::mem::take(&mut self.elements);
-        let dimension = elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0).max(2);
-        // Gmsh gives a volume, a surface and a curve the same number.
-        let mut highest = HashMap::<u64, usize>::new();
-        for element in &elements {
-            let dimension = highest.entry(element.property).or_default();
-            *dimension = element.kind.dimension().max(*dimension);
-        }
-        let mut n_lines = 0;
-        for Raw { number, kind, property, nodes, at } in elements {
-            let mut name = names.get(&property).cloned().unwrap_or_else(|| format!("pid_{property}"));
-            if kind.dimension() < highest[&property] {
-                name += if kind.dimension() == 2 { "-faces" } else { "-lines" };
-            }
-            let is_cell = kind.dimension() == dimension || kind == CellKind::Line2 && links.contains(&name);
-            n_lines += usize::from(kind == CellKind::Line2 && !is_cell);
-            let body = &mut self.deck.root;
-            let is_repeated =
-                body.element_index.contains_key(&number) || body.lower_index.contains_key(&number);
-            if is_repeated {
-                return Err(MeshError::Duplicate { place: self.deck.place(at), what: "element", number });
-            }
-            let (list, index) = match is_cell {
-                true => (&mut body.elements, &mut body.element_index),
-                false => (&mut body.lower, &mut body.lower_index),
-            };
-            index.insert(number, list.len() as u32);
-            list.push(Element { number, kind, n_nodes: nodes.len(), nodes: body.connectivity.len(), at });
-            body.connectivity.extend(nodes);
-            body.set_mut(Of::Elements, &name).push(None, number);
-        }
-        self.note(n_lines, dimension);
-        Ok(self.deck)
-    }
-
-    fn note(&mut self, n_lines: usize, dimension: usize) {
-        if n_lines > 0 && dimension == 3 {
-            let lines = counted(n_lines, "line element is", "line elements are");
-            self.deck.notes.insert(format!("{lines} read as the nodes at the ends, not as bars"));
-        }
-        if !self.omitted.is_empty() {
-            let all: Vec<String> =
-                self.omitted.iter().map(|(name, count)| format!("{count} {name}")).collect();
-            self.deck.notes.insert(format!("elements that are not read: {}", all.join(", ")));
-        }
-    }
-}
-
-fn at(card: &Card<'_>) -> At {
-    At { file: 0, line: card.line }
 }
 
 /// The text found, short enough for a message.

@@ -1,0 +1,138 @@
+//! Lines of a bulk data file and its includes.
+
+use std::path::{Path, PathBuf};
+
+use super::super::abaqus::At;
+use super::super::{MeshError, Place, Result, without_mark};
+
+/// Depth of nested includes; deeper ones are taken for a cycle.
+const MAX_DEPTH: usize = 16;
+
+/// Largest number of files of one input; a few lines could request very many.
+const MAX_FILES: usize = 1000;
+
+/// Largest number of lines of a path between quotes.
+const MAX_LINES_OF_A_PATH: usize = 20;
+
+/// A file and its includes; `INCLUDE` stands in any section, also between a card and its continuation.
+#[derive(Debug, Default)]
+pub(super) struct Sources {
+    pub(super) files: Vec<PathBuf>,
+    texts: Vec<String>,
+    lines: Vec<Span>,
+}
+
+/// A line, as bytes of the text of its file.
+#[derive(Debug)]
+struct Span {
+    at: At,
+    start: usize,
+    end: usize,
+}
+
+impl Sources {
+    pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Self> {
+        let mut sources = Sources::default();
+        sources.file(file, bytes, 0)?;
+        Ok(sources)
+    }
+
+    /// All lines in the order in which they are read, those of an include in its place.
+    pub(super) fn lines(&self) -> impl Iterator<Item = (&str, At)> + Clone {
+        self.lines.iter().map(|span| (&self.texts[span.at.file as usize][span.start..span.end], span.at))
+    }
+
+    pub(super) fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(String::as_str)
+    }
+
+    fn file(&mut self, path: &Path, bytes: &[u8], depth: usize) -> Result<()> {
+        let file = self.files.len() as u32;
+        self.files.push(path.to_path_buf());
+        self.texts.push(String::new());
+        let text = String::from_utf8_lossy(without_mark(bytes)).into_owned();
+        let mut start = 0;
+        let mut lines = text.split_inclusive('\n').zip(1..);
+        while let Some((line, number)) = lines.next() {
+            let at = At { file, line: number };
+            let end = start + line.trim_end_matches(['\n', '\r']).len();
+            let Some(mut path) = after_include(line).map(|rest| rest.trim().to_string()) else {
+                self.lines.push(Span { at, start, end });
+                start += line.len();
+                continue;
+            };
+            start += line.len();
+            for _ in 0..MAX_LINES_OF_A_PATH {
+                if is_whole(&path) {
+                    break;
+                }
+                let Some((line, _)) = lines.next() else { break };
+                start += line.len();
+                path += line.trim();
+            }
+            self.include(at, &path, depth)?;
+        }
+        self.texts[file as usize] = text;
+        Ok(())
+    }
+
+    fn include(&mut self, at: At, written: &str, depth: usize) -> Result<()> {
+        let quote = written.chars().next().filter(|c| is_quote(*c));
+        let name = match quote {
+            Some(quote) => written[1..].split_once(quote).map(|(name, _)| name),
+            None => written.split('$').next(),
+        };
+        let name = name.map(str::trim).filter(|name| !name.is_empty()).ok_or_else(|| {
+            self.malformed(at, "INCLUDE without a path, or without its second quote".into(), "INCLUDE 'FILE'")
+        })?;
+        if depth == MAX_DEPTH {
+            let problem = format!("more than {MAX_DEPTH} files that include each other");
+            return Err(self.malformed(at, problem, "does a file include itself?"));
+        }
+        if self.files.len() == MAX_FILES {
+            let problem = format!("more than {MAX_FILES} files are included");
+            return Err(self.malformed(at, problem, "join them, or include each of them once"));
+        }
+        let path = self.found(at, name);
+        let bytes = crate::whole_file::read(&path).map_err(|reason| {
+            let problem = format!("the file {} cannot be read: {reason}", path.display());
+            self.malformed(at, problem, "paths of INCLUDE are relative to the file that includes")
+        })?;
+        self.file(&path, &bytes, depth + 1)
+    }
+
+    /// The file of a path relative to the including file, else to the main file; a backslash separates as well.
+    fn found(&self, at: At, name: &str) -> PathBuf {
+        let base = |file: u32| self.files[file as usize].parent().unwrap_or(Path::new(""));
+        let (here, main) = (base(at.file), base(0));
+        let slashes = name.replace('\\', "/");
+        let all = [here.join(name), here.join(&slashes), main.join(name), main.join(&slashes)];
+        all.iter().find(|path| path.exists()).unwrap_or(&all[1]).clone()
+    }
+
+    fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {
+        let place = Place::line(&self.files[at.file as usize], at.line as usize);
+        MeshError::Malformed { place, problem, advice }
+    }
+}
+
+const fn is_quote(c: char) -> bool {
+    matches!(c, '\'' | '"')
+}
+
+/// The rest of a line `INCLUDE ...`.
+fn after_include(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    let (word, rest) = (line.get(..7)?, line.get(7..)?);
+    let is_end = rest.chars().next().is_none_or(|c| c.is_whitespace() || is_quote(c));
+    (word.eq_ignore_ascii_case("INCLUDE") && is_end).then_some(rest)
+}
+
+/// Whether a path is complete: it is not empty, and its quotes are closed.
+fn is_whole(path: &str) -> bool {
+    match path.chars().next() {
+        None => false,
+        Some(quote) if is_quote(quote) => path[1..].contains(quote),
+        Some(_) => true,
+    }
+}
