@@ -499,3 +499,24 @@ fn a_file_that_is_cut_off_has_a_note() {
     has_note(&notes(&format!("+Q,7\n{text}GRID,99\n")), "a.bdf, line 1: 1 line continues no card");
     has_note(&notes(&format!("{text}GRID,99\n")), "a.bdf, line 18: 1 line after ENDDATA is not read");
 }
+
+#[test]
+fn an_input_asks_for_shells_in_plane_strain() {
+    let folder = std::env::temp_dir().join(format!("emmy-nastran-shells-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("sheet.bdf"), format!("{SHEET}PSHELL,7,1,.01\nENDDATA\n")).unwrap();
+    let read = |mesh: &str| {
+        let rest = "[[region]]\ndensity = 1.0\nmaterial.neo-hooke = { youngs_modulus = 1000.0, poissons_ratio = 0.3 }\n\
+                    [time]\nscheme = \"DGM\"\nsteps = [{ until = 1.0, size = 0.1 }]\n";
+        std::fs::write(folder.join("input.toml"), format!("[mesh]\n{mesh}\n{rest}")).unwrap();
+        let problem = emmy_io::input::read(&folder.join("input.toml"), &emmy_io::input::Overrides::default());
+        problem.map(|problem| problem.body.mesh().n_cells()).map_err(|error| error.to_string())
+    };
+    let file = "file = \"sheet.bdf\"";
+    assert!(read(file).unwrap_err().contains("element 1 (CQUAD4) is a shell with PSHELL 7"));
+    assert_eq!(read(&format!("{file}\nshells = \"plane-strain\"")), Ok(3));
+    assert!(read(&format!("{file}\nshells = \"plane-stress\"")).unwrap_err().contains("plane-stress"));
+    let built_in = "rectangle = { size = [1, 1], cells = [1, 1] }\nshells = \"plane-strain\"";
+    assert!(read(built_in).unwrap_err().contains("`shells` is a key of mesh files"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
