@@ -13,6 +13,7 @@ use emmy::mesh::CellKind;
 use super::description::{self, Key, Kind, Others, Rule, Section};
 use super::{energy, formulation, material};
 use crate::history::{ColumnInfo, every_column};
+use crate::mesh::account::Entries;
 use crate::properties::{MeasuredMaterial, measured};
 use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, written};
 
@@ -20,7 +21,7 @@ use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, 
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 8] = [
+const TABLES: [(&str, Table); 9] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
@@ -29,6 +30,7 @@ const TABLES: [(&str, Table); 8] = [
     ("columns", columns),
     ("units", units),
     ("measured materials", measured_materials),
+    ("vtk arrays", || entries(crate::mesh::VTK_ARRAYS)),
 ];
 
 fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -167,6 +169,15 @@ fn cells() -> String {
     };
     let head = ["cell", "description", "Gmsh", "Abaqus", "VTK", "points", "against locking"];
     table(&head, CellKind::ALL.map(row))
+}
+
+/// What a reader does with the entries of a file.
+fn entries(all: &[Entries]) -> String {
+    let row = |entries: &Entries| {
+        let names = entries.names.iter().map(|name| code(name)).collect::<Vec<_>>().join(", ");
+        vec![entries.treatment.name().to_string(), entries.what.to_string(), names]
+    };
+    table(&["treatment", "what", "names"], all.iter().map(row))
 }
 
 fn schemes() -> String {

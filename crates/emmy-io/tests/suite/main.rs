@@ -13,6 +13,7 @@ mod mesh_abaqus;
 mod mesh_damage;
 mod mesh_errors;
 mod mesh_gmsh;
+mod mesh_grids;
 mod mesh_limits;
 mod mesh_links;
 mod mesh_nastran;
