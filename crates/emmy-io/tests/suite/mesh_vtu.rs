@@ -130,7 +130,7 @@ fn pieces_are_joined_without_their_ghost_cells() {
         assert_eq!((kinds(mesh), mesh.n_nodes()), (kinds(&whole), whole.n_nodes()), "{name}");
         assert!((volume(mesh) - 2.0).abs() < 1e-14, "{name}");
         assert_groups(mesh);
-        let note = format!("2 pieces of the grid are joined, at {joined} nodes of two pieces each");
+        let note = format!("2 pieces of the grid are joined; {joined} repeated nodes are left out");
         let notes: Vec<String> =
             [Some(note.as_str()), ghost, Some(LEFT_OUT)].into_iter().flatten().map(str::to_string).collect();
         assert_eq!(file.notes, notes);

@@ -130,6 +130,7 @@ pub(crate) const TABLE: &[Entries] = &[
         treatment: Treatment::NoEffect,
         what: "data of pictures, and of VTK and meshio itself",
         names: &[
+            "GMSH:DIM_TAGS",
             "NORMALS",
             "TCOORDS",
             "TEXTURE COORDINATES",
@@ -225,8 +226,8 @@ pub(super) fn joined(mut pieces: Vec<Grid>) -> (Grid, Option<String>) {
         }
         append(&mut all.point_arrays, piece.point_arrays, n_before, all.points.len() - n_before);
     }
-    let nodes = counted(n_joined, "node", "nodes");
-    (all, Some(format!("{n_pieces} pieces of the grid are joined, at {nodes} of two pieces each")))
+    let nodes = counted(n_joined, "repeated node is", "repeated nodes are");
+    (all, Some(format!("{n_pieces} pieces of the grid are joined; {nodes} left out")))
 }
 
 impl Numbers {
