@@ -18,37 +18,57 @@ Array = NDArray[Any]
 
 
 class Kind(NamedTuple):
-    """A kind of cell: its names, its dimension and its number of corners."""
+    """A kind of cell: its names and its dimension."""
 
     name: str
     meshio: str
     vtk: int
     dimension: int
-    corners: int
 
 
 KINDS = [
-    Kind("hex8", "hexahedron", 12, 3, 8),
-    Kind("hex20", "hexahedron20", 25, 3, 8),
-    Kind("hex27", "hexahedron27", 29, 3, 8),
-    Kind("tet4", "tetra", 10, 3, 4),
-    Kind("tet10", "tetra10", 24, 3, 4),
-    Kind("wedge6", "wedge", 13, 3, 6),
-    Kind("wedge15", "wedge15", 26, 3, 6),
-    Kind("pyramid5", "pyramid", 14, 3, 5),
-    Kind("pyramid13", "pyramid13", 27, 3, 5),
-    Kind("tri3", "triangle", 5, 2, 3),
-    Kind("tri6", "triangle6", 22, 2, 3),
-    Kind("quad4", "quad", 9, 2, 4),
-    Kind("quad8", "quad8", 23, 2, 4),
-    Kind("quad9", "quad9", 28, 2, 4),
-    Kind("line2", "line", 3, 1, 2),
-    Kind("line3", "line3", 21, 1, 2),
-    Kind("vertex", "vertex", 1, 0, 1),
+    Kind("hex8", "hexahedron", 12, 3),
+    Kind("hex20", "hexahedron20", 25, 3),
+    Kind("hex27", "hexahedron27", 29, 3),
+    Kind("tet4", "tetra", 10, 3),
+    Kind("tet10", "tetra10", 24, 3),
+    Kind("wedge6", "wedge", 13, 3),
+    Kind("wedge15", "wedge15", 26, 3),
+    Kind("pyramid5", "pyramid", 14, 3),
+    Kind("pyramid13", "pyramid13", 27, 3),
+    Kind("tri3", "triangle", 5, 2),
+    Kind("tri6", "triangle6", 22, 2),
+    Kind("quad4", "quad", 9, 2),
+    Kind("quad8", "quad8", 23, 2),
+    Kind("quad9", "quad9", 28, 2),
+    Kind("line2", "line", 3, 1),
+    Kind("line3", "line3", 21, 1),
+    Kind("vertex", "vertex", 1, 0),
 ]
 OF_NAME = {kind.name: kind for kind in KINDS}
-OF_MESHIO = {kind.meshio: kind for kind in KINDS}
-OF_VTK = {kind.vtk: kind for kind in KINDS}
+
+# Types of VTK for the other cells of meshio. Those of higher order are Lagrange cells there.
+OTHERS = {
+    "polygon": 7,
+    "pixel": 8,
+    "voxel": 11,
+    "penta_prism": 15,
+    "hexa_prism": 16,
+    "quad6": 30,
+    "wedge12": 31,
+    "wedge18": 32,
+    "hexahedron24": 33,
+    "triangle7": 34,
+    "line4": 35,
+}
+LAGRANGE = {"line": 68, "triangle": 69, "quad": 70, "tetra": 71, "hexahedron": 72, "wedge": 73, "pyramid": 74}
+ORDERS = {"CURVE": 0, "TRIANGLE": 1, "QUADRILATERAL": 2, "TETRAHEDRON": 3, "HEXAHEDRON": 4, "WEDGE": 5, "PYRAMID": 6}
+OF_MESHIO = {
+    **{kind.meshio: kind.vtk for kind in KINDS},
+    **OTHERS,
+    **{f"VTK_LAGRANGE_{name}": 68 + number for name, number in ORDERS.items()},
+    **{f"VTK_BEZIER_{name}": 75 + number for name, number in ORDERS.items()},
+}
 
 
 def dimension(name: str) -> int:
@@ -56,67 +76,18 @@ def dimension(name: str) -> int:
     return OF_NAME[name].dimension if name in OF_NAME else 0
 
 
-class Block(NamedTuple):
-    """Cells of one kind in a foreign mesh, with their members in each group, and faces by bits."""
-
-    kind: Kind
-    nodes: Array
-    groups: dict[str, Array]
-    facets: dict[str, Array]
+Arrays = list[tuple[str, Array | None]]
 
 
-def assemble(points: Array, blocks: list[Block], nodes: dict[str, Array], links: Sequence[str]) -> dict[str, Any]:
-    """The arguments of a mesh: cells of the highest dimension, the others as facets or nodes of their groups."""
-    top = max((block.kind.dimension for block in blocks), default=0)
-    if top == 0:
-        raise MeshError([Fault("", "the mesh has no cells")])
-    parts = [part for block in blocks for part in _divided(block, links, top)]
-    own = [block for is_cell, block in parts if is_cell]
-    order = list(dict.fromkeys(block.kind.name for block in own))
-    own.sort(key=lambda block: order.index(block.kind.name))
-    cells = {name: np.concatenate([block.nodes for block in own if block.kind.name == name]) for name in order}
-    cell_groups: dict[str, list[Array]] = {}
-    facet_groups: dict[str, list[tuple[str, Array]]] = {}
-    node_groups: dict[str, list[Array]] = {name: [members] for name, members in nodes.items()}
-    first = 0
-    for block in own:
-        for name, members in block.groups.items():
-            cell_groups.setdefault(name, []).append(first + np.flatnonzero(members))
-        for name, bits in block.facets.items():
-            pairs = [(first + np.flatnonzero(bits >> face & 1), face) for face in range(6)]
-            rows = np.concatenate([np.column_stack([cell, np.full_like(cell, face)]) for cell, face in pairs])
-            facet_groups.setdefault(name, []).append(("faces", rows))
-        first += len(block.nodes)
-    for is_cell, block in parts:
-        for name, members in () if is_cell else block.groups.items():
-            rows = block.nodes[members][:, : block.kind.corners]
-            # A mesh of lines has no facets.
-            if top > 1 and block.kind.dimension == top - 1:
-                facet_groups.setdefault(name, []).append(("nodes", rows))
-            else:
-                node_groups.setdefault(name, []).append(block.nodes[members].ravel())
-    return {
-        "points": points,
-        "cells": cells,
-        "cell_groups": {name: np.unique(np.concatenate(members)) for name, members in cell_groups.items()},
-        "facet_groups": {name: [part for part in parts_ if len(part[1])] for name, parts_ in facet_groups.items()},
-        "node_groups": {name: np.unique(np.concatenate(members)) for name, members in node_groups.items()},
-    }
+class Grid(NamedTuple):
+    """An unstructured grid as VTK has it; what its arrays and cells become is decided in one place for all sources."""
 
-
-def _divided(block: Block, links: Sequence[str], top: int) -> list[tuple[bool, Block]]:
-    """A block, and whether it is of cells; lines are divided into links and edges."""
-    if block.kind.name != "line2" or top == 1:
-        return [(block.kind.dimension == top, block)]
-    chosen = np.zeros(len(block.nodes), dtype=bool)
-    for name in links:
-        chosen |= block.groups.get(name, chosen)
-    return [(is_link, _rows(block, chosen == is_link)) for is_link in (True, False) if (chosen == is_link).any()]
-
-
-def _rows(block: Block, chosen: Array) -> Block:
-    groups = {name: members[chosen] for name, members in block.groups.items() if members[chosen].any()}
-    return Block(block.kind, block.nodes[chosen], groups, {name: bits[chosen] for name, bits in block.facets.items()})
+    points: Array
+    types: Array
+    ends: Array
+    connectivity: Array
+    cell_arrays: Arrays
+    point_arrays: Arrays
 
 
 def from_gmsh(read: Callable[[str, Sequence[str]], M], model: str | None, links: Sequence[str]) -> M:
@@ -145,49 +116,87 @@ def from_gmsh(read: Callable[[str, Sequence[str]], M], model: str | None, links:
         gmsh.model.setCurrent(before)
 
 
-def from_meshio(mesh: Any, links: Sequence[str]) -> dict[str, Any]:
-    """The arguments of a mesh for one of meshio."""
-    tags = mesh.cell_data.get("gmsh:physical")
-    names = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()} if tags is not None else {}
-    blocks = []
-    for index, cells in enumerate(mesh.cells):
-        kind = OF_MESHIO.get(cells.type)
-        if kind is None:
-            raise MeshError([Fault("", f"Emmy has no cells like {cells.type!r} of meshio")])
-        groups: dict[str, Array] = {}
-        for name, members in mesh.cell_sets.items():
-            if not name.startswith("gmsh:") and members[index] is not None and len(members[index]):
-                groups[name] = np.zeros(len(cells.data), dtype=bool)
-                groups[name][np.asarray(members[index], dtype=np.int64)] = True
-        if tags is not None:
-            for tag in np.unique(tags[index]):
-                name = names.get((int(tag), kind.dimension), str(int(tag)))
-                if tag:
-                    groups[name] = groups.get(name, False) | (tags[index] == tag)
-        blocks.append(Block(kind, np.asarray(cells.data, dtype=np.int64), groups, {}))
-    nodes = {name: np.asarray(members, dtype=np.int64) for name, members in mesh.point_sets.items()}
-    return assemble(_in_space(mesh.points), blocks, nodes, links)
+def from_meshio(mesh: Any) -> Grid:
+    """The grid of a mesh of meshio; its sets are arrays ``group:NAME``."""
+    types, sizes, connectivity = [], [], [np.zeros(0, dtype=np.int64)]
+    for cells in mesh.cells:
+        rows = _rows(cells)
+        types.append(np.full(len(rows), _vtk_type(cells.type), dtype=np.int64))
+        sizes.append(np.array([len(row) for row in rows], dtype=np.int64))
+        connectivity.extend(rows if isinstance(rows, list) else [rows.ravel()])
+    starts = np.cumsum([0, *(len(own) for own in types)])
+    n_cells = int(starts[-1])
+    # Arrays of meshio's reader of MSH files, whose names belong to the numbers of physical groups.
+    is_msh = bool(mesh.field_data) or any(name.startswith("gmsh:") for name in mesh.cell_sets)
+    cell_arrays = []
+    for name, blocks in mesh.cell_data.items():
+        values = np.concatenate([np.asarray(block) for block in blocks]) if blocks else np.zeros(0)
+        if name == "gmsh:physical":
+            dimensions = [getattr(cells, "dim", 0) for cells in mesh.cells]
+            cell_arrays += _physical(mesh, values, np.repeat(dimensions, np.diff(starts)))
+        if not (is_msh and name.startswith("gmsh:")):
+            cell_arrays.append((name, _numbers(values)))
+    for name, blocks in mesh.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            inside = np.zeros(n_cells, dtype=np.int64)
+            for start, members in zip(starts, blocks, strict=False):
+                if members is not None and len(members):
+                    inside[start + np.asarray(members, dtype=np.int64)] = 1
+            cell_arrays.append((f"group:{name}", inside))
+    points = _in_space(mesh.points)
+    point_arrays = [(name, _numbers(values)) for name, values in mesh.point_data.items()]
+    for name, members in mesh.point_sets.items():
+        inside = np.zeros(len(points), dtype=np.int64)
+        inside[np.asarray(members, dtype=np.int64)] = 1
+        point_arrays.append((f"group:{name}", inside))
+    ends = np.cumsum(np.concatenate([np.zeros(0, dtype=np.int64), *sizes]), dtype=np.int64)
+    all_types = np.concatenate([np.zeros(0, dtype=np.int64), *types])
+    nodes = np.concatenate([np.asarray(rows, dtype=np.int64) for rows in connectivity])
+    return Grid(points, all_types, ends, nodes, cell_arrays, point_arrays)
 
 
-def from_pyvista(grid: Any, links: Sequence[str]) -> dict[str, Any]:
-    """The arguments of a mesh for one of PyVista."""
+def _rows(cells: Any) -> Any:
+    """Nodes of each cell: an array, or a list of arrays of a polyhedron's nodes."""
+    if cells.type.startswith("polyhedron"):
+        return [np.unique(np.concatenate([np.ravel(face) for face in cell])) for cell in cells.data]
+    try:
+        return np.asarray(cells.data, dtype=np.int64)
+    except ValueError:
+        return [np.asarray(row, dtype=np.int64) for row in cells.data]
+
+
+def _vtk_type(name: str) -> int:
+    """Type of VTK of a type of meshio."""
+    if name.startswith("polyhedron"):
+        return 42
+    shape = name.rstrip("0123456789")
+    if name not in OF_MESHIO and shape not in LAGRANGE:
+        raise MeshError([Fault("", f"Emmy has no cells like {name!r} of meshio")])
+    return OF_MESHIO[name] if name in OF_MESHIO else LAGRANGE[shape]
+
+
+def _physical(mesh: Any, tags: Array, dimensions: Array) -> Arrays:
+    """The physical groups of Gmsh; the name of an unnamed one is its number."""
+    names = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
+    groups: dict[str, Array] = {}
+    for tag, dim in np.unique(np.column_stack([tags, dimensions]), axis=0).astype(np.int64).tolist():
+        if tag:
+            name, members = names.get((tag, dim), str(tag)), (tags == tag) & (dimensions == dim)
+            groups[name] = groups.get(name, np.zeros(len(tags), dtype=np.int64)) | members
+    return [(f"group:{name}", members) for name, members in groups.items()]
+
+
+def from_pyvista(grid: Any) -> Grid:
+    """The grid of a data set of PyVista."""
     grid = grid.cast_to_unstructured_grid()
-    blocks = []
-    connectivity, starts = np.asarray(grid.cell_connectivity), np.asarray(_offsets(grid))
-    for vtk in dict.fromkeys(grid.celltypes.tolist()):
-        kind = OF_VTK.get(vtk)
-        if kind is None:
-            raise MeshError([Fault("", f"Emmy has no cells like those of type {vtk} of VTK")])
-        chosen = np.asarray(grid.celltypes == vtk)
-        length = int(np.diff(starts)[chosen][0])
-        nodes = connectivity[starts[:-1][chosen][:, None] + np.arange(length)]
-        groups = {name: values[chosen] != 0 for name, values in _named(grid.cell_data, "group:")}
-        facets = {name: values[chosen].astype(np.int64) for name, values in _named(grid.cell_data, "facets:")}
-        used = {name: members for name, members in groups.items() if members.any()}
-        bits = {name: values for name, values in facets.items() if values.any()}
-        blocks.append(Block(kind, np.asarray(nodes, dtype=np.int64), used, bits))
-    members = {name: np.flatnonzero(values) for name, values in _named(grid.point_data, "group:")}
-    return assemble(np.asarray(grid.points, dtype=np.float64), blocks, members, links)
+    return Grid(
+        np.asarray(grid.points, dtype=np.float64),
+        np.asarray(grid.celltypes, dtype=np.int64),
+        np.asarray(_offsets(grid), dtype=np.int64)[1:],
+        np.asarray(grid.cell_connectivity, dtype=np.int64),
+        [(name, _numbers(grid.cell_data[name])) for name in grid.cell_data.keys()],
+        [(name, _numbers(grid.point_data[name])) for name in grid.point_data.keys()],
+    )
 
 
 def _offsets(grid: Any) -> Any:
@@ -195,8 +204,14 @@ def _offsets(grid: Any) -> Any:
     return grid.cell_offsets if hasattr(grid, "cell_offsets") else grid.offset
 
 
-def _named(arrays: Any, prefix: str) -> list[tuple[str, Array]]:
-    return [(name.removeprefix(prefix), np.asarray(arrays[name])) for name in arrays.keys() if name.startswith(prefix)]
+def _numbers(values: Any) -> Array | None:
+    """One number of each cell or point, whole or real; None if there are several, or texts."""
+    values = np.asarray(values)
+    if values.ndim == 2 and values.shape[1] == 1:
+        values = values[:, 0]
+    if values.ndim != 1 or values.dtype.kind not in "biuf":
+        return None
+    return np.ascontiguousarray(values, dtype=np.float64 if values.dtype.kind == "f" else np.int64)
 
 
 def _in_space(points: Any) -> Array:

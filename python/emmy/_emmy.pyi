@@ -35,6 +35,17 @@ class Mesh:
         node_groups: Mapping[str, _Integers],
     ) -> Mesh: ...
     @staticmethod
+    def from_grid(
+        name: str,
+        points: _Reals,
+        types: _Integers,
+        ends: _Integers,
+        connectivity: _Integers,
+        cell_arrays: Sequence[tuple[str, NDArray[Any] | None]],
+        point_arrays: Sequence[tuple[str, NDArray[Any] | None]],
+        links: Sequence[str],
+    ) -> Mesh: ...
+    @staticmethod
     def read(path: str, links: Sequence[str], plane_shells: bool) -> Mesh: ...
     @staticmethod
     def l_block(cell_size: float) -> Mesh: ...

@@ -61,6 +61,12 @@ class Sources:
         return mesh
 
     @classmethod
+    def _from_grid(cls, name: str, grid: _convert.Grid, links: Sequence[str]) -> Self:
+        mesh = cls._of(_emmy.Mesh.from_grid(name, *grid, list(links)))
+        warn(mesh._native.notes)
+        return mesh
+
+    @classmethod
     def read(
         cls, path: str | os.PathLike[str], links: Sequence[str] = (), *, shells: Literal["plane-strain"] | None = None
     ) -> Self:
@@ -169,7 +175,10 @@ class Sources:
 
     @classmethod
     def from_meshio(cls, mesh: Any, *, links: Sequence[str] = ()) -> Self:
-        """Mesh of meshio; cell sets, point sets and Gmsh's physical groups become groups.
+        """Mesh of meshio; cell sets, point sets, Gmsh's physical groups and other arrays of whole numbers become groups.
+
+        They are the groups that `read` takes from a file of VTK with the same arrays: ``ARRAY=VALUE`` for each of up to
+        64 values. `notes` names the arrays and counts the cells that are left out.
 
         Parameters
         ----------
@@ -185,7 +194,7 @@ class Sources:
         Raises
         ------
         MeshError
-            If it has cells that Emmy does not have.
+            If it has solid cells that Emmy does not have.
 
         Examples
         --------
@@ -193,11 +202,15 @@ class Sources:
         >>> emmy.Mesh.from_meshio(box.to_meshio()).groups == box.groups
         True
         """
-        return cls(**_convert.from_meshio(mesh, links))
+        return cls._from_grid("the mesh of meshio", _convert.from_meshio(mesh), links)
 
     @classmethod
     def from_pyvista(cls, grid: Any, *, links: Sequence[str] = ()) -> Self:
-        """Mesh of PyVista; arrays ``group:NAME`` and ``facets:NAME`` become groups.
+        """Mesh of PyVista; arrays of whole numbers become groups.
+
+        They are the groups that `read` takes from a file of the grid: ``NAME`` for arrays ``group:NAME`` and
+        ``facets:NAME``, else ``ARRAY=VALUE`` for each of up to 64 values. `notes` names the arrays and counts the cells
+        that are left out.
 
         Parameters
         ----------
@@ -213,15 +226,21 @@ class Sources:
         Raises
         ------
         MeshError
-            If it has cells that Emmy does not have.
+            If it has solid cells that Emmy does not have.
 
         Examples
         --------
         >>> box = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
         >>> emmy.Mesh.from_pyvista(box.to_pyvista()).groups == box.groups
         True
+        >>> import numpy as np
+        >>> import pyvista
+        >>> image = pyvista.ImageData(dimensions=(3, 2, 2))
+        >>> image.cell_data["material"] = np.array([1, 2])
+        >>> emmy.Mesh.from_pyvista(image).groups
+        {'material=1': ('cells',), 'material=2': ('cells',)}
         """
-        return cls(**_convert.from_pyvista(grid, links))
+        return cls._from_grid("the grid", _convert.from_pyvista(grid), links)
 
     @classmethod
     def l_block(cls, cell_size: float) -> Self:

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::mesh::{self, CellKind, Facet, MeshBuilder};
-use emmy_io::mesh::MeshOptions;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn};
+use emmy_io::mesh::{Grid, GridArray, MeshOptions, Numbers};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -146,6 +146,48 @@ impl Mesh {
         let note = (turned > 0)
             .then(|| format!("{turned} plane cells were clockwise; their node order was reversed"));
         Ok(Mesh::new(mesh, note.into_iter().collect()))
+    }
+
+    /// A mesh from a grid of VTK with a name for messages; lines in the groups `links` are cells.
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments)]
+    fn from_grid(
+        py: Python<'_>,
+        name: PathBuf,
+        points: PyReadonlyArray2<'_, f64>,
+        types: PyReadonlyArray1<'_, i64>,
+        ends: PyReadonlyArray1<'_, i64>,
+        connectivity: PyReadonlyArray1<'_, i64>,
+        cell_arrays: Vec<(String, Option<Bound<'_, PyAny>>)>,
+        point_arrays: Vec<(String, Option<Bound<'_, PyAny>>)>,
+        links: Vec<String>,
+    ) -> PyResult<Self> {
+        let list = |array: &PyReadonlyArray1<'_, i64>| array.as_array().to_vec();
+        let arrays = |all: Vec<(String, Option<Bound<'_, PyAny>>)>| {
+            let array = |(name, values): (String, Option<Bound<'_, PyAny>>)| {
+                let Some(values) = values else { return Ok(GridArray { name, numbers: None }) };
+                let numbers = match values.extract::<PyReadonlyArray1<'_, i64>>() {
+                    Ok(whole) => Numbers::Whole(list(&whole)),
+                    Err(_) => {
+                        let real: PyReadonlyArray1<'_, f64> = values.extract()?;
+                        Numbers::Real(real.as_array().to_vec())
+                    }
+                };
+                Ok(GridArray { name, numbers: Some(numbers) })
+            };
+            all.into_iter().map(array).collect::<PyResult<Vec<GridArray>>>()
+        };
+        let grid = Grid {
+            points: points.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect(),
+            types: list(&types),
+            ends: list(&ends),
+            connectivity: list(&connectivity),
+            cell_arrays: arrays(cell_arrays)?,
+            point_arrays: arrays(point_arrays)?,
+        };
+        let file = pool::interruptible(py, move || emmy_io::mesh::from_grid(&name, grid, &links))?;
+        let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
+        Ok(Mesh::new(file.mesh, file.notes))
     }
 
     /// A mesh from a file; lines in the groups `links` are cells, and so are shells with `plane_shells`.

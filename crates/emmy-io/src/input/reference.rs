@@ -22,7 +22,7 @@ use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, 
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 10] = [
+const TABLES: [(&str, Table); 11] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
@@ -32,6 +32,7 @@ const TABLES: [(&str, Table); 10] = [
     ("units", units),
     ("nastran cards", || entries("Nastran")),
     ("abaqus keywords", || entries("Abaqus")),
+    ("vtk arrays", || entries("VTK")),
     ("measured materials", measured_materials),
 ];
 

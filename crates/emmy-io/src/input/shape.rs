@@ -80,7 +80,7 @@ const SOURCES: [SourceKind; 5] = [
                 "file",
                 Kind::Text,
                 "",
-                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`; groups by their names in the file",
+                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`, `.pvtu`, `.vtk`; groups by their names in the file",
             )
         },
         read: |item, directory| Ok(Source::File(directory.join(item.string()?))),

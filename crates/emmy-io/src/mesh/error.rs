@@ -54,7 +54,7 @@ pub enum MeshError {
     /// A file of an unknown format.
     #[error(
         "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 2.2 and 4.1, ASCII or binary), \
-         Abaqus (.inp), Nastran (.bdf, .nas, .dat) and VTK (.vtu)", file.display()
+         Abaqus (.inp), Nastran (.bdf, .nas, .dat) and VTK (.vtu, .pvtu, .vtk)", file.display()
     )]
     UnknownFormat {
         /// The file.
@@ -62,7 +62,7 @@ pub enum MeshError {
     },
     /// A file in an unsupported format of another program.
     #[error(
-        "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp), Nastran (.bdf) and VTK (.vtu)", file.display()
+        "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp), Nastran (.bdf) and VTK (.vtu, .vtk)", file.display()
     )]
     OtherFormat {
         /// The file.
@@ -214,6 +214,16 @@ pub enum MeshError {
     Malformed {
         /// Place.
         place: Place,
+        /// Reason.
+        problem: String,
+        /// Something to try.
+        advice: &'static str,
+    },
+    /// A fault of an unstructured grid of VTK, in a file or in memory.
+    #[error("{}: {problem}; {advice}", file.display())]
+    Grid {
+        /// The file, or the name of the grid.
+        file: PathBuf,
         /// Reason.
         problem: String,
         /// Something to try.

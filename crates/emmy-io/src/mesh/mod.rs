@@ -1,4 +1,4 @@
-//! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`), Nastran (`.bdf`) and VTK (`.vtu`).
+//! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`), Nastran (`.bdf`) and VTK (`.vtu`, `.pvtu`, `.vtk`).
 
 mod abaqus;
 pub(crate) mod account;
@@ -16,6 +16,7 @@ use emmy::internals::number::short_vector;
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
 pub use error::{MeshError, Place, Position};
+pub use vtu::{Grid, GridArray, Numbers};
 
 /// Kinds of cells in files, for messages.
 fn kinds() -> &'static str {
@@ -38,8 +39,8 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 /// Entries of each format, and what its reader does with them.
 #[cfg(test)]
-pub(crate) const ENTRIES: [(&str, &[account::Entries]); 2] =
-    [("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE)];
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 3] =
+    [("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE), ("VTK", vtu::TABLE)];
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -73,7 +74,8 @@ pub struct MeshOptions {
 }
 
 /// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
-/// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression).
+/// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression, its pieces joined; and
+/// legacy files, ASCII or binary).
 ///
 /// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups. A
 /// physical group without a name is named by its number. Volume elements without a group are kept.
@@ -91,10 +93,11 @@ pub struct MeshOptions {
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
 /// `z = const`; clockwise cells are reversed, with a note.
 ///
-/// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the
-/// file) and the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell
-/// denotes its face i. Any other array with up to 64 values: groups of solid cells called `ARRAY=VALUE`. Emmy's own
-/// frames keep all their groups.
+/// VTK: arrays of whole numbers, also if they are stored as real numbers, become groups. `group:NAME`: its cells, its
+/// facets (faces that are cells of the file) and the nodes of other cells, wherever it is not 0; as point data, nodes.
+/// `facets:NAME`: bit i of a cell denotes its face i. Any other array with up to 64 values: groups called `ARRAY=VALUE`.
+/// A note names the other arrays. Emmy's own frames keep all their groups. Cells of lower dimension that are no faces or
+/// edges of the body are left out, with a note.
 ///
 /// Inverted or repeated cells are errors. Nodes at one position are noted.
 ///
@@ -148,9 +151,20 @@ pub fn parse_with(path: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Me
         Some(Format::Gmsh) => gmsh::mesh(path, bytes, &options.links),
         Some(Format::Abaqus) => abaqus::mesh(path, bytes, options),
         Some(Format::Vtu) => vtu::mesh(path, bytes, &options.links),
+        Some(Format::Vtk) => vtu::legacy(path, bytes, &options.links),
         Some(Format::Nastran) => nastran::mesh(path, bytes, options),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
+}
+
+/// Mesh of an unstructured grid, with the groups that [`read`] takes from the arrays of a file of VTK; `name` stands for
+/// the grid in messages, and lines of two nodes in the groups `links` are cells. In a grid of lines alone all are cells,
+/// with the group `links`.
+///
+/// # Errors
+/// As [`read`].
+pub fn from_grid(name: &Path, grid: Grid, links: &[String]) -> Result<MeshFile> {
+    vtu::of_grid(name, grid, links)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,6 +172,7 @@ enum Format {
     Gmsh,
     Abaqus,
     Vtu,
+    Vtk,
     Nastran,
 }
 
@@ -176,12 +191,14 @@ fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
         Some(b'$') => return Some(Format::Gmsh),
         Some(b'*') => return Some(Format::Abaqus),
         Some(b'<') => return Some(Format::Vtu),
+        Some(b'#') if bytes.starts_with(b"# vtk") => return Some(Format::Vtk),
         _ => {}
     }
     match extension()?.as_str() {
         "msh" => Some(Format::Gmsh),
         "inp" => Some(Format::Abaqus),
-        "vtu" => Some(Format::Vtu),
+        "vtu" | "pvtu" => Some(Format::Vtu),
+        "vtk" => Some(Format::Vtk),
         "dat" => Some(Format::Nastran),
         _ => None,
     }

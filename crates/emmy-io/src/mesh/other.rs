@@ -9,6 +9,8 @@ use super::MeshError;
 enum Way {
     /// A mesh for meshio.
     Meshio,
+    /// A mesh that Gmsh keeps with the names of its groups; meshio keeps their numbers alone.
+    Save,
     /// A mesh or a geometry for Gmsh; the volume is meshed if necessary.
     Gmsh,
     /// A surface, from which Gmsh creates a volume.
@@ -20,19 +22,18 @@ enum Way {
 }
 
 /// Known formats by their extensions.
-const FORMATS: [(&str, &str, Way); 21] = [
+const FORMATS: [(&str, &str, Way); 20] = [
     ("cgns", "a mesh of CGNS", Way::Gmsh),
     ("ply", "a surface of triangles (PLY)", Way::Surface),
     ("off", "a surface (OFF)", Way::Surface),
     ("op2", "a binary result of Nastran", Way::Bulk),
-    ("vtk", "the legacy format of VTK", Way::Meshio),
     ("xdmf", "a mesh of XDMF", Way::Meshio),
     ("xmf", "a mesh of XDMF", Way::Meshio),
     ("exo", "a mesh of Exodus", Way::Meshio),
     ("e", "a mesh of Exodus", Way::Meshio),
     ("mesh", "a mesh of Medit", Way::Meshio),
     ("su2", "a mesh of SU2", Way::Meshio),
-    ("med", "a mesh of Salome", Way::Meshio),
+    ("med", "a mesh of Salome", Way::Save),
     ("unv", "a mesh of I-deas", Way::Gmsh),
     ("step", "a geometry, no mesh,", Way::Gmsh),
     ("stp", "a geometry, no mesh,", Way::Gmsh),
@@ -56,6 +57,7 @@ pub(super) fn format(file: &Path) -> Option<MeshError> {
             "convert it with meshio: `meshio convert {from} {}`",
             file.with_extension("vtu").display()
         ),
+        Way::Save => format!("convert it with Gmsh: `gmsh {from} -save -format msh41 -o {to}`"),
         Way::Gmsh => format!("convert it with Gmsh: `gmsh -3 {from} -format msh41 -o {to}`"),
         Way::Surface => {
             "make a volume of it in Gmsh (`Merge`, `Surface Loop`, `Volume`) and mesh that".to_string()

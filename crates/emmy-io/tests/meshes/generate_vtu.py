@@ -5,8 +5,12 @@ a tetrahedron on the slope of the wedge, and the bottom of the brick as a quadri
 pyramid, 1: wedge and tetrahedron, 5: quadrilateral), "group:top" (pyramid), "group:bottom" (quadrilateral),
 "facets:left" (face 0 of the brick, x = 0), "quality" (not whole). Point data: "group:apex" (that of the pyramid).
 mirrored.vtu has the wedge with its base the other way round, quadratic.vtu one of each quadratic cell from VTK's own
-parametric coordinates, two-pieces.vtu is for the errors.
+parametric coordinates, lagrange.vtu the same of Lagrange cells of the orders 1 and 2 (and lagrange-old.vtk in the order
+of files before version 5). two-pieces.vtu has the mesh in two pieces with a ghost cell, parallel.pvtu in two files
+without. Legacy files: the one mesh, and regular grids of 3 x 2 x 2 cells of [0, 3] x [0, 2] x [0, 2].
 """
+
+import os
 
 import meshio
 import numpy as np
@@ -80,6 +84,111 @@ def quadratic():
     write("quadratic", grid(points, cells, {}, {}))
 
 
+def lagrange():
+    """Lagrange cells in VTK's parametric coordinates, side by side."""
+    points, cells = [], []
+
+    def add(kind, cell, n):
+        cell.GetPointIds().SetNumberOfIds(n)
+        cell.GetPoints().SetNumberOfPoints(n)
+        cell.Initialize() if hasattr(cell, "Initialize") else None
+        coordinates, start = cell.GetParametricCoords(), len(points)
+        for i in range(n):
+            x, y, z = coordinates[3 * i:3 * i + 3]
+            points.append([x + 2 * len(cells), y, z])
+        cells.append((kind, list(range(start, start + n))))
+
+    for n, order in [(8, 1), (27, 2)]:
+        cell = vtk.vtkLagrangeHexahedron()
+        cell.SetOrder(order, order, order)
+        add(vtk.VTK_LAGRANGE_HEXAHEDRON, cell, n)
+    for n in (4, 10):
+        add(vtk.VTK_LAGRANGE_TETRAHEDRON, vtk.vtkLagrangeTetra(), n)
+    wedge = vtk.vtkLagrangeWedge()
+    wedge.SetOrder(1, 1, 1, 6)
+    add(vtk.VTK_LAGRANGE_WEDGE, wedge, 6)
+    grid_ = grid(points, cells, {}, {})
+    write("lagrange", grid_)
+    legacy("lagrange-old", grid_, version=42)
+    # Before version 5 the last two vertical edges were exchanged; the writer does not exchange them.
+    text = open("lagrange-old.vtk").read()
+    edges = " ".join(str(node) for node in range(8 + 16, 8 + 20))
+    exchanged = " ".join(str(8 + node) for node in (16, 17, 19, 18))
+    assert text.count(edges) == 1
+    open("lagrange-old.vtk", "w").write(text.replace(edges, exchanged))
+
+
+def legacy(name, data, binary=False, version=51):
+    writer = vtk.vtkUnstructuredGridWriter()
+    if not isinstance(data, vtk.vtkUnstructuredGrid):
+        writer = vtk.vtkDataSetWriter()
+    writer.SetInputData(data)
+    writer.SetFileTypeToBinary() if binary else writer.SetFileTypeToASCII()
+    writer.SetFileVersion(version)
+    writer.SetFileName(name + ".vtk")
+    writer.Write()
+
+
+def legacy_files():
+    plain = grid(POINTS, CELLS, CELL_DATA, POINT_DATA)
+    text = vtk.vtkStringArray()
+    text.SetName("a name of parts")
+    [text.InsertNextValue(word) for word in ("brick and more", "b", "c", "d", "e")]
+    plain.GetCellData().AddArray(text)
+    vectors = numpy_to_vtk(np.arange(36.0).reshape(12, 3), deep=True)
+    vectors.SetName("velocity")
+    plain.GetPointData().SetVectors(vectors)
+    for version in (42, 51):
+        for binary in (False, True):
+            legacy(f"legacy-{version}-{'binary' if binary else 'ascii'}", plain, binary, version)
+    image = vtk.vtkImageData()
+    image.SetDimensions(4, 3, 3)
+    materials = numpy_to_vtk(np.array([1.0] * 6 + [2.0] * 6), deep=True)
+    materials.SetName("material")
+    image.GetCellData().SetScalars(materials)
+    legacy("legacy-points", image)
+    rectilinear = vtk.vtkRectilinearGrid()
+    rectilinear.SetDimensions(4, 3, 3)
+    for axis, n in (("X", 4), ("Y", 3), ("Z", 3)):
+        getattr(rectilinear, f"Set{axis}Coordinates")(numpy_to_vtk(np.arange(float(n)), deep=True))
+    rectilinear.GetCellData().SetScalars(materials)
+    legacy("legacy-rectilinear", rectilinear, True)
+    bent, array = vtk.vtkStructuredGrid(), vtk.vtkPoints()
+    [array.InsertNextPoint(x, y, z) for z in range(3) for y in range(3) for x in range(4)]
+    bent.SetDimensions(4, 3, 3)
+    bent.SetPoints(array)
+    bent.GetCellData().SetScalars(materials)
+    legacy("legacy-structured", bent)
+
+
+def piece(cells, ghosts=None):
+    """Some cells of the mesh with their own points."""
+    nodes = sorted({node for cell in cells for node in CELLS[cell][1]})
+    cell_data = {name: values[cells] for name, values in CELL_DATA.items()}
+    if ghosts is not None:
+        cell_data["vtkGhostType"] = np.array(ghosts, np.uint8)
+    own = [(CELLS[cell][0], [nodes.index(node) for node in CELLS[cell][1]]) for cell in cells]
+    return grid([POINTS[node] for node in nodes], own, cell_data, {"group:apex": POINT_DATA["group:apex"][nodes]})
+
+
+def pieces():
+    texts = []
+    # The second piece has the brick again, as a ghost.
+    for cells, ghosts in [([0, 1], [0, 0]), ([0, 2, 3, 4], [1, 0, 0, 0])]:
+        write("piece", piece(cells, ghosts))
+        texts.append(open("piece.vtu").read())
+    body = [text[text.index("    <Piece"):text.index("  </UnstructuredGrid>")] for text in texts]
+    open("two-pieces.vtu", "w").write(texts[0].replace(body[0], body[0] + body[1]))
+    os.remove("piece.vtu")
+    for index, cells in enumerate([[0, 1], [2, 3, 4]]):
+        write(f"parallel_{index}", piece(cells), "Appended")
+    sources = "".join(f'<Piece Source="parallel_{index}.vtu"/>' for index in range(2))
+    head = '<VTKFile type="PUnstructuredGrid" version="1.0" byte_order="LittleEndian">'
+    points = '<PPoints><PDataArray type="Float64" NumberOfComponents="3"/></PPoints>'
+    text = f"{head}<PUnstructuredGrid GhostLevel=\"0\">{points}{sources}</PUnstructuredGrid></VTKFile>\n"
+    open("parallel.pvtu", "w").write(text)
+
+
 def main():
     plain = grid(POINTS, CELLS, CELL_DATA, POINT_DATA)
     write("vtk-ascii", plain)
@@ -94,9 +203,9 @@ def main():
     write("mirrored", grid(POINTS, mirrored, CELL_DATA, POINT_DATA))
     quadratic()
     meshio_files()
-    text = open("vtk-ascii.vtu").read()
-    start, end = text.index("    <Piece"), text.index("  </UnstructuredGrid>")
-    open("two-pieces.vtu", "w").write(text[:end] + text[start:end] + text[end:])
+    lagrange()
+    legacy_files()
+    pieces()
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ mod mesh_abaqus_account;
 mod mesh_damage;
 mod mesh_errors;
 mod mesh_gmsh;
+mod mesh_grids;
 mod mesh_limits;
 mod mesh_links;
 mod mesh_nastran;

@@ -4,7 +4,7 @@ use crate::meshes::{bytes, path};
 use emmy_io::mesh::parse;
 use proptest::prelude::*;
 
-const FILES: [&str; 18] = [
+const FILES: [&str; 20] = [
     "hex8-22-ascii.msh",
     "hex8-22-binary.msh",
     "hex20-41-ascii.msh",
@@ -23,6 +23,8 @@ const FILES: [&str; 18] = [
     "vtk-raw-plain.vtu",
     "vtk-raw-zlib.vtu",
     "vtk-base64-zlib.vtu",
+    "legacy-42-ascii.vtk",
+    "legacy-51-binary.vtk",
 ];
 
 proptest! {

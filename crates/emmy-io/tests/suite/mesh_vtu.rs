@@ -21,6 +21,10 @@ const WAYS: [&str; 11] = [
     "meshio-zlib",
 ];
 
+/// The array of real numbers.
+const LEFT_OUT: &str =
+    "arrays that are left out, because they have other values than up to 64 whole numbers: quality";
+
 const MIRRORED: &str = "1 wedge has its base numbered the other way round, as in older VTK, and read so";
 
 fn kinds(mesh: &Mesh) -> Vec<CellKind> {
@@ -35,7 +39,8 @@ fn assert_groups(mesh: &Mesh) {
     assert_eq!(groups.facets("left").unwrap(), [Facet { cell: 0, local: 0 }]);
     assert_eq!(groups.facets("bottom").unwrap(), [Facet { cell: 0, local: 4 }]);
     assert_eq!(groups.nodes["apex"], [8]);
-    assert_eq!(groups.names(), ["apex", "bottom", "left", "region=0", "region=1", "top"]);
+    assert_eq!(groups.names(), ["apex", "bottom", "left", "region=0", "region=1", "region=5", "top"]);
+    assert_eq!(groups.facets("region=5").unwrap(), groups.facets("bottom").unwrap());
     assert_plane(mesh, "left", 0, 0.0);
     assert_plane(mesh, "bottom", 2, 0.0);
 }
@@ -53,7 +58,7 @@ fn one_mesh_is_the_same_in_every_way_of_writing() {
         assert_groups(&file.mesh);
         assert_eq!(file.mesh, read("vtk-ascii.vtu").mesh, "{way}");
         // meshio reverses the wedges of VTK.
-        let notes: &[&str] = if way.starts_with("meshio") { &[MIRRORED] } else { &[] };
+        let notes: &[&str] = if way.starts_with("meshio") { &[MIRRORED, LEFT_OUT] } else { &[LEFT_OUT] };
         assert_eq!(file.notes, notes, "{way}");
     }
 }
@@ -62,7 +67,7 @@ fn one_mesh_is_the_same_in_every_way_of_writing() {
 fn a_wedge_may_have_its_base_the_other_way_round() {
     let file = read("mirrored.vtu");
     assert_eq!(file.mesh.cell(2).nodes, [1, 9, 2, 5, 10, 6]);
-    assert_eq!(file.notes, [MIRRORED]);
+    assert_eq!(file.notes, [MIRRORED, LEFT_OUT]);
     assert_groups(&file.mesh);
 }
 
@@ -75,6 +80,93 @@ fn quadratic_cells_and_voxels_have_their_nodes_where_vtk_has_them() {
     );
     assert_straight(&file.mesh);
     assert!((volume(&file.mesh) - 1.0 - 1.0 - 1.0 / 6.0 - 0.5 - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn lagrange_cells_of_two_orders_have_their_nodes_where_vtk_has_them() {
+    // The version of the legacy file has the order of the edges of a hexahedron before VTK 9.
+    for name in ["lagrange.vtu", "lagrange-old.vtk"] {
+        let file = read(name);
+        assert_eq!(
+            kinds(&file.mesh),
+            [CellKind::Hex8, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10, CellKind::Wedge6]
+        );
+        assert_straight(&file.mesh);
+        assert!((volume(&file.mesh) - 1.0 - 1.0 - 1.0 / 6.0 - 1.0 / 6.0 - 0.5).abs() < 1e-6, "{name}");
+    }
+}
+
+#[test]
+fn legacy_files_have_the_same_mesh() {
+    for name in ["legacy-42-ascii", "legacy-42-binary", "legacy-51-ascii", "legacy-51-binary"] {
+        let file = read(&format!("{name}.vtk"));
+        assert_eq!(file.mesh, read("vtk-ascii.vtu").mesh, "{name}");
+        assert_eq!(file.notes, [format!("{LEFT_OUT}, a name of parts")], "{name}");
+    }
+}
+
+#[test]
+fn regular_grids_of_legacy_files_have_a_cell_for_each_cell() {
+    for name in ["legacy-points", "legacy-rectilinear", "legacy-structured"] {
+        let mesh = read(&format!("{name}.vtk")).mesh;
+        assert_eq!((kinds(&mesh), mesh.n_nodes()), (vec![CellKind::Hex8; 12], 36), "{name}");
+        assert!((volume(&mesh) - 12.0).abs() < 1e-12);
+        for cell in mesh.cells() {
+            assert!((crate::meshes::cell_volume(&mesh, cell) - 1.0).abs() < 1e-12, "{name}");
+        }
+        assert_eq!(mesh.groups().cells("material=1").unwrap(), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(mesh.groups().names(), ["material=1", "material=2"]);
+    }
+}
+
+#[test]
+fn pieces_are_joined_without_their_ghost_cells() {
+    let whole = read("vtk-ascii.vtu").mesh;
+    let ghost = "1 ghost or hidden cell is left out";
+    // The second piece of the first file has the brick again; the files share its face and an edge of its neighbours.
+    for (name, joined, ghost) in [("two-pieces.vtu", 8, Some(ghost)), ("parallel.pvtu", 6, None)] {
+        let file = read(name);
+        let mesh = &file.mesh;
+        assert_eq!((kinds(mesh), mesh.n_nodes()), (kinds(&whole), whole.n_nodes()), "{name}");
+        assert!((volume(mesh) - 2.0).abs() < 1e-14, "{name}");
+        assert_groups(mesh);
+        let note = format!("2 pieces of the grid are joined; {joined} repeated nodes are left out");
+        let notes: Vec<String> =
+            [Some(note.as_str()), ghost, Some(LEFT_OUT)].into_iter().flatten().map(str::to_string).collect();
+        assert_eq!(file.notes, notes);
+    }
+    assert_eq!(read("parallel.pvtu").files.len(), 3);
+}
+
+#[test]
+fn bad_legacy_files_are_told_with_their_line() {
+    let ascii = std::fs::read_to_string(path("legacy-51-ascii.vtk")).unwrap();
+    let cases: [(&str, &str, &[&str]); 8] = [
+        ("DataFile Version", "DataFile", &["a.vtk, line 1: the first line is not"]),
+        ("ASCII", "TEXT", &["a.vtk, line 3: expected ASCII or BINARY"]),
+        (
+            "UNSTRUCTURED_GRID",
+            "POLYDATA",
+            &["a.vtk, line 4: DATASET POLYDATA is not read, only UNSTRUCTURED_GRID"],
+        ),
+        ("POINTS 12", "POINTS 99999999", &["a.vtk, line 6: 299999997 numbers are announced, but the rest"]),
+        ("CELL_TYPES 5", "CELL_TYPES 4", &["the keyword 9 is not known"]),
+        ("CELL_DATA 5", "CELL_SETS 5", &["the keyword CELL_SETS is not known"]),
+        ("CONNECTIVITY", "NODES", &["CELLS without CONNECTIVITY"]),
+        ("OFFSETS vtktypeint64", "OFFSETS complex", &["numbers of type complex are not read"]),
+    ];
+    for (from, to, parts) in cases {
+        assert!(ascii.contains(from), "{from} is not in the file");
+        let message = parse_text("a.vtk", &ascii.replacen(from, to, 1)).expect_err(from).to_string();
+        for part in parts {
+            assert!(message.contains(part), "\"{part}\" is not in: {message}");
+        }
+    }
+    // Cut anywhere, a binary file is an error or the mesh without its last arrays; it never panics.
+    let binary = crate::meshes::bytes("legacy-51-binary.vtk");
+    for n in 0..binary.len() {
+        let _ = emmy_io::mesh::parse("a.vtk".as_ref(), &binary[..n]);
+    }
 }
 
 /// The frame of a mesh at rest, as written by a run.
@@ -127,7 +219,11 @@ fn bad_files_are_told_with_their_line() {
         ("NumberOfCells=\"5\"", "NumberOfCells=\"0\"", &["a.vtu: the mesh has no solid or plane cells"]),
         ("format=\"ascii\"", "format=\"binary\"", &["line 5: array \"group:apex\"", "bytes are announced"]),
         ("0 0 1 1 5", "0 0 x 1 5", &["array \"region\": expected a number, found \"x\""]),
-        ("12 14 13 10 9", "12 14 13 10 42", &["elements of type 42 of VTK are not supported"]),
+        (
+            "12 14 13 10 9",
+            "12 14 13 42 9",
+            &["a.vtu: cell 3 (counted from 0) is of VTK type 42 (polyhedron of 4"],
+        ),
         ("8 13 19 23 27", "8 13 20 23 27", &["cell 2 of type 13 ends at 20 instead of 19"]),
         ("0.5 0.5 2", "0.5 0.5 nan", &["coordinate", "not a finite number"]),
         ("0 1 2 3 4 5", "0 1 2 3 4 99", &["a cell names node 99, of 12"]),
@@ -140,8 +236,6 @@ fn bad_files_are_told_with_their_line() {
             assert!(message.contains(part), "\"{part}\" is not in: {message}");
         }
     }
-    let pieces = emmy_io::mesh::read(&path("two-pieces.vtu")).unwrap_err().to_string();
-    assert!(pieces.contains("a second piece of the grid; join the pieces in ParaView"), "{pieces}");
     let html = parse_text("a.vtu", "<html></html>").unwrap_err().to_string();
     assert!(html.contains("a.vtu, line 1: no unstructured grid of VTK"), "{html}");
 }

@@ -6,21 +6,7 @@ use std::io::Read;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::bufread::ZlibDecoder;
 
-/// Numbers of the requested type; whole numbers are exact.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Numbers {
-    Whole(Vec<i64>),
-    Real(Vec<f64>),
-}
-
-impl Numbers {
-    pub(super) fn into_reals(self) -> Vec<f64> {
-        match self {
-            Numbers::Whole(numbers) => numbers.into_iter().map(|number| number as f64).collect(),
-            Numbers::Real(numbers) => numbers,
-        }
-    }
-}
+use super::Numbers;
 
 /// Encoding of the binary arrays of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,13 +111,14 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<
     Ok(data)
 }
 
-/// Bytes of a number of a type; the largest possible if the type is unknown.
-pub(super) fn size(numeric_type: &str) -> usize {
+/// Bytes of a number of a type; `None`: no type of numbers.
+pub(super) fn size(numeric_type: &str) -> Option<usize> {
     match numeric_type {
-        "Int8" | "UInt8" => 1,
-        "Int16" | "UInt16" => 2,
-        "Int32" | "UInt32" | "Float32" => 4,
-        _ => 8,
+        "Int8" | "UInt8" => Some(1),
+        "Int16" | "UInt16" => Some(2),
+        "Int32" | "UInt32" | "Float32" => Some(4),
+        "Int64" | "UInt64" | "Float64" => Some(8),
+        _ => None,
     }
 }
 

@@ -6,7 +6,10 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::super::{MeshError, Place, Result};
-use super::array::{Encoding, Numbers, from_base64, from_bytes, from_text, payload, size};
+use super::array::{Encoding, from_base64, from_bytes, from_text, payload, size};
+use super::cell::renumber_old_hexahedra;
+use super::grid::is_needed;
+use super::{Grid, GridArray, Numbers};
 
 /// Largest number of points and cells of a file: more do not fit into memory, and compressed ones may need only a few
 /// bytes.
@@ -50,8 +53,8 @@ fn malformed(place: Place, problem: String) -> MeshError {
     MeshError::Malformed { place, problem, advice: DAMAGED }
 }
 
-/// The one piece of an unstructured grid.
-pub(super) struct Grid<'a, 'input> {
+/// A piece of an unstructured grid.
+pub(super) struct Piece<'a, 'input> {
     file: &'a Path,
     parts: &'a Parts<'a>,
     document: &'a Document<'input>,
@@ -69,34 +72,9 @@ pub(super) struct Array<'a, 'input> {
     node: Node<'a, 'input>,
 }
 
-impl Array<'_, '_> {
-    pub(super) fn is_whole(&self) -> bool {
-        self.numeric_type.starts_with("Int") || self.numeric_type.starts_with("UInt")
-    }
-}
-
 /// A number of points or cells.
 fn count(piece: Node<'_, '_>, name: &str) -> Option<usize> {
     piece.attribute(name)?.trim().parse::<u32>().ok().map(|count| count as usize)
-}
-
-/// The only piece of a grid that has cells.
-fn the_piece<'a, 'input>(
-    file: &Path,
-    document: &Document<'input>,
-    grid: Node<'a, 'input>,
-) -> Result<Node<'a, 'input>> {
-    let pieces = grid.children().filter(|node| node.has_tag_name("Piece"));
-    let filled: Vec<Node> = pieces.filter(|&piece| count(piece, "NumberOfCells") != Some(0)).collect();
-    match filled[..] {
-        [] => Err(no_cells(file)),
-        [piece] => Ok(piece),
-        [_, second, ..] => Err(MeshError::Malformed {
-            place: place(file, document, second),
-            problem: "a second piece of the grid".to_string(),
-            advice: "join the pieces in ParaView (Merge Blocks, with its points) and save again",
-        }),
-    }
 }
 
 /// The document, or the reason why it is invalid.
@@ -107,17 +85,40 @@ pub(super) fn document<'a>(file: &Path, parts: &'a Parts<'a>) -> Result<Document
     })
 }
 
-impl<'a, 'input> Grid<'a, 'input> {
-    pub(super) fn new(file: &'a Path, parts: &'a Parts<'a>, document: &'a Document<'input>) -> Result<Self> {
+/// The grids in the pieces of a file.
+pub(super) fn grids(file: &Path, parts: &Parts<'_>, document: &Document<'_>) -> Result<Vec<Grid>> {
+    Piece::all(file, parts, document)?.iter().map(Piece::grid).collect()
+}
+
+impl<'a, 'input> Piece<'a, 'input> {
+    /// The pieces of a file that have cells.
+    pub(super) fn all(
+        file: &'a Path,
+        parts: &'a Parts<'a>,
+        document: &'a Document<'input>,
+    ) -> Result<Vec<Self>> {
         let root = document.root_element();
-        let at = |node: Node<'_, '_>| place(file, document, node);
         let grid = child(root, "UnstructuredGrid").filter(|_| root.has_tag_name("VTKFile"));
         let grid = grid.ok_or_else(|| MeshError::Malformed {
-            place: at(root),
+            place: place(file, document, root),
             problem: "no unstructured grid of VTK".to_string(),
             advice: "in ParaView, save it as VTK UnstructuredGrid file (.vtu)",
         })?;
-        let piece = the_piece(file, document, grid)?;
+        let encoding = encoding(root, place(file, document, root))?;
+        let pieces = grid.children().filter(|node| node.has_tag_name("Piece"));
+        let filled = pieces.filter(|&piece| count(piece, "NumberOfCells") != Some(0));
+        let piece = |node| Piece::new(file, parts, document, encoding, node);
+        filled.map(piece).collect()
+    }
+
+    fn new(
+        file: &'a Path,
+        parts: &'a Parts<'a>,
+        document: &'a Document<'input>,
+        encoding: Encoding,
+        piece: Node<'a, 'input>,
+    ) -> Result<Self> {
+        let at = |node: Node<'_, '_>| place(file, document, node);
         let [n_points, n_cells] = ["NumberOfPoints", "NumberOfCells"].map(|name| count(piece, name));
         let missing =
             || malformed(at(piece), "<Piece> without its NumberOfPoints or NumberOfCells".to_string());
@@ -127,8 +128,45 @@ impl<'a, 'input> Grid<'a, 'input> {
                 return Err(malformed(at(piece), format!("{n} {what}, more than the {MOST} that are read")));
             }
         }
-        let encoding = encoding(root, at(root))?;
-        Ok(Grid { file, parts, document, encoding, piece, n_points, n_cells })
+        Ok(Piece { file, parts, document, encoding, piece, n_points, n_cells })
+    }
+
+    /// Its points, cells and arrays.
+    pub(super) fn grid(&self) -> Result<Grid> {
+        let (points, types, ends, connectivity) = self.points_and_cells()?;
+        let arrays = |section: &str, n: usize| {
+            let array = |array: Array<'a, 'input>| {
+                let is_read =
+                    array.components == 1 && size(array.numeric_type).is_some() && is_needed(array.name);
+                let numbers = if is_read { Some(self.numbers(&array, Some(n))?) } else { None };
+                Ok(GridArray { name: array.name.to_string(), numbers })
+            };
+            self.arrays(section).into_iter().map(array).collect::<Result<Vec<GridArray>>>()
+        };
+        let (point_arrays, cell_arrays) =
+            (arrays("PointData", self.n_points)?, arrays("CellData", self.n_cells)?);
+        Ok(Grid { points, types, ends, connectivity, cell_arrays, point_arrays })
+    }
+
+    /// Points, and types, ends and connectivity of the cells.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn points_and_cells(&self) -> Result<(Vec<[f64; 3]>, Vec<i64>, Vec<i64>, Vec<i64>)> {
+        let coordinates = self.required("Points", "", Some(3 * self.n_points))?.into_reals();
+        let points: Vec<[f64; 3]> = coordinates.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+        let types = self.required_whole("Cells", "types", Some(self.n_cells))?;
+        let ends = self.required_whole("Cells", "offsets", Some(self.n_cells))?;
+        let n = ends.last().and_then(|&end| usize::try_from(end).ok());
+        let mut connectivity = self.required_whole("Cells", "connectivity", n)?;
+        if self.is_older_than_2_1() {
+            renumber_old_hexahedra(&types, &ends, &mut connectivity);
+        }
+        Ok((points, types, ends, connectivity))
+    }
+
+    fn is_older_than_2_1(&self) -> bool {
+        let version = self.document.root_element().attribute("version").unwrap_or_default();
+        let mut numbers = version.split('.').map(|number| number.trim().parse::<u32>().unwrap_or(0));
+        [numbers.next().unwrap_or(0), numbers.next().unwrap_or(0)] < [2, 1]
     }
 
     /// Arrays of a section, such as `Points` or `CellData`.
@@ -140,7 +178,8 @@ impl<'a, 'input> Grid<'a, 'input> {
             numeric_type: node.attribute("type").unwrap_or_default(),
             node,
         };
-        arrays.filter(|node| node.has_tag_name("DataArray")).map(array).collect()
+        let is_array = |node: &Node<'_, '_>| node.has_tag_name("DataArray") || node.has_tag_name("Array");
+        arrays.filter(is_array).map(array).collect()
     }
 
     /// Numbers of a required array: the only one of its section if `name` is empty.
@@ -166,10 +205,7 @@ impl<'a, 'input> Grid<'a, 'input> {
             malformed(self.place(array.node), format!("array \"{}\": {problem}", array.name))
         };
         let numbers = self.decoded(array, n).map_err(wrong)?;
-        let found = match &numbers {
-            Numbers::Whole(numbers) => numbers.len(),
-            Numbers::Real(numbers) => numbers.len(),
-        };
+        let found = numbers.len();
         match n {
             Some(n) if n != found => Err(wrong(format!("{found} numbers instead of {n}"))),
             _ => Ok(numbers),
@@ -177,7 +213,7 @@ impl<'a, 'input> Grid<'a, 'input> {
     }
 
     fn decoded(&self, array: &Array<'a, 'input>, n: Option<usize>) -> Result<Numbers, String> {
-        let most = n.map_or(usize::MAX, |n| n.saturating_mul(size(array.numeric_type)));
+        let most = n.map_or(usize::MAX, |n| n.saturating_mul(size(array.numeric_type).unwrap_or(8)));
         let text = || array.node.text().unwrap_or_default();
         let bytes = match array.node.attribute("format") {
             Some("ascii") => return from_text(array.numeric_type, text()),
@@ -201,10 +237,6 @@ impl<'a, 'input> Grid<'a, 'input> {
         let length = next.unwrap_or(usize::MAX) - offset.unwrap_or_default();
         let end = bytes.iter().position(|&byte| byte == b'<').unwrap_or(bytes.len());
         payload(self.encoding, &from_base64(&bytes[..length.min(end)])?, most)
-    }
-
-    pub(super) fn malformed(&self, problem: String) -> MeshError {
-        malformed(self.place(self.piece), problem)
     }
 
     pub(super) fn place(&self, node: Node<'_, '_>) -> Place {

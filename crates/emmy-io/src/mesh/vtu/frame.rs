@@ -6,8 +6,8 @@ use emmy::body::Place;
 use emmy::mesh::CellKind;
 
 use super::super::{MeshError, Result, without_mark};
-use super::Draft;
-use super::file::{Grid, Parts, document};
+use super::cell::Type;
+use super::file::{Parts, Piece, document, no_cells};
 
 /// Contents of a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,37 +22,56 @@ pub(crate) struct Frame {
 
 /// Points, cells and names of the fields of a frame.
 pub(crate) fn frame(file: &Path, bytes: &[u8]) -> Result<Frame> {
-    with_grid(file, bytes, |grid| {
-        let draft = Draft::new(file, grid)?;
-        let cells = draft.shapes.iter().enumerate();
-        let cells = cells.filter_map(|(index, (_, shape))| Some((shape.kind?, draft.nodes(index).to_vec())));
-        let fields = grid.arrays("PointData").into_iter().map(|a| (a.name.to_string(), a.components));
-        Ok(Frame { cells: cells.collect(), fields: fields.collect(), points: draft.points.clone() })
+    with_piece(file, bytes, |piece| {
+        let (points, types, ends, connectivity) = piece.points_and_cells()?;
+        let mut begin = 0;
+        let mut cells = Vec::with_capacity(types.len());
+        for (&id, &end) in types.iter().zip(&ends) {
+            let end = usize::try_from(end).unwrap_or(0);
+            let nodes = connectivity.get(std::mem::replace(&mut begin, end)..end);
+            let nodes: Option<Vec<u32>> = nodes.and_then(|nodes| {
+                let node =
+                    |&node: &i64| u32::try_from(node).ok().filter(|&node| (node as usize) < points.len());
+                nodes.iter().map(node).collect()
+            });
+            let cell = nodes.and_then(|nodes| Some((Type::of(id)?.kind(nodes.len())?, nodes)));
+            let wrong = || MeshError::Grid {
+                file: file.to_path_buf(),
+                problem: format!("cell {} is none that Emmy writes", cells.len()),
+                advice: "use the files that Emmy has written",
+            };
+            cells.push(cell.filter(|(kind, nodes)| kind.n_nodes() == nodes.len()).ok_or_else(wrong)?);
+        }
+        let fields = piece.arrays("PointData").into_iter().map(|a| (a.name.to_string(), a.components));
+        Ok(Frame { cells, fields: fields.collect(), points })
     })
 }
 
 /// Arrays of a frame at its nodes or in its cells, in the order of their names; a missing array is empty.
 pub(crate) fn fields(file: &Path, bytes: &[u8], place: Place, names: &[&str]) -> Result<Vec<Vec<f64>>> {
-    with_grid(file, bytes, |grid| {
+    with_piece(file, bytes, |piece| {
         let (section, n) = match place {
-            Place::Nodes => ("PointData", grid.n_points),
-            Place::Cells => ("CellData", grid.n_cells),
+            Place::Nodes => ("PointData", piece.n_points),
+            Place::Cells => ("CellData", piece.n_cells),
         };
-        let arrays = grid.arrays(section);
+        let arrays = piece.arrays(section);
         let field = |name: &&str| match arrays.iter().find(|array| array.name == *name) {
-            Some(array) => Ok(grid.numbers(array, Some(array.components.saturating_mul(n)))?.into_reals()),
+            Some(array) => Ok(piece.numbers(array, Some(array.components.saturating_mul(n)))?.into_reals()),
             None => Ok(Vec::new()),
         };
         names.iter().map(field).collect()
     })
 }
 
-fn with_grid<T>(
+fn with_piece<T>(
     file: &Path,
     bytes: &[u8],
-    read: impl FnOnce(&Grid<'_, '_>) -> Result<T, MeshError>,
+    read: impl FnOnce(&Piece<'_, '_>) -> Result<T, MeshError>,
 ) -> Result<T> {
     let parts = Parts::new(file, without_mark(bytes))?;
     let document = document(file, &parts)?;
-    read(&Grid::new(file, &parts, &document)?)
+    match &Piece::all(file, &parts, &document)?[..] {
+        [piece, ..] => read(piece),
+        [] => Err(no_cells(file)),
+    }
 }

@@ -1,98 +1,136 @@
 //! Groups in the arrays of a grid.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use emmy::mesh::Facet;
 
 use super::super::Result;
-use super::Draft;
-use super::array::Numbers;
-use super::file::{Array, Grid};
-use crate::message::counted;
-use crate::vtk::{FACETS, GROUP};
+use super::super::account::{Treatment, treatment};
+use super::draft::{Draft, Role};
+use super::grid::{Grid, GridArray, Numbers, TABLE, has_no_effect, has_tags};
+use crate::message;
+use crate::vtk::{CELL, FACETS, GROUP};
 
-/// Array of the physical groups of Gmsh, as written by meshio, on cells of any dimension; 0: none.
-const GMSH: &str = "gmsh:physical";
-
-/// Largest number of values of an array that becomes groups.
+/// Largest number of values of an array that becomes groups, unless it has tags.
 const MAX_VALUES: usize = 64;
 
-/// Adds the groups from the arrays; `cells`: cell of the body for each cell of the file.
-pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>]) -> Result<()> {
-    for array in grid.arrays("PointData").iter().filter(|array| is_label(array)) {
-        if let Some(name) = array.name.strip_prefix(GROUP) {
-            let members = indices(&whole(grid, array, grid.n_points)?, |value| value != 0);
-            draft.builder.node_group(name, members.iter().map(|&node| node as u32));
+/// Numbers of an array as labels.
+type Labels = Vec<Option<i64>>;
+
+/// What becomes of an array.
+enum Use<'a> {
+    /// A group: members have another number than 0.
+    Group(&'a str, Labels),
+    /// A group of facets, by the bits of the numbers.
+    Facets(&'a str, Labels),
+    /// A group for each value.
+    Values(Labels),
+    NoEffect,
+    LeftOut,
+}
+
+fn use_of(array: &GridArray) -> Use<'_> {
+    if has_no_effect(&array.name) {
+        return Use::NoEffect;
+    }
+    let Some(labels) = array.numbers.as_ref().and_then(Numbers::labels) else { return Use::LeftOut };
+    if let Some(name) = array.name.strip_prefix(GROUP) {
+        return Use::Group(name, labels);
+    }
+    if let Some(name) = array.name.strip_prefix(FACETS) {
+        return Use::Facets(name, labels);
+    }
+    match treatment(TABLE, &array.name.to_uppercase()) {
+        Some(Treatment::Read) if !has_tags(&array.name) => Use::NoEffect,
+        _ => Use::Values(labels),
+    }
+}
+
+/// Adds the groups from the arrays, and notes those that give none.
+pub(super) fn add(grid: &Grid, draft: &mut Draft<'_>) -> Result<()> {
+    let mut left_out = Vec::new();
+    let names: HashSet<&str> = grid.cell_arrays.iter().map(|array| &*array.name).collect();
+    for array in &grid.point_arrays {
+        let is_read = match use_of(array) {
+            Use::Group(name, labels) => {
+                draft.builder.node_group(name, members(&labels).map(|node| node as u32));
+                true
+            }
+            Use::NoEffect => true,
+            Use::Values(labels) if !names.contains(&*array.name) => draft.add_nodes(&array.name, &labels),
+            Use::Facets(..) | Use::Values(_) | Use::LeftOut => false,
+        };
+        if !is_read {
+            left_out.push(format!("{} (points)", message::name(&array.name)));
         }
     }
-    let mut is_used = vec![false; cells.len()];
-    for array in grid.arrays("CellData").iter().filter(|array| is_label(array)) {
-        let values = whole(grid, array, grid.n_cells)?;
-        if let Some(name) = array.name.strip_prefix(GROUP) {
-            let members = indices(&values, |value| value != 0);
-            members.iter().for_each(|&member| is_used[member] = true);
-            draft.add_group(name, &members, cells);
-        } else if let Some(name) = array.name.strip_prefix(FACETS) {
-            draft.add_facets(name, &values, cells);
-        } else if !array.name.starts_with("vtk") {
-            draft.add_values(array.name, &values, cells, &mut is_used);
+    let mut is_used = vec![false; grid.types.len()];
+    for array in &grid.cell_arrays {
+        let is_read = match use_of(array) {
+            Use::Group(name, labels) => {
+                draft.add_group(name, &members(&labels).collect::<Vec<usize>>(), &mut is_used);
+                true
+            }
+            Use::Facets(name, labels) => {
+                draft.add_facets(name, &labels);
+                true
+            }
+            Use::NoEffect => true,
+            Use::Values(labels) => draft.add_values(&array.name, &labels, &mut is_used),
+            Use::LeftOut => false,
+        };
+        if !is_read {
+            left_out.push(message::name(&array.name).to_string());
         }
     }
-    draft.note_on_unused(cells, &is_used);
+    draft.note_on_others(&is_used);
+    draft.note_on_arrays(&left_out);
     Ok(())
 }
 
-/// Whether each cell of the file is a line in one of the groups `links`.
-pub(super) fn links(grid: &Grid<'_, '_>, draft: &Draft, links: &[String]) -> Result<Vec<bool>> {
-    let mut is_link = vec![false; grid.n_cells];
+/// Whether each cell of the grid is a line in one of the groups `links`, or in a grid of lines alone.
+pub(super) fn links(grid: &Grid, draft: &Draft<'_>, links: &[String]) -> Vec<bool> {
+    let mut is_link = vec![false; grid.types.len()];
     let links: HashSet<&str> = links.iter().map(String::as_str).collect();
-    for array in grid.arrays("CellData").iter().filter(|array| is_label(array) && !links.is_empty()) {
-        let values = whole(grid, array, grid.n_cells)?;
-        for (index, &value) in values.iter().enumerate().filter(|(index, _)| draft.shapes[*index].1.dim == 1)
-        {
-            let name = match array.name.strip_prefix(GROUP) {
-                Some(name) if value != 0 => name.to_string(),
-                _ => format!("{}={value}", array.name),
+    for array in grid.cell_arrays.iter().filter(|_| !links.is_empty()) {
+        let (prefix, labels) = match use_of(array) {
+            Use::Group(name, labels) => (Some(name), labels),
+            Use::Values(labels) => (None, labels),
+            _ => continue,
+        };
+        for (index, label) in labels.iter().enumerate() {
+            let (Some(label), Some(kind)) = (label, draft.shapes[index].kind) else { continue };
+            let name = match prefix {
+                Some(name) if *label != 0 => name.to_string(),
+                _ => format!("{}={label}", array.name),
             };
-            is_link[index] |= links.contains(&*name) && draft.shapes[index].1.kind.is_some();
+            is_link[index] |= kind.dimension() == 1 && links.contains(&*name);
         }
     }
-    Ok(is_link)
+    is_link
 }
 
-fn is_label(array: &Array<'_, '_>) -> bool {
-    array.components == 1 && array.is_whole()
+/// Indices of the labels that are not 0.
+fn members(labels: &Labels) -> impl Iterator<Item = usize> + '_ {
+    let is_member = |label: &Option<i64>| label.is_some_and(|label| label != 0);
+    labels.iter().enumerate().filter(move |own| is_member(own.1)).map(|own| own.0)
 }
 
-fn whole(grid: &Grid<'_, '_>, array: &Array<'_, '_>, n: usize) -> Result<Vec<i64>> {
-    Ok(match grid.numbers(array, Some(n))? {
-        Numbers::Whole(values) => values,
-        Numbers::Real(_) => Vec::new(),
-    })
-}
-
-fn indices(values: &[i64], is_member: impl Fn(i64) -> bool) -> Vec<usize> {
-    (0..values.len()).filter(|&index| is_member(values[index])).collect()
-}
-
-impl Draft {
-    /// A group of cells of the file: its cells of the body, facets from cells of one dimension less, and the nodes of
-    /// all others.
-    fn add_group(&mut self, name: &str, members: &[usize], cells: &[Option<u32>]) {
-        let dim = |index: usize| self.shapes[index].1.dim;
-        let of = |wanted: &dyn Fn(u8) -> bool| {
-            let others = members.iter().copied().filter(|&i| cells[i].is_none());
-            others.filter(|&i| wanted(dim(i))).collect::<Vec<usize>>()
-        };
-        let body = self.dim;
-        let solids: Vec<usize> = members.iter().copied().filter(|&i| cells[i].is_some()).collect();
-        let faces = of(&|dim| dim + 1 == body);
-        let rest = of(&|dim| dim + 1 < body);
-        let corners = |&i: &usize| self.nodes(i)[..self.shapes[i].1.n_corners].to_vec();
-        let facets: Vec<Vec<u32>> = faces.iter().map(corners).collect();
-        let nodes: Vec<u32> = rest.iter().flat_map(|&i| self.nodes(i).to_vec()).collect();
-        if !solids.is_empty() || members.is_empty() {
-            self.builder.cell_group(name, solids.iter().filter_map(|&i| cells[i]));
+impl Draft<'_> {
+    /// A group of cells of the grid: its cells of the body, its facets, and the nodes of all others.
+    fn add_group(&mut self, name: &str, members: &[usize], is_used: &mut [bool]) {
+        let (mut cells, mut facets, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+        for &index in members {
+            is_used[index] = true;
+            match self.roles[index] {
+                Role::Cell(cell) => cells.push(cell),
+                Role::Facet => facets.push(self.corners(index).to_vec()),
+                Role::Nodes | Role::LeftOut => nodes.extend_from_slice(self.nodes(index)),
+                Role::Absent => {}
+            }
+        }
+        if !cells.is_empty() || members.is_empty() {
+            self.builder.cell_group(name, cells);
         }
         if !facets.is_empty() {
             self.builder.facet_group_by_nodes(name, facets);
@@ -103,43 +141,81 @@ impl Draft {
     }
 
     /// A group of facets as written by Emmy: bit i of a cell's number denotes its face i.
-    fn add_facets(&mut self, name: &str, values: &[i64], cells: &[Option<u32>]) {
-        let facets = values.iter().enumerate().flat_map(|(index, &bits)| {
-            let n_faces = self.shapes[index].1.kind.map_or(0, |kind| kind.facets().len()) as u8;
-            let local = (0..n_faces).filter(move |local| (bits >> local) & 1 == 1);
-            local.filter_map(move |local| cells[index].map(|cell| Facet { cell, local }))
-        });
-        let facets: Vec<Facet> = facets.collect();
+    fn add_facets(&mut self, name: &str, labels: &Labels) {
+        let mut facets = Vec::new();
+        for (index, bits) in labels.iter().enumerate() {
+            let (Some(cell), Some(kind)) = (self.cell(index), self.shapes[index].kind) else { continue };
+            let local = (0..kind.facets().len() as u8).filter(|local| (bits.unwrap_or(0) >> local) & 1 == 1);
+            facets.extend(local.map(|local| Facet { cell, local }));
+        }
         self.builder.facet_group(name, facets);
     }
 
-    /// A group `NAME=VALUE` for each value of an array, unless it numbers the cells.
-    fn add_values(&mut self, name: &str, values: &[i64], cells: &[Option<u32>], is_used: &mut [bool]) {
-        let mut members: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-        for (index, &value) in values.iter().enumerate() {
-            if cells[index].is_some() || (name == GMSH && value != 0) {
-                members.entry(value).or_default().push(index);
+    /// A group `NAME=VALUE` for each value of an array on the cells; `false` if some cells have too many values. Values
+    /// that number the cells give no groups.
+    fn add_values(&mut self, name: &str, labels: &Labels, is_used: &mut [bool]) -> bool {
+        let are_tags = has_tags(name);
+        let of_body = |index: usize| self.cell(index).is_some();
+        let is_present = |index: usize, value: i64| {
+            self.roles[index] != Role::Absent && (of_body(index) || !are_tags || value != 0)
+        };
+        let mut all: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+        let mut is_read = true;
+        // Values on cells of the body, and values on others, each by its own number of values.
+        for part in [true, false] {
+            let mut values: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+            for (index, value) in labels.iter().enumerate() {
+                if let Some(value) = value.filter(|&value| is_present(index, value) && of_body(index) == part)
+                {
+                    values.entry(value).or_default().push(index);
+                }
             }
+            let are_many = values.len() > MAX_VALUES && !are_tags;
+            let is_numbering = values.values().all(|members| members.len() == 1);
+            if is_numbering && (are_many || name == CELL) {
+                continue;
+            }
+            if are_many {
+                is_read = false;
+                continue;
+            }
+            values.into_iter().for_each(|(value, members)| all.entry(value).or_default().extend(members));
         }
-        let is_numbering = members.len() > 1 && members.values().all(|members| members.len() == 1);
-        if is_numbering || members.len() > MAX_VALUES {
-            return;
+        for (value, members) in all {
+            self.add_group(&format!("{name}={value}"), &members, is_used);
         }
-        for (value, members) in members {
-            members.iter().for_each(|&member| is_used[member] = true);
-            self.add_group(&format!("{name}={value}"), &members, cells);
-        }
+        is_read
     }
 
-    fn note_on_unused(&mut self, cells: &[Option<u32>], is_used: &[bool]) {
-        let unused = (0..cells.len()).filter(|&index| cells[index].is_none() && !is_used[index]).count();
-        if unused > 0 {
-            let [one, many] = match self.dim {
-                3 => ["cell that is not solid is", "cells that are not solid are"],
-                _ => ["line or vertex is", "lines or vertices are"],
-            };
-            let cells = counted(unused, one, many);
-            self.notes.push(format!("{cells} in no group and ignored"));
+    /// A group of nodes `NAME=VALUE` for each value of an array on the points, unless it numbers them; `false` if there
+    /// are too many values.
+    fn add_nodes(&mut self, name: &str, labels: &Labels) -> bool {
+        let are_tags = has_tags(name);
+        let values: BTreeSet<i64> = labels.iter().flatten().copied().collect();
+        let n_labels = labels.iter().flatten().count();
+        if n_labels > 1 && values.len() == n_labels {
+            return true;
         }
+        if values.len() > MAX_VALUES && !are_tags {
+            return false;
+        }
+        for value in values.into_iter().filter(|&value| !are_tags || value != 0) {
+            let nodes = labels.iter().enumerate().filter(|own| *own.1 == Some(value)).map(|own| own.0 as u32);
+            self.builder.node_group(&format!("{name}={value}"), nodes);
+        }
+        true
+    }
+
+    fn note_on_arrays(&mut self, left_out: &[String]) {
+        const MAX_NAMES: usize = 20;
+        if left_out.is_empty() {
+            return;
+        }
+        let more = left_out.len().saturating_sub(MAX_NAMES);
+        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let names = left_out[..left_out.len() - more].join(", ");
+        self.notes.push(format!(
+            "arrays that are left out, because they have other values than up to {MAX_VALUES} whole numbers: {names}{rest}"
+        ));
     }
 }

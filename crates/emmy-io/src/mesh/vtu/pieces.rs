@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use emmy::body::Place;
+use roxmltree::Document;
 
 use super::super::{MeshError, Place as Line, Result, without_mark};
 use super::file::{Parts, document, no_cells};
@@ -75,15 +76,19 @@ pub(crate) fn joined_fields(list: &Path, names: &[&str]) -> Result<Vec<Vec<f64>>
 fn pieces(list: &Path) -> Result<Vec<PathBuf>> {
     let bytes = read(list)?;
     let parts = Parts::new(list, without_mark(&bytes))?;
-    let document = document(list, &parts)?;
-    let folder = list.parent().unwrap_or(Path::new(""));
-    let sources = document.descendants().filter(|node| node.has_tag_name("Piece"));
-    let paths: Vec<PathBuf> =
-        sources.filter_map(|piece| Some(folder.join(piece.attribute("Source")?))).collect();
+    let paths = sources(list, &document(list, &parts)?);
     if paths.is_empty() { Err(no_cells(list)) } else { Ok(paths) }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>> {
+/// Paths of the pieces that a document lists, if it is a list.
+pub(super) fn sources(list: &Path, document: &Document<'_>) -> Vec<PathBuf> {
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let grids = document.root_element().children().filter(|node| node.has_tag_name("PUnstructuredGrid"));
+    let pieces = grids.flat_map(|grid| grid.children()).filter(|node| node.has_tag_name("Piece"));
+    pieces.filter_map(|piece| Some(folder.join(piece.attribute("Source")?))).collect()
+}
+
+pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
     whole_file::read(path).map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })
 }
 
