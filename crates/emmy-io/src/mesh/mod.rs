@@ -1,6 +1,7 @@
 //! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`), Nastran (`.bdf`) and VTK (`.vtu`).
 
 mod abaqus;
+pub(crate) mod account;
 mod error;
 mod gmsh;
 mod nastran;
