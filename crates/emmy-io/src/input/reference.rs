@@ -13,6 +13,8 @@ use emmy::mesh::CellKind;
 use super::description::{self, Key, Kind, Others, Rule, Section};
 use super::{energy, formulation, material};
 use crate::history::{ColumnInfo, every_column};
+use crate::mesh::ENTRIES;
+use crate::mesh::account::{Entries, Treatment};
 use crate::properties::{MeasuredMaterial, measured};
 use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, written};
 
@@ -20,7 +22,7 @@ use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, 
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 8] = [
+const TABLES: [(&str, Table); 9] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
@@ -28,6 +30,7 @@ const TABLES: [(&str, Table); 8] = [
     ("fields", fields),
     ("columns", columns),
     ("units", units),
+    ("gmsh sections", || entries("Gmsh")),
     ("measured materials", measured_materials),
 ];
 
@@ -232,6 +235,20 @@ fn measured_materials() -> String {
 fn named(name: &str) -> Option<String> {
     let section = description::all().into_iter().find(|section| section.name == name).map(keys);
     section.or_else(|| TABLES.iter().find(|(own, _)| *own == name).map(|(_, table)| table()))
+}
+
+/// Entries of a format of meshes, and what its reader does with them.
+fn entries(format: &str) -> String {
+    let of_format = ENTRIES.iter().filter(|(own, _)| *own == format).flat_map(|(_, all)| *all);
+    let all: Vec<&Entries> = of_format.collect();
+    let rows = Treatment::ALL.into_iter().flat_map(|treatment| {
+        let own = all.iter().filter(move |entries| entries.treatment == treatment);
+        own.map(move |entries| {
+            let names: Vec<String> = entries.names.iter().map(|name| code(name)).collect();
+            vec![treatment.name().to_string(), entries.what.to_string(), names.join(", ")]
+        })
+    });
+    table(&["treatment", "what", "names"], rows)
 }
 
 const START: &str = "<!-- table: ";

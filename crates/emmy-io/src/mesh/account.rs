@@ -15,9 +15,11 @@ pub(crate) enum Treatment {
 
 impl Treatment {
     /// All, in the order of the documentation.
+    #[cfg(test)]
     pub(crate) const ALL: [Treatment; 3] = [Treatment::Read, Treatment::NoEffect, Treatment::LeftOut];
 
     /// Words of the documentation.
+    #[cfg(test)]
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Treatment::Read => "read",
@@ -31,7 +33,8 @@ impl Treatment {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entries {
     pub(crate) treatment: Treatment,
-    /// What they have in common, such as `rigid elements and constraints`.
+    /// What they have in common, such as `rigid elements and constraints`, for the documentation.
+    #[cfg_attr(not(test), expect(dead_code))]
     pub(crate) what: &'static str,
     /// Names in upper case; one that ends with `*` stands for all names that begin so.
     pub(crate) names: &'static [&'static str],

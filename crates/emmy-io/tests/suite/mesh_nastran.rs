@@ -175,7 +175,7 @@ fn faults_have_their_line_and_their_card() {
         (format!("{TET}CTETRA,1,3,1,2,3,4,2\n"), "element 1 (CTETRA) has 5 nodes instead of 4 or 10"),
         (format!("{TET}CTETRA,1,3,1,2,x,4\n"), "expected a grid point in CTETRA, found \"x\""),
         (format!("{TET}CTETRA,1,3,1,2,3,4\nCTRIA3,1,3,1,2,3\n"), "a.bdf, line 6: element 1 exists already"),
-        (format!("{TET}CTETRA,1,3,1,3,2,4\n"), "a.bdf: element 1 (tet4) is inverted"),
+        (format!("{TET}CTETRA,1,3,1,3,2,2\n"), "a.bdf: element 1 (tet4) is inverted"),
         (format!("{TET}INCLUDE 'more.bdf'\n"), "a.bdf, line 5: INCLUDE is not supported"),
         (TET.to_string(), "a.bdf: the mesh has no solid or plane cells; the body must be in it as GRID"),
         (
