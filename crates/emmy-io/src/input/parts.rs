@@ -135,6 +135,10 @@ impl Parts {
         groups::check_regions(mesh, &self.regions)?;
         let formulations = Formulations::new(mesh, &self.regions, &self.time)?;
         support::check_together(mesh, &self.supports, &self.time)?;
+        let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
+        let loads = self.loads.iter().map(|load| &load.value.0);
+        file.notes.extend(plausible::note_on_size(mesh, self.units));
+        file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
         file.notes.extend(groups::notes(mesh, &self.loads, &self.supports, &self.initial, &self.nodal));
         Ok(CheckedMesh { file, formulations })
     }
