@@ -88,12 +88,12 @@ class Mesh(Sources):
         return self._native.notes
 
     def group_nodes(self, name: str) -> NDArray[np.int64]:
-        """Nodes of a group, or of its facets or cells, in ascending order.
+        """Nodes of the facets of a group; without facets its nodes, else those of its cells; in ascending order.
 
         Parameters
         ----------
         name : str
-            Name of the group.
+            Name of the group; ``cells:NAME``, ``facets:NAME`` and ``nodes:NAME`` choose one kind of members.
 
         Returns
         -------
@@ -109,7 +109,8 @@ class Mesh(Sources):
         >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).group_nodes("x-min").size
         4
         """
-        if name not in self._native.group_names:
+        kind, _, plain = name.partition(":")
+        if name not in self._native.group_names and kind not in self._native.group_names.get(plain, ()):
             available = tuple(self._native.group_names)
             near = difflib.get_close_matches(name, available, n=1)
             groups = "groups: " + ", ".join(f"`{own}`" for own in available)

@@ -168,7 +168,8 @@ class MotionView:
         Returns
         -------
         array (n,) or (n, components)
-            Values at the nodes, or in the cells; of a group in the order of `Mesh.group_nodes`, or of its cells.
+            Values at the nodes, or in the cells; of a group in the order of `Mesh.group_nodes`, or of its cells; a
+            name of several kinds means its cells.
 
         Raises
         ------

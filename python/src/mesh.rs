@@ -137,14 +137,13 @@ impl Mesh {
             }
         }
         let built = pool::interruptible(py, move || {
-            let turned = builder.orient_plane_cells();
+            let turned = builder.orient_cells();
             let mesh = builder.build()?;
             mesh::check(&mesh)?;
-            Ok((mesh, turned))
+            let note = emmy_io::mesh::note_on_turned_cells(&mesh, turned);
+            Ok((mesh, note))
         })?;
-        let (mesh, turned) = built.map_err(fail)?;
-        let note = (turned > 0)
-            .then(|| format!("{turned} plane cells were clockwise; their node order was reversed"));
+        let (mesh, note) = built.map_err(fail)?;
         Ok(Mesh::new(mesh, note.into_iter().collect()))
     }
 

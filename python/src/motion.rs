@@ -80,7 +80,8 @@ fn selection(
     group: &str,
 ) -> PyResult<Selection> {
     let cells = mesh.groups().cells(group).ok();
-    let nodes = || mesh.group_nodes(group).map_err(|error| errors::argument(py, "group", &error.to_string()));
+    let nodes =
+        || mesh.volume_nodes(group).map_err(|error| errors::argument(py, "group", &error.to_string()));
     match (name.place(), cells) {
         (Place::Cells, Some(cells)) => Ok(fields.select_cells(cells)),
         (Place::Cells, None) => {

@@ -254,9 +254,9 @@ MESSAGES = [
         "points: an array of object in place of numbers",
     ),
     (
-        lambda: emmy.Mesh(TET, {"tet4": [[0, 2, 1, 3]]}),
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 2, 1, 3], [0, 2, 3, 3]]}),
         emmy.MeshError,
-        "mesh: cell 0 (tet4) is inverted or degenerate: det(dX/dxi) = -1 at one of its points",
+        "mesh: cell 1 (tet4) is inverted or degenerate: det(dX/dxi) = 0 at one of its points",
     ),
     (
         lambda: emmy.Motion(free_block(), steps=(1.0, 2.0, 3.0)),

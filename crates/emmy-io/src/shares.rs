@@ -20,7 +20,7 @@ use crate::whole_file::{self, named, remove, replace};
 pub const INDEX: &str = "index.json";
 
 /// First line of the file of a share; its number is that of the format.
-const HEADER: &str = "emmy share 1\n";
+const HEADER: &str = "emmy share 2\n";
 
 /// What a folder of shares has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

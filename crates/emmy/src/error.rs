@@ -240,6 +240,18 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// A pressure on facets with cells on both sides.
+    #[error(
+        "pressure on \"{group}\": the facet at {} has cells on both sides, so the pressure has no sign; take facets of the \
+         surface, or a traction, which has a direction",
+        short_vector(.at)
+    )]
+    PressureInside {
+        /// Group of the pressure.
+        group: String,
+        /// Middle of the facet.
+        at: [f64; 3],
+    },
     /// An impossible support.
     #[error("support of \"{group}\": {reason}")]
     Support {

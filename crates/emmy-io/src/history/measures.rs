@@ -294,7 +294,7 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
         return (vec![fields.select_cells(&cells)], volumes);
     }
     let all_nodes = || (0..mesh.n_nodes() as u32).collect();
-    let nodes = value.group.as_ref().and_then(|group| mesh.group_nodes(group).ok());
+    let nodes = value.group.as_ref().and_then(|group| mesh.volume_nodes(group).ok());
     let mut nodes: Vec<u32> = nodes.unwrap_or_else(all_nodes);
     nodes.retain(|&node| counts(subdomain, false, node as usize));
     let is_max = value.measure == Measure::Max;

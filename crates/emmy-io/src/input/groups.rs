@@ -4,6 +4,7 @@ use emmy::body::{InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Faults, Place};
+use super::nodal::PlacedNodal;
 use super::region::Placed;
 use super::suggest::{did_you_mean, listed};
 
@@ -54,12 +55,10 @@ pub(super) fn check_nodes<'a>(
 
 fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), Fault> {
     let groups = mesh.groups();
-    let is_there = groups.cells.contains_key(name)
-        || groups.facets.contains_key(name)
-        || groups.nodes.contains_key(name);
+    let is_there = !groups.kinds(name).is_empty();
     let is_empty = match members {
-        Members::Cells => groups.cells.get(name).map(Vec::is_empty),
-        Members::Facets => groups.facets.get(name).map(Vec::is_empty),
+        Members::Cells => groups.cells(name).ok().map(<[_]>::is_empty),
+        Members::Facets => groups.facets(name).ok().map(<[_]>::is_empty),
         Members::Nodes => is_there.then(|| mesh.group_nodes(name).is_err()),
     };
     match is_empty {
@@ -78,6 +77,53 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
     let message = format!("the mesh has no group `{name}` of {what}");
     let help = format!("groups of {what}: {}", listed(known.iter().copied()));
     Err(Fault::at(place, message, label).help(help).of_group(name, &known))
+}
+
+/// Where the nodes of a group are taken, and the kinds of its members in the order in which they are.
+const NODES: [(&str, [&str; 3]); 5] = [
+    ("support", ["facets", "nodes", "cells"]),
+    ("force at each node", ["facets", "nodes", "cells"]),
+    ("mass or spring", ["facets", "nodes", "cells"]),
+    ("initial velocity", ["cells", "facets", "nodes"]),
+    ("attraction", ["cells", "facets", "nodes"]),
+];
+
+/// Notes on names of several kinds of members, which would be other nodes.
+pub(super) fn notes<'a>(
+    mesh: &Mesh,
+    loads: &'a [Placed<(Load, Members)>],
+    supports: &'a [Placed<Support>],
+    initial: &'a [Placed<InitialVelocity>],
+    nodal: &'a PlacedNodal,
+) -> Vec<String> {
+    let [support, force, mass, velocity, attraction] = NODES;
+    let nodal_forces = loads.iter().filter(|load| load.value.1 == Members::Nodes);
+    let mut named: Vec<(&str, &'a str, [&str; 3])> = Vec::new();
+    let name = |group: &'a Option<(String, Place)>| group.as_ref().map(|(name, _)| name.as_str());
+    let of = |(what, order): (&'static str, _)| move |name| (what, name, order);
+    named.extend(supports.iter().filter_map(|support| name(&support.group)).map(of(support)));
+    named.extend(nodal_forces.filter_map(|load| name(&load.group)).map(of(force)));
+    named.extend(nodal.at_nodes().filter_map(name).map(of(mass)));
+    named.extend(initial.iter().filter_map(|initial| name(&initial.group)).map(of(velocity)));
+    named.extend(nodal.attracted().filter_map(name).map(of(attraction)));
+    named.sort_unstable();
+    named.dedup();
+    named.into_iter().filter_map(|(what, name, order)| note(mesh, what, name, order)).collect()
+}
+
+fn note(mesh: &Mesh, what: &str, name: &str, order: [&str; 3]) -> Option<String> {
+    let kinds = mesh.groups().kinds(name);
+    let nodes = |kind: &str| mesh.group_nodes(&format!("{kind}:{name}")).ok();
+    let mut found =
+        order.into_iter().filter(|kind| kinds.contains(kind)).filter_map(|kind| Some((kind, nodes(kind)?)));
+    let (meant, own) = found.next()?;
+    let others = found.filter(|(_, nodes)| nodes.iter().any(|node| own.binary_search(node).is_err()));
+    let others: Vec<&str> = others.map(|(kind, _)| kind).collect();
+    let other = *others.first()?;
+    Some(format!(
+        "`{name}` is a group of {meant} and of {}: {what} means the {meant}; `{other}:{name}` would be the {other}",
+        others.join(" and of ")
+    ))
 }
 
 /// Checks that every cell is in exactly one region.

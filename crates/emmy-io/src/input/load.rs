@@ -5,7 +5,7 @@ use emmy::internals::material::{Bounds, IfAbsent};
 
 use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
 use super::expression;
-use super::fault::Fault;
+use super::fault::{Fault, Place};
 use super::groups::Members;
 use super::history::{self, Context};
 use super::region::{Placed, group};
@@ -242,4 +242,15 @@ impl FromIterator<Placed<Acting>> for Sorted {
         }
         sorted
     }
+}
+/// Groups of the loads with the places of their names.
+pub(super) fn places(loads: &[Placed<(Load, Members)>]) -> Vec<(String, Place)> {
+    loads.iter().filter_map(|load| load.group.clone()).collect()
+}
+
+/// The fault of a body with a pressure inside.
+pub(super) fn fault(error: &emmy::Error, places: &[(String, Place)]) -> Option<Fault> {
+    let emmy::Error::PressureInside { group, .. } = error else { return None };
+    let (_, place) = places.iter().find(|(name, _)| name == group)?;
+    Some(Fault::at(place, error.to_string(), "inside the body"))
 }

@@ -64,6 +64,17 @@ impl PlacedNodal {
         masses.chain(springs).chain(self.attractions.iter().map(|attraction| &attraction.group))
     }
 
+    /// The groups of point masses and springs.
+    pub(super) fn at_nodes(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
+        let points = self.masses.iter().filter(|mass| matches!(mass.value, Mass::Point(_)));
+        points.map(|mass| &mass.group).chain(self.springs.iter().map(|spring| &spring.group))
+    }
+
+    /// The groups of the attractions to the ground.
+    pub(super) fn attracted(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
+        self.attractions.iter().map(|attraction| &attraction.group)
+    }
+
     /// Places of the masses in their order in the body: point masses, then those that are spread.
     pub(super) fn places_of_masses(&self) -> impl Iterator<Item = &Place> {
         let (points, spread): (Vec<_>, Vec<_>) =

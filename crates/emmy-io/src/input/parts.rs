@@ -125,7 +125,7 @@ impl Parts {
 
     /// The mesh with every group found.
     fn checked_mesh(&mut self) -> Result<CheckedMesh, InputError> {
-        let Some(file) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
+        let Some(mut file) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
             return Err(finished(std::mem::take(&mut self.faults)));
         };
         let mesh = &file.mesh;
@@ -135,6 +135,11 @@ impl Parts {
         groups::check_regions(mesh, &self.regions)?;
         let formulations = Formulations::new(mesh, &self.regions, &self.time)?;
         support::check_together(mesh, &self.supports, &self.time)?;
+        let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
+        let loads = self.loads.iter().map(|load| &load.value.0);
+        file.notes.extend(plausible::note_on_size(mesh, self.units));
+        file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
+        file.notes.extend(groups::notes(mesh, &self.loads, &self.supports, &self.initial, &self.nodal));
         Ok(CheckedMesh { file, formulations })
     }
 
@@ -160,6 +165,7 @@ impl Parts {
         notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
         let pulls = derived::pulls(&self.regions);
         let held = support::places(&self.supports);
+        let pressed = load::places(&self.loads);
         let supports = values(self.supports);
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
@@ -189,6 +195,7 @@ impl Parts {
                     .build();
                 let fault = |error| {
                     let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
+                    let own = own.or_else(|| load::fault(&error, &pressed));
                     own.unwrap_or_else(|| self.shape.fault(&error))
                 };
                 body.map_err(fault)?

@@ -1,9 +1,11 @@
-//! A remark on densities and moduli that no known solid has: a sign of mixed units.
+//! Remarks on numbers that are a sign of mixed units: densities and moduli that no known solid has, lengths of a mesh in
+//! another unit, loads beyond the stiffness of every region.
 
 use std::ops::RangeInclusive;
 
-use emmy::body::Region;
+use emmy::body::{Load, LoadKind, Region};
 use emmy::internals::number::short;
+use emmy::mesh::{Facet, Mesh};
 
 use crate::units::{Units, shifted, written};
 
@@ -110,6 +112,76 @@ pub(super) fn note(region: &Region, units: Units) -> Option<String> {
     ))
 }
 
+/// Largest extent of a mesh in mm below which it is probably in m, and in m above which it is in mm.
+const LENGTHS: [(i32, f64, &str, &str); 2] = [(-3, 0.1, "m", "1000"), (0, 1000.0, "mm", "0.001")];
+
+/// A remark on a mesh that is probably in another unit of length than the input.
+pub(super) fn note_on_size(mesh: &Mesh, units: Units) -> Option<String> {
+    let system = units.system()?;
+    let power = system.power("length");
+    let size = mesh.extent().into_iter().fold(0.0, f64::max);
+    let (_, _, other, scale) = LENGTHS
+        .into_iter()
+        .find(|&(own, bound, ..)| own == power && if own < 0 { size < bound } else { size > bound })?;
+    Some(format!(
+        "the mesh is {} long, are the units right? `scale = {scale}` in `[mesh]` reads it as {other}",
+        units.number(size, "length")
+    ))
+}
+
+/// Stress over Young's modulus that no solid bears.
+const LARGEST_STRAIN: f64 = 10.0;
+
+/// Remarks on loads whose force per area is far beyond the stiffness of every region.
+pub(super) fn notes_on_loads<'a>(
+    mesh: &Mesh,
+    loads: impl Iterator<Item = &'a Load>,
+    regions: &[&Region],
+    units: Units,
+) -> Vec<String> {
+    let moduli: Option<Vec<f64>> =
+        regions.iter().filter(|own| own.link().is_none()).map(|own| own.youngs_modulus()).collect();
+    let Some(modulus) = moduli.and_then(|own| own.into_iter().reduce(f64::max)) else { return Vec::new() };
+    let size = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let note = |load: &Load| {
+        let (group, stress) = match &load.kind {
+            LoadKind::Traction { group, traction } => (group, size(traction)),
+            LoadKind::Pressure { group, pressure } => (group, pressure.abs()),
+            LoadKind::Force { group, force } => {
+                let facets = mesh.groups().facets(group).ok()?;
+                (group, size(force) / facets.iter().map(|&facet| area(mesh, facet)).sum::<f64>())
+            }
+            _ => return None,
+        };
+        let is_too_large = stress.is_finite() && stress > LARGEST_STRAIN * modulus;
+        is_too_large.then(|| {
+            format!(
+                "load on `{group}`: {} per area, and the largest Young's modulus is {}, are the units right?",
+                units.number(stress, "stress"),
+                units.number(modulus, "stress")
+            )
+        })
+    };
+    loads.filter_map(note).collect()
+}
+
+/// Area of the polygon of a facet's corners; of an edge its length, times the thickness 1.
+fn area(mesh: &Mesh, facet: Facet) -> f64 {
+    let n = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind.n_corners();
+    let corners: Vec<[f64; 3]> =
+        mesh.facet_nodes(facet).take(n).map(|node| mesh.points()[node as usize]).collect();
+    let from = |i: usize| [0, 1, 2].map(|d| corners[i][d] - corners[0][d]);
+    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if n == 2 {
+        return length(from(1));
+    }
+    let normals = (2..n).map(|i| {
+        let (a, b) = (from(i - 1), from(i));
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    });
+    0.5 * length(normals.fold([0.0; 3], |sum, own| [0, 1, 2].map(|d| sum[d] + own[d])))
+}
+
 #[cfg(test)]
 mod tests {
     use emmy::material::SaintVenantKirchhoff;
@@ -183,5 +255,37 @@ mod tests {
     fn gels_and_polymers_cannot_be_told_apart_and_have_no_note() {
         // PMMA in GPa instead of MPa, and a time in ms: no mistake that can be seen.
         assert_eq!(advice("mm-t-s", 1.19e-9, 3.3), None);
+    }
+
+    #[test]
+    fn lengths_in_another_unit_are_told() {
+        let note = |system: &str, edge: f64| {
+            let mesh = emmy::mesh::block([edge; 3], [1; 3]).unwrap();
+            note_on_size(&mesh, Units::from(UnitSystem::named(system).unwrap()))
+        };
+        // A volume of 2e-6 mm^3, and a beam of 12 m in mm.
+        let tiny = note("mm-t-s", 2e-6f64.cbrt()).unwrap();
+        assert!(tiny.contains("are the units right? `scale = 1000` in `[mesh]` reads it as m"), "{tiny}");
+        assert!(note("m-kg-s", 12_000.0).unwrap().contains("`scale = 0.001` in `[mesh]` reads it as mm"));
+        for (system, edge) in [("mm-t-s", 0.5), ("mm-t-s", 1e5), ("m-kg-s", 1e-6), ("um-mg-ms", 0.05)] {
+            assert_eq!(note(system, edge), None, "{system} {edge}");
+        }
+        assert_eq!(note_on_size(&emmy::mesh::block([1e-9; 3], [1; 3]).unwrap(), Units::default()), None);
+    }
+
+    #[test]
+    fn loads_beyond_every_stiffness_are_told() {
+        let steel = Region::new(SaintVenantKirchhoff::from_engineering(2.1e5, 0.3).unwrap(), 7.85e-9);
+        // Areas of 1 and 1e12: the rule is one for small and large bodies.
+        for edge in [1.0, 1e6] {
+            let mesh = emmy::mesh::block([edge; 3], [2; 3]).unwrap();
+            let notes = |load: Load| notes_on_loads(&mesh, [load].iter(), &[&steel], Units::default());
+            let force = |stress: f64| Load::force("x-max", [0.0, 0.0, stress * edge * edge]);
+            assert_eq!(notes(force(1e9)).len(), 1);
+            assert!(notes(force(1e9))[0].ends_with("are the units right?"));
+            assert_eq!(notes(force(1e5)), [""; 0]);
+            assert_eq!(notes(Load::pressure("x-max", 3e6)).len(), 1);
+            assert_eq!(notes(Load::traction("x-max", [1e6, 0.0, 0.0])), [""; 0]);
+        }
     }
 }

@@ -22,7 +22,7 @@ use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, 
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 11] = [
+const TABLES: [(&str, Table); 12] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
@@ -30,6 +30,7 @@ const TABLES: [(&str, Table); 11] = [
     ("fields", fields),
     ("columns", columns),
     ("units", units),
+    ("gmsh sections", || entries("Gmsh")),
     ("nastran cards", || entries("Nastran")),
     ("abaqus keywords", || entries("Abaqus")),
     ("vtk arrays", || entries("VTK")),

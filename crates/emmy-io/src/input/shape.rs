@@ -80,7 +80,7 @@ const SOURCES: [SourceKind; 5] = [
                 "file",
                 Kind::Text,
                 "",
-                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`, `.pvtu`, `.vtk`; groups by their names in the file",
+                "A mesh file, its path relative to the input file: Gmsh `.msh` (1 to 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`, `.pvtu`, `.vtk`; groups by their names in the file",
             )
         },
         read: |item, directory| Ok(Source::File(directory.join(item.string()?))),
@@ -326,8 +326,8 @@ pub(super) fn neighbour(path: &Path) -> Option<String> {
 }
 
 /// Advice on an inverted cell of a file.
-const INVERTED: &str = "cells count from 0 in the order of the file; check the orientation of this one (the order of its \
-                        nodes) and its shape in the mesher";
+const INVERTED: &str =
+    "cells count from 0 in the order of the file; check the shape of this one in the mesher";
 
 impl Shape {
     /// The mesh, scaled, with the remarks of its reader. Lines of a file in one of the groups `links` are cells.

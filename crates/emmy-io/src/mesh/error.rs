@@ -53,7 +53,7 @@ pub enum MeshError {
     },
     /// A file of an unknown format.
     #[error(
-        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 2.2 and 4.1, ASCII or binary), \
+        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 1 to 4.1, ASCII or binary), \
          Abaqus (.inp), Nastran (.bdf, .nas, .dat) and VTK (.vtu, .pvtu, .vtk)", file.display()
     )]
     UnknownFormat {
@@ -86,7 +86,7 @@ pub enum MeshError {
     },
     /// An unsupported version of the MSH format.
     #[error(
-        "{place}: version {version} of the MSH format is not read, only 2.2 and 4.1; \
+        "{place}: version {version} of the MSH format is not read, only 1, 2.0 to 2.2, 4.0 and 4.1; \
          try `gmsh OLD.msh -save -format msh41 -o NEW.msh`"
     )]
     UnsupportedVersion {
@@ -178,8 +178,8 @@ pub enum MeshError {
     },
     /// A cell that is inverted or degenerate.
     #[error(
-        "{}: {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {} at one of its points; check its \
-         orientation (the order of its nodes) and its shape in the mesher", file.display(), short(.det)
+        "{}: {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {} at one of its points, and \
+         the mirrored order of its nodes does not help; check its shape in the mesher", file.display(), short(.det)
     )]
     InvertedCell {
         /// The file.

@@ -8,6 +8,7 @@ mod nastran;
 mod other;
 pub(crate) mod vtu;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -39,8 +40,12 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 /// Entries of each format, and what its reader does with them.
 #[cfg(test)]
-pub(crate) const ENTRIES: [(&str, &[account::Entries]); 3] =
-    [("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE), ("VTK", vtu::TABLE)];
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 4] = [
+    ("Gmsh", gmsh::TABLE),
+    ("Abaqus", abaqus::TABLE),
+    ("Nastran", nastran::TABLE),
+    ("VTK", vtu::TABLE),
+];
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -73,12 +78,13 @@ pub struct MeshOptions {
     pub plane_shells: bool,
 }
 
-/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
+/// Mesh in a file of Gmsh (MSH 1, 2.0 to 2.2, 4.0 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
 /// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression, its pieces joined; and
 /// legacy files, ASCII or binary).
 ///
 /// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups. A
-/// physical group without a name is named by its number. Volume elements without a group are kept.
+/// physical group without a name is named by its number. Volume elements without a group are kept. Surface elements that
+/// are no face of a cell are left out, with a note; their nodes stay a group, in all formats.
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
@@ -91,7 +97,7 @@ pub struct MeshOptions {
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
-/// `z = const`; clockwise cells are reversed, with a note.
+/// `z = const`.
 ///
 /// VTK: arrays of whole numbers, also if they are stored as real numbers, become groups. `group:NAME`: its cells, its
 /// facets (faces that are cells of the file) and the nodes of other cells, wherever it is not 0; as point data, nodes.
@@ -99,7 +105,9 @@ pub struct MeshOptions {
 /// A note names the other arrays. Emmy's own frames keep all their groups. Cells of lower dimension that are no faces or
 /// edges of the body are left out, with a note.
 ///
-/// Inverted or repeated cells are errors. Nodes at one position are noted.
+/// Cells whose nodes are numbered the other way round are turned, with a note
+/// ([`emmy::mesh::MeshBuilder::orient_cells`]). Other inverted cells and repeated ones are errors. Nodes at one position
+/// are noted.
 ///
 /// # Errors
 /// [`MeshError`]: file unreadable, of unknown format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
@@ -227,13 +235,11 @@ struct Origin<'a> {
 /// Builds the mesh, checks its cells, and notes omitted parts.
 fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String>) -> Result<MeshFile> {
     let file = || origin.file.to_path_buf();
-    let turned = builder.orient_plane_cells();
-    if turned > 0 {
-        let [one, many] = ["cell has its nodes", "cells have their nodes"];
-        notes.push(format!("{} in clockwise order; the order was reversed", counted(turned, one, many)));
-    }
+    let turned = builder.orient_cells();
+    notes.extend(note_on_free_facets(&builder.drop_free_facets()));
     let mesh = builder.build().map_err(|reason| MeshError::Mesh { file: file(), reason })?;
     check_cells(&mesh, origin)?;
+    notes.extend(note_on_turned_cells(&mesh, turned));
     let unused = origin.n_nodes - mesh.n_nodes();
     if unused > 0 {
         let [one, many] =
@@ -246,6 +252,38 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     notes.extend(note_on_coincident_nodes(&mesh));
     notes.extend(note_on_collapsed_cells(&mesh, origin));
     Ok(MeshFile { mesh, notes, files: vec![file()] })
+}
+
+/// A note on cells that [`MeshBuilder::orient_cells`] has turned, if there are any.
+///
+/// ```
+/// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
+/// assert!(emmy_io::mesh::note_on_turned_cells(&mesh, 2).unwrap().starts_with("all 2 cells"));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn note_on_turned_cells(mesh: &Mesh, turned: usize) -> Option<String> {
+    let how =
+        if mesh.cells().all(|cell| cell.kind.dimension() < 3) { "clockwise" } else { "negative volume" };
+    let order = format!("numbered the other way round ({how})");
+    match turned {
+        0 => None,
+        n if n == mesh.n_cells() && n > 1 => Some(format!(
+            "all {n} cells are {order} and were turned; if a coordinate has changed its sign, the body is a mirror image"
+        )),
+        n => Some(format!("{} {order} and turned", counted(n, "cell was", "cells were"))),
+    }
+}
+
+/// A note on surface elements (in a plane: lines) that are no face of a cell.
+fn note_on_free_facets(dropped: &BTreeMap<String, usize>) -> Option<String> {
+    const MAX_NAMES: usize = 10;
+    let n: usize = dropped.values().sum();
+    let names: Vec<String> = dropped.keys().take(MAX_NAMES).map(|name| format!("\"{name}\"")).collect();
+    let more = dropped.len().saturating_sub(MAX_NAMES);
+    let rest = if more > 0 { format!(" and {more} others") } else { String::new() };
+    let [one, many] = ["facet is no face", "facets are no faces"];
+    let left_out = "of a cell, such as a shell, and left out; their nodes stay in the groups of nodes";
+    (n > 0).then(|| format!("{} {left_out} {}{rest}", counted(n, one, many), names.join(", ")))
 }
 
 /// Cells must not be repeated or inverted.

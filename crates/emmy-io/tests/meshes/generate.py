@@ -4,11 +4,13 @@ KIND-VERSION-ENCODING.msh for each kind of cell: a box [0, 2] x [0, 1] x [0, 1] 
 Physical groups: volumes "left part", "right part" and "whole" (both, so every cell is in two groups); surfaces "clamp"
 (x = 0), "tip" (x = 2), "skin" (x = 2 and z = 1) and one without a name, number 7 (the inner one at x = 1); curve
 "edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
-but with all elements (all-VERSION.msh). mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
+but with all elements (all-VERSION.msh), and in MSH 1 and 4.0. mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
 pyramids and tetrahedra in the right one, quadratic-mixed-VERSION-ENCODING.msh the same with quadratic cells. gmsh-solid.inp and gmsh-solid-quadratic.inp are a box [0, 1] x [0, 1] x [0, 2] as
 Gmsh writes it for Abaqus, with its faces; surfaces-alone.msh has its ends without its volume. nastran-KIND.bdf
-(free, small and large fields: nastran-FORMAT.bdf of tet10) are the box [0, 2] x [0, 1] x [0, 1] as Gmsh writes it for Nastran. wedge18.msh and version-40.msh are for the errors.
+(free, small and large fields: nastran-FORMAT.bdf of tet10) are the box [0, 2] x [0, 1] x [0, 1] as Gmsh writes it for Nastran. wedge18.msh is for the errors.
 """
+
+import struct
 
 import gmsh
 
@@ -75,17 +77,59 @@ def write(name, version, binary, **options):
 def partitions():
     gmsh.model.mesh.partition(2)
     write("partitioned-22", 2.2, 0)
+    write("partitioned-40", 4.0, 0)
     write("partitioned-41", 4.1, 0)
     write("partitioned-41-binary", 4.1, 1)
     gmsh.model.mesh.unpartition()
 
 
+def for_other_versions():
+    """Versions that are seldom written today, and parametric nodes."""
+    write("hex20-1", 1, 0)
+    write("hex20-40-ascii", 4.0, 0)
+    binary_40("hex20-40-ascii.msh", "hex20-40-binary.msh")
+    write("parametric-22", 2.2, 0, SaveParametric=1)
+    write("parametric-40", 4.0, 0, SaveParametric=1)
+
+
+def binary_40(text, binary):
+    """The binary form of a file of MSH 4.0 by the manual of Gmsh 4.0; later versions have text only."""
+    with open(text, encoding="ascii") as file:
+        head, rest = file.read().split("$Entities\n")
+    words = iter(rest.split())
+    out = bytearray(head.replace("4 0 8\n", "4 1 8\n").split("$EndMeshFormat")[0].encode())
+    out += struct.pack("<i", 1) + b"\n$EndMeshFormat" + head.split("$EndMeshFormat")[1].encode() + b"$Entities\n"
+
+    def take(format):
+        values = [float(next(words)) if kind == "d" else int(next(words)) for kind in format]
+        out.extend(struct.pack("<" + format, *values))
+        return values
+
+    for dim, count in enumerate(take("QQQQ")):
+        for _ in range(count):
+            take("i" * take("idddddd" + "Q")[-1])
+            if dim > 0:
+                take("i" * take("Q")[0])
+    out += b"\n" + next(words).encode() + b"\n" + next(words).encode() + b"\n"
+    for _ in range(take("QQ")[0]):
+        for _ in range(take("iiiQ")[-1]):
+            take("iddd")
+    out += b"\n" + next(words).encode() + b"\n" + next(words).encode() + b"\n"
+    nodes = {1: 2, 8: 3, 15: 1, 16: 8, 17: 20}
+    for _ in range(take("QQ")[0]):
+        _, _, kind, count = take("iiiQ")
+        for _ in range(count):
+            take("i" * (1 + nodes[kind]))
+    out += b"\n" + next(words).encode() + b"\n"
+    with open(binary, "wb") as file:
+        file.write(out)
+
+
 def for_errors():
-    """A kind of cell that is not read, in binary, and a version that is not read."""
+    """A kind of cell that is not read, in binary."""
     gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 0)
     box("wedge18")
     gmsh.model.mesh.generate(3)
-    write("version-40", 4.0, 0)
     gmsh.model.mesh.setOrder(2)
     write("wedge18", 4.1, 1)
 
@@ -136,6 +180,7 @@ def main():
             for_nastran(kind)
         if kind == "hex20":
             write("parametric", 4.1, 0, SaveParametric=1)
+            for_other_versions()
             partitions()
             gmsh.model.removePhysicalGroups()
             write("all-22", 2.2, 0, SaveAll=1)

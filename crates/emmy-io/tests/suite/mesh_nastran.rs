@@ -185,7 +185,7 @@ fn faults_have_their_line_and_their_card() {
         ),
         (format!("{TET}CTETRA,1,3,1,2,x,4\n"), "expected a grid point in CTETRA, found \"x\""),
         (format!("{TET}CTETRA,1,3,1,2,3,4\nCTRIA3,1,3,1,2,3\n"), "a.bdf, line 6: element 1 exists already"),
-        (format!("{TET}CTETRA,1,3,1,3,2,4\n"), "a.bdf: element 1 (tet4) is inverted"),
+        (format!("{TET}CTETRA,1,3,1,3,2,2\n"), "a.bdf: element 1 (tet4) is inverted"),
         (format!("{TET}INCLUDE 'more.bdf'\n"), "a.bdf, line 5: the file more.bdf cannot be read"),
         (format!("{TET}INCLUDE 'more.bdf\n"), "a.bdf, line 5: INCLUDE without a path"),
         (format!("=,*1\n{TET}"), "a.bdf, line 1: `=` repeats the card above, and there is none"),

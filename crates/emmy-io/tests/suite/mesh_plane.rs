@@ -44,7 +44,7 @@ fn gmsh() {
         [
             "1 element of dimension 0 in no physical group is ignored",
             "1 element of dimension 1 in no physical group is ignored",
-            "1 cell has its nodes in clockwise order; the order was reversed",
+            "1 cell was numbered the other way round (clockwise) and turned",
         ]
     );
 }
@@ -78,7 +78,7 @@ fn abaqus() {
         file.notes,
         [
             "CPE4R is read as quad4 and integrated fully",
-            "1 cell has its nodes in clockwise order; the order was reversed"
+            "1 cell was numbered the other way round (clockwise) and turned"
         ]
     );
 }

@@ -100,7 +100,7 @@ impl BodyBuilder {
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
-    /// load, [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
+    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
     /// [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {

@@ -50,19 +50,16 @@ pub(super) fn ground_terms(
     springs.chain(attractions.map(|attraction| ground_attraction(mesh, attraction, masses, n_own))).collect()
 }
 
-/// The first `n_own` nodes of a group; without a name all of them.
-fn own_nodes(mesh: &Mesh, group: Option<&str>, n_own: usize) -> Result<Vec<u32>> {
-    let mut nodes = match group {
-        Some(group) => mesh.group_nodes(group)?,
-        None => (0..mesh.n_nodes() as u32).collect(),
-    };
+/// The first `n_own` nodes of a group.
+fn own_nodes(mesh: &Mesh, group: &str, n_own: usize) -> Result<Vec<u32>> {
+    let mut nodes = mesh.group_nodes(group)?;
     nodes.retain(|&node| (node as usize) < n_own);
     Ok(nodes)
 }
 
 /// Mass, centre and inertia of the point masses of a group at the first `n_own` nodes, like a region without cells.
 pub(super) fn summary(mesh: &Mesh, mass: &PointMass, n_own: usize) -> Result<RegionSummary> {
-    let nodes = own_nodes(mesh, Some(&mass.group), n_own)?;
+    let nodes = own_nodes(mesh, &mass.group, n_own)?;
     let point = |&node: &u32| RegionSummary::of_point(mass.mass, mesh.points()[node as usize]);
     let points: Vec<RegionSummary> = nodes.iter().map(point).collect();
     Ok(RegionSummary { group: Some(mass.group.clone()), ..RegionSummary::combined(&points) })
@@ -88,7 +85,7 @@ fn ground_springs(
     if !(*stiffness > 0.0 && stiffness.is_finite()) {
         return Err(Error::NotPositive { what: "stiffness of springs".into(), value: *stiffness });
     }
-    let nodes = own_nodes(mesh, Some(group), n_own)?;
+    let nodes = own_nodes(mesh, group, n_own)?;
     let Ok(facets) = mesh.groups().facets(group) else {
         let pairs = nodes.into_iter().map(|node| (node, node, *stiffness)).collect();
         return Ok(Box::new(GroundSprings { pairs, positions: Vec::new() }));
@@ -204,7 +201,11 @@ fn ground_attraction(
     masses: &[f64],
     n_own: usize,
 ) -> Result<Box<dyn Term>> {
-    let nodes = own_nodes(mesh, attraction.group.as_deref(), n_own)?;
+    let mut nodes = match &attraction.group {
+        Some(group) => mesh.volume_nodes(group)?,
+        None => (0..mesh.n_nodes() as u32).collect(),
+    };
+    nodes.retain(|&node| (node as usize) < n_own);
     let (mut gradients, mut energies) = (Vec::new(), Vec::new());
     for &node in &nodes {
         let X = mesh.points()[node as usize];

@@ -23,7 +23,7 @@ impl Pressure {
     /// The pressure; `None` for another load.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::PressureInside`].
     pub(super) fn new(
         mesh: &Mesh,
         pattern: &Pattern,
@@ -37,7 +37,15 @@ impl Pressure {
         if !pressure.is_finite() {
             return Err(Error::NotFinite { what: "pressure".into(), value: pressure });
         }
-        let tables = FacetTable::of(mesh, pattern, mesh.groups().facets(group)?, section);
+        let facets = mesh.groups().facets(group)?;
+        // On a team the rank that owns a node of an inner facet has both of its cells.
+        if let Some(facet) = mesh.inner_facet(facets) {
+            let nodes: Vec<[f64; 3]> =
+                mesh.facet_nodes(facet).map(|node| mesh.points()[node as usize]).collect();
+            let at = [0, 1, 2].map(|i| nodes.iter().map(|x| x[i]).sum::<f64>() / nodes.len() as f64);
+            return Err(Error::PressureInside { group: group.clone(), at });
+        }
+        let tables = FacetTable::of(mesh, pattern, facets, section);
         Ok(Some(Pressure { load: index, pressure, time_function, tables }))
     }
 

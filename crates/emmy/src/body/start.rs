@@ -21,7 +21,7 @@ impl Body {
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {
             let nodes = match &field.group {
-                Some(name) => self.mesh.group_nodes(name)?,
+                Some(name) => self.mesh.volume_nodes(name)?,
                 None => (0..self.mesh.n_nodes() as u32).collect(),
             };
             let mut set = nodes.into_iter().map(|node| {

@@ -1,6 +1,8 @@
 //! Construction of a mesh: the one place where nodes, cells and groups are checked against each other.
 
-use std::collections::HashMap;
+mod orientation;
+
+use std::collections::{BTreeMap, HashMap};
 
 use super::{CellKind, Facet, Groups, Mesh};
 use crate::error::{Error, Result};
@@ -76,36 +78,46 @@ impl MeshBuilder {
         self.groups.nodes.entry(name.to_string()).or_default().extend(nodes);
     }
 
-    /// Reverses plane cells whose corners are clockwise, and returns their number; facets keep their place.
+    /// Leaves out the facets given by nodes that are no face of a cell, such as shells beside solids, and returns their
+    /// numbers by group: their nodes form the group of nodes of the same name.
     ///
     /// ```
     /// use emmy::prelude::*;
     /// let mut builder = MeshBuilder::new();
-    /// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+    /// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [2.0, 0.0, 0.0]] {
     ///     builder.point(point);
     /// }
-    /// builder.cell(CellKind::Tri3, &[0, 2, 1])?;
-    /// assert_eq!(builder.orient_plane_cells(), 1);
-    /// assert_eq!(builder.build()?.cell(0).nodes, [0, 1, 2]);
+    /// builder.cell(CellKind::Tet4, &[0, 1, 2, 3])?;
+    /// builder.facet_group_by_nodes("cover", vec![vec![0, 2, 1], vec![1, 4, 2]]);
+    /// assert_eq!(builder.drop_free_facets()["cover"], 1);
+    /// let mesh = builder.build()?;
+    /// assert_eq!((mesh.groups().facets("cover")?.len(), mesh.group_nodes("nodes:cover")?), (1, vec![1, 2]));
     /// # Ok::<(), emmy::Error>(())
     /// ```
-    pub fn orient_plane_cells(&mut self) -> usize {
-        let mut turned = vec![false; self.kinds.len()];
-        for (cell, (&kind, range)) in self.kinds.iter().zip(self.offsets.windows(2)).enumerate() {
-            let nodes = &mut self.connectivity[range[0] as usize..range[1] as usize];
-            // `build` reports nodes that are not there.
-            let are_there = nodes.iter().all(|&node| (node as usize) < self.points.len());
-            if kind.dimension() == 2 && are_there && area(&self.points, &nodes[..kind.n_corners()]) < 0.0 {
-                turned[cell] = true;
-                turn_over(nodes, kind.n_corners());
+    pub fn drop_free_facets(&mut self) -> BTreeMap<String, usize> {
+        let mut dropped = BTreeMap::new();
+        if self.facets_by_nodes.is_empty() {
+            return dropped;
+        }
+        let faces = self.faces_by_corners();
+        for (name, facets) in std::mem::take(&mut self.facets_by_nodes) {
+            let is_empty = facets.is_empty();
+            let mut found = Vec::with_capacity(facets.len());
+            for nodes in facets {
+                let face = corner_keys(&nodes).find_map(|key| faces.get(&key)).copied();
+                match face {
+                    Some(facet) => found.push(facet),
+                    None => {
+                        *dropped.entry(name.clone()).or_default() += 1;
+                        self.node_group(&name, nodes);
+                    }
+                }
+            }
+            if is_empty || !found.is_empty() {
+                self.facet_group(&name, found);
             }
         }
-        for facet in self.groups.facets.values_mut().flatten() {
-            if turned[facet.cell as usize] {
-                facet.local = self.kinds[facet.cell as usize].facets().len() as u8 - 1 - facet.local;
-            }
-        }
-        turned.into_iter().filter(|turned| *turned).count()
+        dropped
     }
 
     /// The mesh, checked. Nodes that no cell uses are left out: they would have no mass.
@@ -211,25 +223,6 @@ impl MeshBuilder {
     }
 }
 
-/// Twice the area of a polygon in the x-y plane, positive if counter-clockwise; relative to its first corner, to keep
-/// digits far from the origin.
-fn area(points: &[[f64; 3]], corners: &[u32]) -> f64 {
-    let at = |i: usize| {
-        let a = points[corners[i % corners.len()] as usize];
-        let b = points[corners[0] as usize];
-        [a[0] - b[0], a[1] - b[1]]
-    };
-    (0..corners.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i)[1] * at(i + 1)[0]).sum()
-}
-
-/// Reverses the order of the corners, the first kept, and of the edges between them: edge i becomes edge n - 1 - i.
-fn turn_over(nodes: &mut [u32], n_corners: usize) {
-    nodes[1..n_corners].reverse();
-    if nodes.len() >= 2 * n_corners {
-        nodes[n_corners..2 * n_corners].reverse();
-    }
-}
-
 /// Possible corner sets of a node list: the first four nodes, else the first three, else two.
 fn corner_keys(nodes: &[u32]) -> impl Iterator<Item = [u32; 4]> + '_ {
     [4, 3, 2].into_iter().filter(|&n| n <= nodes.len()).map(|n| {
@@ -282,7 +275,7 @@ mod tests {
         let cell = builder.cell(CellKind::Quad8, &[0, 1, 2, 3, 4, 5, 6, 7]).unwrap();
         builder.facet_group("top", [Facet { cell, local: 1 }]);
         builder.facet_group_by_nodes("left", vec![vec![0, 1, 4]]);
-        assert_eq!((builder.orient_plane_cells(), builder.orient_plane_cells()), (1, 0));
+        assert_eq!((builder.orient_cells(), builder.orient_cells()), (1, 0));
         let mesh = builder.build().unwrap();
         assert_eq!(mesh.cell(0).nodes, [0, 3, 2, 1, 7, 6, 5, 4]);
         assert_eq!(mesh.group_nodes("top").unwrap(), [1, 2, 5]);

@@ -20,12 +20,14 @@ pub struct Facet {
     pub local: u8,
 }
 
-/// Named groups. An entity may be in several groups, and one name may denote cells, facets and nodes.
+/// Named groups. An entity may be in several groups, and one name may denote cells, facets and nodes: `cells:NAME`,
+/// `facets:NAME` and `nodes:NAME` are one of these, unless that is itself the name of a group.
 ///
 /// ```
 /// let mesh = emmy::mesh::rectangle([2.0, 1.0], [2, 1])?;
 /// assert_eq!(mesh.groups().names(), ["body", "x-max", "x-min", "y-max", "y-min"]);
 /// assert!(mesh.groups().facets("z-max").is_err());
+/// assert_eq!(mesh.groups().facets("facets:x-max")?.len(), 1);
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -44,7 +46,8 @@ impl Groups {
     /// # Errors
     /// [`Error::UnknownGroup`] with the existing names.
     pub fn cells(&self, name: &str) -> Result<&[u32]> {
-        self.cells.get(name).map(Vec::as_slice).ok_or_else(|| unknown("cell", name, self.cells.keys()))
+        let cells = self.cells.get(self.plain("cells", name));
+        cells.map(Vec::as_slice).ok_or_else(|| unknown("cell", name, self.cells.keys()))
     }
 
     /// Facets of a group.
@@ -52,7 +55,45 @@ impl Groups {
     /// # Errors
     /// [`Error::UnknownGroup`] with the existing names.
     pub fn facets(&self, name: &str) -> Result<&[Facet]> {
-        self.facets.get(name).map(Vec::as_slice).ok_or_else(|| unknown("facet", name, self.facets.keys()))
+        let facets = self.facets.get(self.plain("facets", name));
+        facets.map(Vec::as_slice).ok_or_else(|| unknown("facet", name, self.facets.keys()))
+    }
+
+    /// What a group has: `cells`, `facets`, `nodes`; of `cells:NAME` the cells alone.
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([1.0; 3], [1; 3])?.with_node_group("body", [0])?;
+    /// assert_eq!(mesh.groups().kinds("body"), ["cells", "nodes"]);
+    /// assert_eq!(mesh.groups().kinds("cells:body"), ["cells"]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn kinds(&self, name: &str) -> Vec<&'static str> {
+        let has = |kind| match kind {
+            "cells" => self.cells.contains_key(self.plain(kind, name)),
+            "facets" => self.facets.contains_key(self.plain(kind, name)),
+            _ => self.nodes.contains_key(self.plain(kind, name)),
+        };
+        KINDS.into_iter().filter(|kind| has(kind)).collect()
+    }
+
+    /// The kind that a name chooses, and the name of the group.
+    pub(super) fn chosen<'a>(&self, name: &'a str) -> (Option<&'static str>, &'a str) {
+        let is_there =
+            self.cells.contains_key(name) || self.facets.contains_key(name) || self.nodes.contains_key(name);
+        let choice =
+            KINDS.into_iter().find_map(|kind| Some((kind, name.strip_prefix(kind)?.strip_prefix(':')?)));
+        match choice.filter(|_| !is_there) {
+            Some((kind, plain)) => (Some(kind), plain),
+            None => (None, name),
+        }
+    }
+
+    /// The name of the group that a name denotes if it may choose a kind.
+    pub(super) fn plain<'a>(&self, kind: &str, name: &'a str) -> &'a str {
+        match self.chosen(name) {
+            (Some(chosen), plain) if chosen == kind => plain,
+            _ => name,
+        }
     }
 
     /// Names of all groups, sorted, without repetition.
@@ -69,6 +110,9 @@ impl Groups {
         names
     }
 }
+
+/// Kinds of members.
+const KINDS: [&str; 3] = ["cells", "facets", "nodes"];
 
 fn unknown<'a>(what: &'static str, group: &str, names: impl Iterator<Item = &'a String>) -> Error {
     let available = names.map(String::as_str).collect::<Vec<_>>().join(", ");

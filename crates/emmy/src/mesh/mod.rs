@@ -16,7 +16,7 @@ pub use share::{Share, Shares, owners};
 
 pub use crate::element::{CellKind, FacetKind};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::error::{Error, Result};
 
@@ -54,14 +54,16 @@ pub struct Mesh {
     whole: Option<Bounds>,
 }
 
-/// Smallest and largest coordinates of the nodes of a mesh, and of those of its facet groups. A part of the mesh may have
-/// none of a group.
+/// Smallest and largest coordinates of the nodes of a mesh, and of those of its facet groups, of which a part may have none;
+/// and what else a part cannot know.
 #[derive(Debug, Clone, PartialEq)]
 struct Bounds {
     mesh: [[f64; 3]; 2],
     /// Whether all cells of the mesh are plane.
     is_plane: bool,
     facet_groups: BTreeMap<String, [[f64; 3]; 2]>,
+    /// Of names of several kinds: the nodes of the part by name and kind.
+    of_kinds: BTreeMap<String, BTreeMap<String, Vec<u32>>>,
 }
 
 /// Smallest and largest coordinates of some points.
@@ -160,26 +162,96 @@ impl Mesh {
         cell.kind.facets()[facet.local as usize].nodes.iter().map(move |&local| cell.nodes[local])
     }
 
-    /// Nodes of every group of a name: of its facets, cells and nodes together, ascending, without repetition.
+    /// Nodes of a group, ascending, without repetition: of its facets; if it has none its nodes, else those of its cells.
+    /// `cells:NAME`, `facets:NAME` and `nodes:NAME` choose one of these ([`Groups`]).
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([2.0, 1.0, 1.0], [2, 1, 1])?.with_node_group("x-min", [11])?;
+    /// assert_eq!(mesh.group_nodes("x-min")?, [0, 3, 6, 9]);
+    /// assert_eq!(mesh.group_nodes("nodes:x-min")?, [11]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::UnknownGroup`] with the existing names.
     pub fn group_nodes(&self, name: &str) -> Result<Vec<u32>> {
+        let (chosen, plain) = self.groups.chosen(name);
+        let nodes = match (&self.whole, chosen) {
+            (Some(whole), Some(kind)) => self.nodes_of_part(whole, kind, plain),
+            (Some(_), None) => self.groups.nodes.get(plain).cloned(),
+            (None, Some(kind)) => self.nodes_of(kind, plain),
+            (None, None) => {
+                ["facets", "nodes", "cells"].into_iter().find_map(|kind| self.nodes_of(kind, plain))
+            }
+        };
+        nodes.ok_or_else(|| {
+            let available = self.groups.names().join(", ");
+            Error::UnknownGroup { what: "node", group: name.to_string(), available }
+        })
+    }
+
+    /// As [`Mesh::group_nodes`], but of its cells if it has any: where a volume is meant.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`] with the existing names.
+    pub fn volume_nodes(&self, name: &str) -> Result<Vec<u32>> {
+        self.group_nodes(&format!("cells:{name}")).or_else(|_| self.group_nodes(name))
+    }
+
+    /// Nodes of the members of one kind; `None` if there are none.
+    fn nodes_of(&self, kind: &str, name: &str) -> Option<Vec<u32>> {
         let groups = &self.groups;
-        let mut nodes: Vec<u32> = groups.nodes.get(name).cloned().unwrap_or_default();
-        for &facet in groups.facets.get(name).into_iter().flatten() {
-            nodes.extend(self.facet_nodes(facet));
-        }
-        for &cell in groups.cells.get(name).into_iter().flatten() {
-            nodes.extend_from_slice(self.cell(cell as usize).nodes);
-        }
-        if nodes.is_empty() && !(self.whole.is_some() && groups.names().contains(&name)) {
-            let available = groups.names().join(", ");
-            return Err(Error::UnknownGroup { what: "node", group: name.to_string(), available });
-        }
+        let mut nodes: Vec<u32> = match kind {
+            "facets" => groups.facets.get(name)?.iter().flat_map(|&facet| self.facet_nodes(facet)).collect(),
+            "cells" => {
+                let cells = groups.cells.get(name)?.iter();
+                cells.flat_map(|&cell| self.cell(cell as usize).nodes).copied().collect()
+            }
+            _ => groups.nodes.get(name)?.clone(),
+        };
         nodes.sort_unstable();
         nodes.dedup();
-        Ok(nodes)
+        (!nodes.is_empty()).then_some(nodes)
+    }
+
+    /// The same in a part, whose groups of nodes have those of all names.
+    fn nodes_of_part(&self, whole: &Bounds, kind: &str, name: &str) -> Option<Vec<u32>> {
+        let groups = &self.groups;
+        let has = |kind: &str| match kind {
+            "cells" => groups.cells.contains_key(name),
+            "facets" => groups.facets.contains_key(name),
+            _ => !groups.cells.contains_key(name) && !groups.facets.contains_key(name),
+        };
+        match whole.of_kinds.get(name) {
+            Some(of_kinds) => of_kinds.get(kind).cloned(),
+            None => groups.nodes.get(name).filter(|_| has(kind)).cloned(),
+        }
+    }
+
+    /// The first facet, of some, that has a cell on its other side too.
+    pub(crate) fn inner_facet(&self, facets: &[Facet]) -> Option<Facet> {
+        let corners = |facet: Facet| {
+            let n = self.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind.n_corners();
+            let mut key = [u32::MAX; 4];
+            key.iter_mut().zip(self.facet_nodes(facet).take(n)).for_each(|(slot, node)| *slot = node);
+            key.sort_unstable();
+            key
+        };
+        let mut is_near = vec![false; self.n_nodes()];
+        let mut cells: HashMap<[u32; 4], (u32, Facet)> = HashMap::new();
+        for &facet in facets {
+            self.facet_nodes(facet).for_each(|node| is_near[node as usize] = true);
+            cells.insert(corners(facet), (facet.cell, facet));
+        }
+        let other = |cell: usize| {
+            let nodes = self.cell(cell).nodes;
+            nodes.iter().filter(|&&node| is_near[node as usize]).nth(1)?;
+            let own = 0..self.cell(cell).kind.facets().len() as u8;
+            let found = own.map(|local| corners(Facet { cell: cell as u32, local }));
+            let others = found.filter_map(|key| cells.get(&key).filter(|(own, _)| *own != cell as u32));
+            others.map(|(_, facet)| *facet).min()
+        };
+        (0..self.n_cells()).filter_map(other).min()
     }
 
     /// Smallest and largest coordinates of the mesh; of a part, those of the whole mesh.
@@ -201,7 +273,12 @@ impl Mesh {
         let facets = self.groups.facets(group)?;
         let nodes = facets.iter().flat_map(|&facet| self.facet_nodes(facet));
         let own = || bounds(nodes.map(|node| &self.points[node as usize]));
-        Ok(self.whole.as_ref().and_then(|whole| whole.facet_groups.get(group)).copied().unwrap_or_else(own))
+        Ok(self
+            .whole
+            .as_ref()
+            .and_then(|whole| whole.facet_groups.get(self.groups.plain("facets", group)))
+            .copied()
+            .unwrap_or_else(own))
     }
 
     /// The node nearest to a point in the reference configuration; the first of several.

@@ -116,7 +116,10 @@ mod tests {
 
     #[test]
     fn shares_have_every_node_once_and_every_cell_counts_once() {
-        let mesh = l_block(1.0).unwrap();
+        // A name of cells, facets and nodes: the last node is in neither of the others.
+        let last = l_block(1.0).unwrap().n_nodes() as u32 - 1;
+        let mesh = l_block(1.0).unwrap().with_node_group("face-a", [last]).unwrap();
+        let mesh = mesh.with_node_group("body", [0]).unwrap();
         for size in 1..6 {
             let owners = owners(&mesh, size).unwrap();
             let shares: Vec<Share> = (0..size).map(|rank| Share::new(&mesh, &owners, rank)).collect();
@@ -128,7 +131,12 @@ mod tests {
                     assert_eq!(share.mesh.points()[own], mesh.points()[whole as usize]);
                     assert_eq!(owners[whole as usize] as usize == share.rank, own < share.n_own);
                 }
-                for name in mesh.groups().names() {
+                let plain = mesh.groups().names().into_iter().map(str::to_string);
+                let chosen = ["nodes:face-a", "facets:face-a", "nodes:body", "cells:body", "facets:face-b"];
+                for absent in ["cells:face-a", "nodes:face-b", "cells:cells:body"] {
+                    assert!(mesh.group_nodes(absent).is_err() && share.mesh.group_nodes(absent).is_err());
+                }
+                for name in &plain.chain(chosen.map(str::to_string)).collect::<Vec<_>>() {
                     let whole: Vec<u32> = mesh.group_nodes(name).unwrap();
                     let mut own: Vec<u32> = share
                         .mesh

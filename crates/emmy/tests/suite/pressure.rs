@@ -6,13 +6,15 @@ use std::collections::HashMap;
 
 use crate::shared::patch::Patch;
 use crate::shared::schemes::{DGM, at};
+use emmy::Error;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::internals::average::{FollowerRule, Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::element::facet_element;
 use emmy::material::NeoHooke;
-use emmy::mesh::{CellKind, Mesh, MeshBuilder};
+use emmy::mesh::{CellKind, Mesh, MeshBuilder, Share};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
+use emmy::team::Threads;
 use emmy::time::Scheme;
 
 const PRESSURE: f64 = 80.0;
@@ -52,6 +54,48 @@ fn hollow() -> Mesh {
         .filter(|&facet| mesh.facet_nodes(facet).all(inside));
     builder.facet_group("cavity", facets.collect::<Vec<_>>());
     builder.build().unwrap()
+}
+
+/// A block of two bricks along x, or of two rectangles, with the facet between them as the group `between`.
+fn divided(is_plane: bool) -> Mesh {
+    let block = match is_plane {
+        true => emmy::mesh::rectangle([2.0, 1.0], [2, 1]).unwrap(),
+        false => emmy::mesh::block([2.0, 1.0, 1.0], [2, 1, 1]).unwrap(),
+    };
+    let mut builder = MeshBuilder::new();
+    block.points().iter().for_each(|&point| _ = builder.point(point));
+    block.cells().for_each(|cell| _ = builder.cell(cell.kind, cell.nodes).unwrap());
+    let middle = |node: &u32| block.points()[*node as usize][0] == 1.0;
+    builder.facet_group_by_nodes("between", vec![(0..block.n_nodes() as u32).filter(middle).collect()]);
+    builder.facet_group("x-max", block.groups().facets("x-max").unwrap().iter().copied());
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_pressure_between_cells_is_rejected_on_any_number_of_ranks() {
+    let rubber = || Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0);
+    for is_plane in [false, true] {
+        let mesh = divided(is_plane);
+        let build = |group: &str| {
+            Body::builder(mesh.clone()).region(rubber()).load(Load::pressure(group, 3.0)).build().map(drop)
+        };
+        assert_eq!(build("x-max"), Ok(()));
+        let at = [1.0, 0.5, if is_plane { 0.0 } else { 0.5 }];
+        assert_eq!(build("between"), Err(Error::PressureInside { group: "between".into(), at }));
+        // Each rank has one end, and the nodes between belong to the first or to the second.
+        for owner_between in [0, 1] {
+            let owner = |&[x, ..]: &[f64; 3]| if x == 1.0 { owner_between } else { u32::from(x > 1.0) };
+            let owners: Vec<u32> = mesh.points().iter().map(owner).collect();
+            let messages = Threads::run(2, |team| {
+                let share = Share::new(&mesh, &owners, team.rank());
+                let body = Body::shared(share, team).region(rubber()).load(Load::pressure("between", 3.0));
+                body.build().unwrap_err().to_string()
+            });
+            for message in messages.unwrap() {
+                assert!(message.contains("has cells on both sides"), "{message}");
+            }
+        }
+    }
 }
 
 /// Volume enclosed by the facets of a group, by Gauss' theorem; positive if their normals point outward.

@@ -206,14 +206,14 @@ impl Report {
         let n_nodes = mesh.group_nodes(group).map_or(0, |nodes| nodes.len());
         let mass = self.units.number(mass, "mass");
         let groups = mesh.groups();
-        let is_spread = groups.facets.contains_key(group) || groups.cells.contains_key(group);
+        let is_spread = groups.facets(group).is_ok() || groups.cells(group).is_ok();
         let Ok(centre) =
             body.centre_of(group).map_err(drop).and_then(|own| is_spread.then_some(own).ok_or(()))
         else {
             return self.line("", &format!("{n_nodes} nodes of {mass}"));
         };
         let distance = (0..3).map(|i| (masses.centre[i] - centre[i]).powi(2)).sum::<f64>().sqrt();
-        let what = if groups.facets.contains_key(group) { "area" } else { "cells" };
+        let what = if groups.facets(group).is_ok() { "area" } else { "cells" };
         let place = match distance <= 1e-9 * mesh.diagonal() {
             true => format!("at the centre of its {what}"),
             false => {

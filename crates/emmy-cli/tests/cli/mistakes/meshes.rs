@@ -104,7 +104,7 @@ fn formats() -> Vec<Mistake> {
         file("mesh-file-empty", "part.msh", ""),
         file("mesh-file-of-zeros", "part.msh", [0u8; 64]),
         file("gmsh-script", "part.geo", "Point(1) = {0, 0, 0, 1};\n"),
-        file("gmsh-of-an-old-version", "part.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n"),
+        file("gmsh-of-an-old-version", "part.msh", "$MeshFormat\n3 0 8\n$EndMeshFormat\n"),
         gmsh("gmsh-cut-off", "$Nodes\n4\n1 0 0 0\n2 1 0"),
         gmsh("gmsh-with-a-count-that-lies", "$Nodes\n4000000000\n1 0 0 0\n$EndNodes\n"),
         gmsh("gmsh-without-elements", GMSH_NODES),
@@ -122,10 +122,10 @@ fn formats() -> Vec<Mistake> {
 fn contents() -> Vec<Mistake> {
     let tet = "$Elements\n1\n1 4 2 1 1 1 2 3 9\n$EndElements\n";
     vec![
-        abaqus("cell-inverted", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 5\n"),
+        abaqus("cell-inverted", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 2, 4, 5, 1\n"),
         abaqus(
             "cell-inverted-without-loads",
-            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 5\n",
+            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 2, 4, 5, 1\n",
         )
         .and("y-min", "body")
         .and(LOAD, ""),
@@ -151,17 +151,8 @@ fn contents() -> Vec<Mistake> {
             ),
         ),
         gmsh(
-            "face-without-a-cell",
-            "$PhysicalNames\n2\n2 2 \"y-max\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 5 5\n$EndNodes\n\
-             $Elements\n2\n1 4 2 1 1 1 2 3 4\n2 2 2 2 2 1 2 5\n$EndElements\n",
-        ),
-        gmsh(
             "surfaces-without-a-volume",
             &format!("{GMSH_NODES}$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 2 4\n$EndElements\n"),
-        ),
-        abaqus(
-            "face-of-no-cell",
-            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Element, type=S3, elset=y-max\n2, 2, 3, 5\n",
         ),
         gmsh("groups-without-names", &format!("{GMSH_NODES}$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")),
     ]

@@ -125,7 +125,7 @@ fn resolve(body: &Body, value: &mut GroupValue, place: &Place) -> Result<(), Fau
     let has_cells = match &value.group {
         None => true,
         Some(group) => match has_nodes(body, group) {
-            true => groups.cells.contains_key(group),
+            true => groups.cells(group).is_ok(),
             false => {
                 let known = groups.names();
                 let label = did_you_mean(group, known.iter().copied()).unwrap_or("not there".into());

@@ -63,7 +63,7 @@ impl<'a> Cursor<'a> {
                 return Ok(None);
             }
             if let Some(name) = self.line()?.strip_prefix('$') {
-                return match name.starts_with("End") {
+                return match name.to_ascii_lowercase().starts_with("end") {
                     true => Err(self.malformed(offset, format!("${name} without its beginning"))),
                     false => Ok(Some(name)),
                 };
@@ -71,12 +71,17 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Reads `$EndName`.
+    /// Goes back to an offset.
+    pub(super) fn back_to(&mut self, offset: usize) {
+        self.offset = offset;
+    }
+
+    /// Reads `$EndName`, in MSH 1 `$ENDNAME`.
     pub(super) fn end(&mut self, name: &str) -> Result<()> {
         self.skip_whitespace();
         let offset = self.offset;
         let found = self.bytes[offset..].split(u8::is_ascii_whitespace).next().unwrap_or_default();
-        if found.strip_prefix(b"$End") == Some(name.as_bytes()) {
+        if found.eq_ignore_ascii_case(format!("$End{name}").as_bytes()) {
             self.offset += found.len();
             return Ok(());
         }

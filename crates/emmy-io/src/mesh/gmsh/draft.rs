@@ -38,7 +38,7 @@ pub(super) struct Draft {
 struct Element {
     number: u64,
     shape: &'static Shape,
-    /// The physical group of MSH 2.2, which repeats the element for each group; 0: none.
+    /// The physical group up to MSH 2.2, which repeats the element for each group; 0: none.
     group: u64,
     /// Offset in the file.
     start: usize,
@@ -94,7 +94,7 @@ impl Draft {
             return Ok(());
         }
         if shape.dim == 3 && shape.cell().is_none() {
-            return Err(unsupported(cursor, start, shape.name.to_string()));
+            return Err(other_order(cursor, start, shape));
         }
         let index = self.elements.len() as u32;
         let first = *self.element_index.entry(number).or_insert(index);
@@ -113,7 +113,12 @@ impl Draft {
     /// Whether an element repeats the first one of its number, as MSH 2.2 permits.
     fn is_repeated(&self, first: u32, shape: &Shape, nodes: &[u64]) -> bool {
         let first = &self.elements[first as usize];
-        self.version == Version::V2 && first.shape == shape && self.nodes(first) == nodes
+        self.repeats_elements() && first.shape == shape && self.nodes(first) == nodes
+    }
+
+    /// Whether the version repeats an element once for each of its groups.
+    fn repeats_elements(&self) -> bool {
+        matches!(self.version, Version::V1 | Version::V20 | Version::V2)
     }
 
     fn nodes(&self, element: &Element) -> &[u64] {
@@ -189,7 +194,7 @@ impl Draft {
             let cell = match element.shape.cell() {
                 _ if !self.is_cell(index) => NONE,
                 None => {
-                    return Err(unsupported(cursor, element.start, element.shape.name.to_string()));
+                    return Err(other_order(cursor, element.start, element.shape));
                 }
                 Some(_) if (original as usize) < index => cells[original as usize],
                 Some((kind, order)) => {
@@ -218,7 +223,7 @@ impl Draft {
     /// For each element the first one with the same nodes: MSH 2.2 repeats an element once for each of its groups.
     fn originals(&self, cursor: &Cursor) -> Result<Vec<u32>> {
         let mut originals: Vec<u32> = (0..self.elements.len() as u32).collect();
-        if self.version != Version::V2 {
+        if !self.repeats_elements() {
             return Ok(originals);
         }
         let mut order: Vec<u32> = originals.clone();
@@ -312,14 +317,31 @@ impl Draft {
         }
     }
 
+    /// Whether all surface elements lie in one plane.
+    fn is_flat(&self) -> bool {
+        let surfaces = self.elements.iter().filter(|element| element.shape.dim == 2);
+        let nodes = surfaces.flat_map(|element| self.nodes(element));
+        let points: Vec<[f64; 3]> =
+            nodes.filter_map(|node| self.node_index.get(node).map(|&at| self.points[at as usize])).collect();
+        let Some(&origin) = points.first() else { return false };
+        let from = |point: &[f64; 3]| [0, 1, 2].map(|i| point[i] - origin[i]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let longest = |vectors: &mut dyn Iterator<Item = [f64; 3]>| {
+            vectors.max_by(|&a, &b| dot(a, a).total_cmp(&dot(b, b))).unwrap_or_default()
+        };
+        let edge = longest(&mut points.iter().map(from));
+        let normal = longest(&mut points.iter().map(|point| cross(edge, from(point))));
+        let bound = 1e-9 * dot(normal, normal).sqrt() * dot(edge, edge).sqrt();
+        bound > 0.0 && points.iter().all(|point| dot(normal, from(point)).abs() <= bound)
+    }
+
     fn in_numbers_of_the_file(&self, error: MeshError) -> MeshError {
-        let number = |&node: &u32| self.node_numbers[node as usize];
         match error {
             MeshError::Mesh { file, reason: emmy::Error::EmptyMesh } => {
                 MeshError::NoCells { file, advice: NO_CELLS }
-            }
-            MeshError::Mesh { file, reason: emmy::Error::FacetWithoutCell { group, nodes } } => {
-                MeshError::FacetWithoutCell { file, group, nodes: nodes.iter().map(number).collect() }
             }
             MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
                 let place = format!(
@@ -328,18 +350,28 @@ impl Draft {
                     short(z),
                     short(plane)
                 );
-                MeshError::SurfaceAlone { file, found: self.surface_elements(), place, advice: SURFACE_ALONE }
+                let advice = if self.is_flat() { TURN } else { SURFACE_ALONE };
+                MeshError::SurfaceAlone { file, found: self.surface_elements(), place, advice }
             }
             error => error,
         }
     }
 }
 
+const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y plane; or, for a solid body, put its volume into a \
+                    physical group too and mesh it (`gmsh -3`)";
+
 const SURFACE_ALONE: &str = "Gmsh saves only what is in a physical group: put the volume into one too, or set `Mesh.SaveAll = 1`, and mesh it \
                              (`gmsh -3`)";
 
 const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), and where there are physical groups put it in one: \
                         Gmsh saves only what is in a group";
+
+/// The error of an element type that has the shape of a cell, but other nodes.
+fn other_order(cursor: &Cursor, start: usize, shape: &Shape) -> MeshError {
+    let problem = format!("elements of type {} are not supported", shape.name);
+    MeshError::Malformed { place: cursor.place(start), problem, advice: shape.cure() }
+}
 
 /// The error of an element type that is not a cell.
 pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshError {

@@ -1,13 +1,16 @@
-//! Gmsh: the MSH format, versions 2.2 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file format").
+//! Gmsh: the MSH format, versions 1, 2.0 to 2.2, 4.0 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file format").
 
 mod cursor;
 mod draft;
 mod shape;
+mod v1;
 mod v2;
 mod v4;
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
+use super::account::{Account, Entries, Treatment};
 use super::{MeshError, MeshFile, Result, without_mark};
 use crate::message;
 use cursor::{Cursor, Encoding};
@@ -16,9 +19,47 @@ use shape::Shape;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
+    V1,
+    /// 2.0, whose physical names have no dimension.
+    V20,
+    /// 2.1 and 2.2.
     V2,
-    V4,
+    V40,
+    V41,
 }
+
+/// Sections, as the reader treats them.
+pub(in crate::mesh) const TABLE: &[Entries] = &[
+    Entries {
+        treatment: Treatment::Read,
+        what: "nodes, elements, physical groups",
+        names: &[
+            "MeshFormat",
+            "PhysicalNames",
+            "Entities",
+            "PartitionedEntities",
+            "Nodes",
+            "ParametricNodes",
+            "Elements",
+            "NOD",
+            "ELM",
+        ],
+    },
+    Entries {
+        treatment: Treatment::NoEffect,
+        what: "remarks, fields of results, parametrizations, cells of other partitions",
+        names: &[
+            "Comments",
+            "NodeData",
+            "ElementData",
+            "ElementNodeData",
+            "InterpolationScheme",
+            "Parametrizations",
+            "GhostElements",
+        ],
+    },
+    Entries { treatment: Treatment::LeftOut, what: "nodes that move together", names: &["Periodic"] },
+];
 
 /// Number of a kind of cell.
 #[cfg(test)]
@@ -32,19 +73,29 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
     let version = version(&mut cursor)?;
     let mut draft = Draft::new(version);
     let mut entities = v4::Entities::new();
+    let mut account = Account::default();
     while let Some(section) = cursor.section()? {
+        use Version::{V1, V2, V20, V40, V41};
         match (section, version) {
-            ("PhysicalNames", _) => physical_names(&mut cursor, &mut draft)?,
-            ("Nodes", Version::V2) => v2::nodes(&mut cursor, &mut draft)?,
-            ("Nodes", Version::V4) => v4::nodes(&mut cursor, &mut draft)?,
-            ("Elements", Version::V2) => v2::elements(&mut cursor, &mut draft)?,
-            ("Elements", Version::V4) => v4::elements(&mut cursor, &mut draft, &entities)?,
-            ("Entities", Version::V4) => v4::entities(&mut cursor, &mut entities)?,
-            ("PartitionedEntities", Version::V4) => v4::partitioned_entities(&mut cursor, &mut entities)?,
-            _ => cursor.skip_section(section)?,
+            ("PhysicalNames", _) => physical_names(&mut cursor, version, &mut draft)?,
+            ("NOD", V1) | ("Nodes", V2 | V20) => v2::nodes(&mut cursor, &mut draft)?,
+            ("ParametricNodes", V2 | V20) => v2::parametric_nodes(&mut cursor, &mut draft)?,
+            ("Nodes", V40 | V41) => v4::nodes(&mut cursor, version, &mut draft)?,
+            ("ELM", V1) => v1::elements(&mut cursor, &mut draft)?,
+            ("Elements", V2 | V20) => v2::elements(&mut cursor, &mut draft)?,
+            ("Elements", V40 | V41) => v4::elements(&mut cursor, version, &mut draft, &entities)?,
+            ("Entities", V40 | V41) => v4::entities(&mut cursor, version, &mut entities)?,
+            ("PartitionedEntities", V40 | V41) => {
+                v4::partitioned_entities(&mut cursor, version, &mut entities)?;
+            }
+            _ => {
+                account.add(TABLE, section);
+                cursor.skip_section(section)?;
+            }
         }
         cursor.end(section)?;
     }
+    draft.notes.extend(account.notes());
     draft.mesh(&cursor, links)
 }
 
@@ -55,7 +106,10 @@ fn version(cursor: &mut Cursor) -> Result<Version> {
         match cursor.section()? {
             Some("MeshFormat") => break,
             Some("Comments") => cursor.skip_section("Comments")?,
-            Some("NOD") => return Err(unsupported_version(cursor, start, "1")),
+            Some("NOD") => {
+                cursor.back_to(start);
+                return Ok(Version::V1);
+            }
             _ => return Err(not_gmsh(cursor, start)),
         }
         cursor.end("Comments")?;
@@ -68,8 +122,10 @@ fn version(cursor: &mut Cursor) -> Result<Version> {
             .malformed(start, format!("expected version, file type, data size; found \"{}\"", cut(line))));
     };
     let version = match number.parse::<f64>() {
-        Ok(2.2) => Version::V2,
-        Ok(4.1) => Version::V4,
+        Ok(2.0) => Version::V20,
+        Ok(2.1 | 2.2) => Version::V2,
+        Ok(4.0) => Version::V40,
+        Ok(4.1) => Version::V41,
         _ => return Err(unsupported_version(cursor, start, number)),
     };
     if data_size != "8" {
@@ -110,29 +166,39 @@ fn unsupported_version(cursor: &Cursor, start: usize, version: &str) -> MeshErro
     MeshError::UnsupportedVersion { place: cursor.place(start), version: version.to_string() }
 }
 
-/// `$PhysicalNames`: text in both encodings.
-fn physical_names(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
-    let count = cursor.count_line("physical names", 6)?;
+/// `$PhysicalNames`: text in both encodings. Some programs fill names with blanks.
+fn physical_names(cursor: &mut Cursor, version: Version, draft: &mut Draft) -> Result<()> {
+    let count = cursor.count_line("physical names", 4)?;
     for _ in 0..count {
         let start = cursor.offset();
         let line = cursor.line()?;
-        let Some((key, name)) = physical_name(line) else {
+        let Some((dims, tag, name)) = physical_name(line, version) else {
             return Err(cursor
                 .malformed(start, format!("expected dimension, number and \"name\", found {}", cut(line))));
         };
+        let name = name.trim_end();
         draft.notes.extend(message::note_on_name(name));
-        draft.names.insert(key, message::name(name).into_owned());
+        for dim in dims {
+            draft.names.insert((dim, tag), message::name(name).into_owned());
+        }
     }
     Ok(())
 }
 
-fn physical_name(line: &str) -> Option<((u8, u64), &str)> {
+/// Dimensions, number and name of a physical group; in MSH 2.0 it has no dimension.
+fn physical_name(line: &str, version: Version) -> Option<(RangeInclusive<u8>, u64, &str)> {
     let (numbers, name) = line.split_once('"')?;
     let (name, _) = name.rsplit_once('"')?;
     let mut numbers = numbers.split_whitespace();
-    let dim = numbers.next()?.parse().ok()?;
+    let dims = match version {
+        Version::V20 => 0..=3,
+        _ => {
+            let dim = numbers.next()?.parse().ok()?;
+            dim..=dim
+        }
+    };
     let tag = numbers.next()?.parse::<i64>().ok()?;
-    Some(((dim, tag.unsigned_abs()), name))
+    Some((dims, tag.unsigned_abs(), name))
 }
 
 /// The text found, short enough for a message.
@@ -142,5 +208,13 @@ fn cut(line: &str) -> String {
 
 /// The element type of a number.
 fn shape(cursor: &Cursor, start: usize, id: i64) -> Result<&'static Shape> {
-    Shape::of(id).ok_or_else(|| draft::unsupported(cursor, start, format!("{id} of Gmsh")))
+    let is_polygon = matches!(id, 34 | 35);
+    let unknown = || match id {
+        20..=200 if !is_polygon => {
+            let problem = format!("elements of type {id} of Gmsh have an order above 2");
+            MeshError::Malformed { place: cursor.place(start), problem, advice: shape::HIGHER_ORDER }
+        }
+        _ => draft::unsupported(cursor, start, format!("{id} of Gmsh")),
+    };
+    Shape::of(id).ok_or_else(unknown)
 }

@@ -21,6 +21,16 @@ impl Shape {
         SHAPES.iter().find(|shape| shape.id == id)
     }
 
+    /// Something to try in Gmsh where the kind is not read.
+    pub(super) fn cure(&self) -> &'static str {
+        match self.name {
+            "wedge18" | "pyramid14" => {
+                "set `Mesh.SecondOrderIncomplete = 1` before meshing: Gmsh then makes hex20, wedge15 and pyramid13"
+            }
+            _ => HIGHER_ORDER,
+        }
+    }
+
     /// The element type of a kind of cell.
     #[cfg(test)]
     pub(super) fn of_kind(kind: CellKind) -> Option<&'static Shape> {
@@ -47,6 +57,9 @@ impl Shape {
     }
 }
 
+/// Something to try in Gmsh where elements have an order above 2.
+pub(super) const HIGHER_ORDER: &str = "elements of the orders 1 and 2 are read: set `Mesh.ElementOrder = 2` and `Mesh.SecondOrderIncomplete = 1` before meshing";
+
 const AS_IN_VTK: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 /// The last two edges, 2-3 and 1-3, are exchanged in VTK.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
@@ -69,7 +82,7 @@ macro_rules! shapes {
     };
 }
 
-const SHAPES: [Shape; 40] = shapes![
+const SHAPES: [Shape; 42] = shapes![
     1 "line2" 1 2 2;
     2 "tri3" 2 3 3;
     3 "quad4" 2 4 4;
@@ -107,6 +120,8 @@ const SHAPES: [Shape; 40] = shapes![
     39 "quad12" 2 12 4;
     40 "quad16i" 2 16 4;
     41 "quad20" 2 20 4;
+    90 "wedge40" 3 40 6;
+    91 "wedge75" 3 75 6;
     92 "hex64" 3 64 8;
     93 "hex125" 3 125 8;
     118 "pyramid30" 3 30 5;

@@ -1,4 +1,4 @@
-//! Sections of MSH 2.2.
+//! Sections of MSH 2.0 to 2.2.
 
 use super::super::Result;
 use super::cursor::{Cursor, Encoding};
@@ -12,6 +12,21 @@ pub(super) fn nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
         let start = cursor.offset();
         let number = cursor.whole()?;
         let point = cursor.point()?;
+        draft.node(cursor, start, number, point)?;
+    }
+    Ok(())
+}
+
+/// `$ParametricNodes`: as `$Nodes`, with the geometry on which each node lies and its parameters there.
+pub(super) fn parametric_nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
+    let count = cursor.count_line("nodes", 8)?;
+    for _ in 0..count {
+        let start = cursor.offset();
+        let number = cursor.whole()?;
+        let point = cursor.point()?;
+        let dim = cursor.int()?;
+        cursor.int()?; // number of the geometry
+        cursor.skip_reals(if matches!(dim, 1 | 2) { dim as u64 } else { 0 })?;
         draft.node(cursor, start, number, point)?;
     }
     Ok(())

@@ -1,8 +1,12 @@
-//! Sections of MSH 4.1.
+//! Sections of MSH 4.0 and 4.1.
+//!
+//! In 4.0 points have a box, not a position; nodes and elements have numbers of 4 bytes, each number of a node stands before
+//! its position, and blocks name the entity before its dimension.
 
 use std::collections::HashMap;
 
 use super::super::Result;
+use super::Version;
 use super::cursor::Cursor;
 use super::draft::Draft;
 use super::shape::Shape;
@@ -11,11 +15,11 @@ use super::shape::Shape;
 pub(super) type Entities = HashMap<(u8, i64), Vec<u64>>;
 
 /// `$Entities`: only the physical groups of each entity are used.
-pub(super) fn entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<()> {
+pub(super) fn entities(cursor: &mut Cursor, version: Version, entities: &mut Entities) -> Result<()> {
     for (dim, count) in entity_counts(cursor)? {
         for _ in 0..count {
             let number = cursor.int()?;
-            let groups = entity_groups(cursor, dim)?;
+            let groups = entity_groups(cursor, version, dim)?;
             entities.insert((dim, number), groups);
         }
     }
@@ -23,7 +27,11 @@ pub(super) fn entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<(
 }
 
 /// `$PartitionedEntities`: the elements of a partitioned mesh belong to these, not to `$Entities`.
-pub(super) fn partitioned_entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<()> {
+pub(super) fn partitioned_entities(
+    cursor: &mut Cursor,
+    version: Version,
+    entities: &mut Entities,
+) -> Result<()> {
     cursor.size()?; // number of partitions
     let n_ghosts = cursor.count("ghost entities", 4)?;
     for _ in 0..2 * n_ghosts {
@@ -34,7 +42,7 @@ pub(super) fn partitioned_entities(cursor: &mut Cursor, entities: &mut Entities)
             let number = cursor.int()?;
             let _parent = [cursor.int()?, cursor.int()?];
             cursor.skip_ints()?; // partitions
-            let groups = entity_groups(cursor, dim)?;
+            let groups = entity_groups(cursor, version, dim)?;
             entities.insert((dim, number), groups);
         }
     }
@@ -50,8 +58,8 @@ fn entity_counts(cursor: &mut Cursor) -> Result<[(u8, u64); 4]> {
 }
 
 /// Position or bounding box, physical groups, and boundary of an entity.
-fn entity_groups(cursor: &mut Cursor, dim: u8) -> Result<Vec<u64>> {
-    cursor.skip_reals(if dim == 0 { 3 } else { 6 })?;
+fn entity_groups(cursor: &mut Cursor, version: Version, dim: u8) -> Result<Vec<u64>> {
+    cursor.skip_reals(if dim == 0 && version == Version::V41 { 3 } else { 6 })?;
     let count = cursor.count("physical groups", 2)?;
     let groups = (0..count).map(|_| cursor.int().map(i64::unsigned_abs)).collect::<Result<Vec<u64>>>()?;
     if dim > 0 {
@@ -61,56 +69,90 @@ fn entity_groups(cursor: &mut Cursor, dim: u8) -> Result<Vec<u64>> {
 }
 
 /// `$Nodes`: blocks of one entity, first the numbers, then the coordinates.
-pub(super) fn nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
+pub(super) fn nodes(cursor: &mut Cursor, version: Version, draft: &mut Draft) -> Result<()> {
     let n_blocks = cursor.count("blocks of nodes", 8)?;
-    let _total_min_max = [cursor.size()?, cursor.size()?, cursor.size()?];
+    skip_totals(cursor, version)?;
     for _ in 0..n_blocks {
-        node_block(cursor, draft)?;
+        node_block(cursor, version, draft)?;
     }
     Ok(())
 }
 
-fn node_block(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
+/// Total, and in 4.1 the smallest and the largest number.
+fn skip_totals(cursor: &mut Cursor, version: Version) -> Result<()> {
+    let n = if version == Version::V41 { 3 } else { 1 };
+    (0..n).try_for_each(|_| cursor.size().map(drop))
+}
+
+fn node_block(cursor: &mut Cursor, version: Version, draft: &mut Draft) -> Result<()> {
     let start = cursor.offset();
-    let dim = cursor.whole()?;
-    let _entity = cursor.int()?;
+    let [dim, _entity] = dimension_and_entity(cursor, version)?;
     let parametric = cursor.int()?;
-    if dim > 3 {
+    let Ok(dim @ 0..=3) = u64::try_from(dim) else {
         return Err(cursor.malformed(start, format!("a block of nodes of dimension {dim}")));
-    }
+    };
     let count = cursor.count("nodes", 8)?;
+    let n_parameters = if parametric != 0 { dim } else { 0 };
+    if version == Version::V40 {
+        for _ in 0..count {
+            let start = cursor.offset();
+            let number = cursor.whole()?;
+            let point = cursor.point()?;
+            cursor.skip_reals(n_parameters)?;
+            draft.node(cursor, start, number, point)?;
+        }
+        return Ok(());
+    }
     let numbers = (0..count).map(|_| cursor.size()).collect::<Result<Vec<u64>>>()?;
     for number in numbers {
         let start = cursor.offset();
         let point = cursor.point()?;
-        cursor.skip_reals(if parametric != 0 { dim } else { 0 })?;
+        cursor.skip_reals(n_parameters)?;
         draft.node(cursor, start, number, point)?;
     }
     Ok(())
 }
 
+/// Dimension and number of the entity of a block.
+fn dimension_and_entity(cursor: &mut Cursor, version: Version) -> Result<[i64; 2]> {
+    let [first, second] = [cursor.int()?, cursor.int()?];
+    Ok(if version == Version::V41 { [first, second] } else { [second, first] })
+}
+
 /// `$Elements`: blocks of one entity and type.
-pub(super) fn elements(cursor: &mut Cursor, draft: &mut Draft, entities: &Entities) -> Result<()> {
+pub(super) fn elements(
+    cursor: &mut Cursor,
+    version: Version,
+    draft: &mut Draft,
+    entities: &Entities,
+) -> Result<()> {
     let n_blocks = cursor.count("blocks of elements", 8)?;
-    let _total_min_max = [cursor.size()?, cursor.size()?, cursor.size()?];
+    skip_totals(cursor, version)?;
     for _ in 0..n_blocks {
-        element_block(cursor, draft, entities)?;
+        element_block(cursor, version, draft, entities)?;
     }
     Ok(())
 }
 
-fn element_block(cursor: &mut Cursor, draft: &mut Draft, entities: &Entities) -> Result<()> {
+fn element_block(
+    cursor: &mut Cursor,
+    version: Version,
+    draft: &mut Draft,
+    entities: &Entities,
+) -> Result<()> {
     let start = cursor.offset();
-    let (_dim, entity, id) = (cursor.int()?, cursor.int()?, cursor.int()?);
+    let [_dim, entity] = dimension_and_entity(cursor, version)?;
+    let id = cursor.int()?;
     let shape = super::shape(cursor, start, id)?;
     let groups = entities.get(&(shape.dim, entity)).map(Vec::as_slice).unwrap_or_default();
     let count = cursor.count("elements", 4)?;
     let mut nodes = [0; Shape::MAX_NODES];
     for _ in 0..count {
         let start = cursor.offset();
-        let number = cursor.size()?;
+        let mut next = || if version == Version::V41 { cursor.size() } else { cursor.whole() };
+        let number = next()?;
         for node in &mut nodes[..shape.n_nodes] {
-            *node = cursor.size()?;
+            *node = next()?;
         }
         draft.element(cursor, start, number, shape, groups, &nodes[..shape.n_nodes])?;
     }

@@ -6,7 +6,8 @@ mod tests;
 
 use crate::error::{Error, Result};
 use crate::mesh::{Cell, Mesh};
-use sample::{Measures, samples};
+use sample::Measures;
+pub(super) use sample::samples;
 
 /// The worst value of a measure and its cell.
 ///

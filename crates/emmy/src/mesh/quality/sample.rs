@@ -25,7 +25,7 @@ impl Measures {
 }
 
 /// Data shared by the cells of a kind: gradients of the shape functions at all sample points, and the edges.
-pub(super) struct Sample {
+pub(in crate::mesh) struct Sample {
     weights: Vec<f64>,
     kind: CellKind,
     /// Points of the mass quadrature, with the weights, then the other points of the internal force.
@@ -39,7 +39,7 @@ pub(super) struct Sample {
 }
 
 /// The samples of all kinds.
-pub(super) fn samples() -> BTreeMap<CellKind, Sample> {
+pub(in crate::mesh) fn samples() -> BTreeMap<CellKind, Sample> {
     CellKind::ALL.into_iter().map(|kind| (kind, Sample::new(kind))).collect()
 }
 
@@ -59,6 +59,16 @@ impl Sample {
             spans: spans(kind),
             ideal: ideal(kind),
         }
+    }
+
+    /// Whether det(dX/dxi) is negative at the first point of quadrature.
+    pub(in crate::mesh) fn begins_negative(&self, X: &[[f64; 3]]) -> bool {
+        self.at_quadrature.first().is_some_and(|dN| det(&jacobian(self.kind, X, dN)) < 0.0)
+    }
+
+    /// Whether det(dX/dxi) is positive at all points of quadrature.
+    pub(in crate::mesh) fn is_positive(&self, X: &[[f64; 3]]) -> bool {
+        self.at_quadrature.iter().all(|dN| det(&jacobian(self.kind, X, dN)) > 0.0)
     }
 
     /// Measures of a cell by the positions of its nodes.

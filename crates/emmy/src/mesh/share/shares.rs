@@ -64,6 +64,8 @@ struct GroupLists<'a> {
     of_facets: Lists,
     node_names: Vec<&'a str>,
     of_nodes: Lists,
+    /// Of names of several kinds: name, kind and nodes.
+    of_kinds: Vec<(&'a str, &'static str, Vec<u32>)>,
 }
 
 impl<'a> GroupLists<'a> {
@@ -73,6 +75,11 @@ impl<'a> GroupLists<'a> {
         // A guest may belong to a group by a cell that is not in its share.
         let nodes: Vec<Vec<u32>> =
             node_names.iter().map(|name| mesh.group_nodes(name).unwrap_or_default()).collect();
+        let of_kinds =
+            node_names.iter().filter(|name| mesh.groups().kinds(name).len() > 1).flat_map(|&name| {
+                let nodes = move |kind| Some((name, kind, mesh.group_nodes(&format!("{kind}:{name}")).ok()?));
+                mesh.groups().kinds(name).into_iter().filter_map(nodes)
+            });
         let of_lists = |lists: &[&Vec<u32>]| -> Vec<(u32, u32)> {
             let pairs =
                 |(group, list): (u32, &&Vec<u32>)| list.iter().map(move |&number| (number, group)).collect();
@@ -89,11 +96,23 @@ impl<'a> GroupLists<'a> {
         GroupLists {
             cell_names: cells.keys().collect(),
             of_cells: Lists::new(mesh.n_cells(), || of_cells.iter().copied()),
+            of_kinds: of_kinds.collect(),
             facet_names: facets.keys().collect(),
             of_facets: Lists::new(mesh.n_cells(), of_facets),
             node_names,
             of_nodes: Lists::new(mesh.n_nodes(), || of_nodes.iter().copied()),
         }
+    }
+
+    /// The nodes, among some, of names of several kinds.
+    fn of_kinds(&self, nodes: &[u32]) -> BTreeMap<String, BTreeMap<String, Vec<u32>>> {
+        let mut all: BTreeMap<String, BTreeMap<String, Vec<u32>>> = BTreeMap::new();
+        for (name, kind, members) in &self.of_kinds {
+            let own = (0..).zip(nodes).filter(|(_, node)| members.binary_search(node).is_ok());
+            let own = own.map(|(own, _)| own).collect();
+            all.entry(name.to_string()).or_default().insert(kind.to_string(), own);
+        }
+        all
     }
 
     /// The groups of some nodes and cells, with their numbers among these.
@@ -252,7 +271,7 @@ fn part(
         offsets: Vec::with_capacity(cells.len() + 1),
         connectivity: Vec::with_capacity(n_corners),
         groups: groups.part(nodes, cells),
-        whole: Some(bounds),
+        whole: Some(Bounds { of_kinds: groups.of_kinds(nodes), ..bounds }),
     };
     part.offsets.push(0);
     for &cell in cells {
@@ -276,6 +295,7 @@ impl Mesh {
             mesh: self.bounds(),
             is_plane: self.is_plane(),
             facet_groups: self.groups.facets.keys().filter_map(of_group).collect(),
+            of_kinds: BTreeMap::new(),
         }
     }
 }

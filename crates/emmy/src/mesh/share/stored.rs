@@ -22,6 +22,7 @@ pub(super) struct Stored {
     bounds: [[f64; 3]; 2],
     is_plane: bool,
     facet_bounds: BTreeMap<String, [[f64; 3]; 2]>,
+    nodes_of_kinds: BTreeMap<String, BTreeMap<String, Vec<u32>>>,
     n_own: usize,
     n_nodes_of_ranks: usize,
     nodes: Vec<u32>,
@@ -36,8 +37,13 @@ impl From<Share> for Stored {
     fn from(share: Share) -> Self {
         let Share { mesh, n_own, n_nodes_of_ranks, nodes, cells, counts, neighbours, rank } = share;
         let Mesh { points, kinds, offsets, connectivity, groups, whole } = mesh;
-        let Bounds { mesh: bounds, is_plane, facet_groups: facet_bounds } =
-            whole.unwrap_or(Bounds { mesh: [[0.0; 3]; 2], is_plane: false, facet_groups: BTreeMap::new() });
+        let none = Bounds {
+            mesh: [[0.0; 3]; 2],
+            is_plane: false,
+            facet_groups: BTreeMap::new(),
+            of_kinds: BTreeMap::new(),
+        };
+        let Bounds { mesh: bounds, is_plane, facet_groups: facet_bounds, of_kinds } = whole.unwrap_or(none);
         let facets = |facets: Vec<Facet>| facets.into_iter().map(|facet| (facet.cell, facet.local)).collect();
         let neighbour = |own: Neighbour| (own.rank, own.outgoing, own.incoming);
         Stored {
@@ -51,6 +57,7 @@ impl From<Share> for Stored {
             bounds,
             is_plane,
             facet_bounds,
+            nodes_of_kinds: of_kinds,
             n_own,
             n_nodes_of_ranks,
             nodes,
@@ -77,8 +84,12 @@ impl TryFrom<Stored> for Share {
         stored.check(&kinds).then_some(()).ok_or("numbers that no share has")?;
         let facets =
             |facets: Vec<(u32, u8)>| facets.into_iter().map(|(cell, local)| Facet { cell, local }).collect();
-        let bounds =
-            Bounds { mesh: stored.bounds, is_plane: stored.is_plane, facet_groups: stored.facet_bounds };
+        let bounds = Bounds {
+            mesh: stored.bounds,
+            is_plane: stored.is_plane,
+            facet_groups: stored.facet_bounds,
+            of_kinds: stored.nodes_of_kinds,
+        };
         let mesh = Mesh {
             points: stored.points,
             kinds,
@@ -129,6 +140,7 @@ impl Stored {
             && below(self.n_nodes_of_ranks, &self.nodes)
             && self.cell_groups.values().all(|group| below(n_cells, group))
             && self.node_groups.values().all(|group| below(n_nodes, group))
+            && self.nodes_of_kinds.values().flat_map(BTreeMap::values).all(|group| below(n_nodes, group))
             && self.facet_groups.values().flatten().all(is_facet)
             && self.neighbours.iter().all(is_neighbour)
     }
