@@ -73,6 +73,8 @@ impl History {
             History::Integrated(rows) => integral(rows, t, |_| 1.0),
             History::Square(factor) => 2.0 * factor * t,
             History::Table(rows) => {
+                // The end of a step, which is its start and its size, may lie beside the kink by a rounding.
+                let t = rows.iter().map(|row| row[0]).find(|kink| (kink - t).abs() < 1e-13).unwrap_or(t);
                 let covers = |pair: &&[[f64; 2]]| match is_before {
                     true => pair[0][0] < t && t <= pair[1][0],
                     false => pair[0][0] <= t && t < pair[1][0],
