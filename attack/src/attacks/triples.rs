@@ -2,7 +2,7 @@
 
 use crate::agreement::agrees_in;
 use crate::attack::{Attack, Cases, Trial};
-use crate::features::{AXES, Choice, axis_of, describe, has_void};
+use crate::features::{AXES, Choice, describe, has_void};
 
 /// The attack.
 pub(super) const ATTACK: Attack = Attack {
@@ -21,7 +21,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
         for &axis in &axes[..3] {
             choice[axis] = trial.rng.usize(1..AXES[axis].values.len());
         }
-        if !has_void(&choice) && !is_open(&choice) {
+        if !has_void(&choice) {
             break choice;
         }
     };
@@ -31,16 +31,4 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
         return Ok(());
     }
     agreement.map_err(|fault| format!("{fault}\n  features: {}", describe(&choice)))
-}
-
-/// Whether a choice is not compared: incompatible modes have no mass, and those of a state that another scheme left are not in
-/// balance. What schemes with weighted forces do with the rest of their forces is open; it is some 1e-8 of the motion.
-fn is_open(choice: &Choice) -> bool {
-    let is = |axis: &str, names: &[&str]| {
-        let axis = axis_of(axis);
-        names.contains(&AXES[axis].values[choice[axis]])
-    };
-    is("formulation", &["incompatible-modes"])
-        && is("scheme", &["HHT(0.1)", "generalized-alpha(0.7)"])
-        && is("start", &["state"])
 }
