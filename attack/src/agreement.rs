@@ -143,7 +143,7 @@ pub fn agrees_in(place: &Place, choice: &Choice, seed: u64) -> Result<(), String
 /// Smallest det F from which on a material without resistance to compression is about to let a cell turn inside out.
 const COLLAPSE: f64 = 0.1;
 
-/// Compares a motion that ended because a cell turned inside out, up to its last steps.
+/// Compares the steps before a cell turns inside out, which ends the motion.
 fn compare_until_collapse(case: &Case, columns: &mut BTreeMap<String, Vec<f64>>) -> Result<(), String> {
     let determinants = columns.get("smallest_determinant").ok_or("there are no determinants")?;
     let collapse = determinants.iter().position(|det| *det < COLLAPSE);
