@@ -244,7 +244,7 @@ impl RunStatistics {
     /// assert_eq!(at_rest.angular_momentum_size(), (2.0, "possible |L|"));
     /// ```
     pub fn angular_momentum_size(&self) -> (f64, &'static str) {
-        match self.largest_angular_momentum >= AT_REST * self.angular_momentum_scale {
+        match self.largest_angular_momentum > AT_REST * self.angular_momentum_scale {
             true => (self.largest_angular_momentum, "|L|"),
             false => (self.angular_momentum_scale, "possible |L|"),
         }
