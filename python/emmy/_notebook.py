@@ -25,7 +25,7 @@ def motion(view: MotionView) -> str:
     size = f"{view.body.mesh.n_cells} cells, {view.body.n_dofs} degrees of freedom"
     scheme = f"{html.escape(view.scheme)}, degree {view.degree}"
     head = f"<b>emmy.Motion</b>: {scheme}; {size}; step {view.number}, t = {view.time:.6g}"
-    return _page(head, view.history, view.accuracy)
+    return _page(head, view.history, view.accuracy, view._native.angular_momentum_scale)
 
 
 def run(results: Run) -> str:
@@ -34,7 +34,10 @@ def run(results: Run) -> str:
     if results._has_summary:
         head += f", {html.escape(results.status)}"
     try:
-        page = _page(head, results.history, results.accuracy if results._has_summary else "")
+        accuracy, scale = ("", None)
+        if results._has_summary:
+            accuracy, scale = results.accuracy, results.summary.get("angular_momentum_scale")
+        page = _page(head, results.history, accuracy, scale or 0.0)
     except ResultsError:
         # A run that has just begun has no history yet.
         return html.escape(repr(results))
@@ -46,28 +49,36 @@ def run(results: Run) -> str:
     return page + f"<details><summary>Report</summary>{frame}</details>"
 
 
-def verdict(history: NDArray[Any]) -> str:
-    """How well the balances were kept, in a sentence."""
+#: An angular momentum below this part of the largest possible one is round-off.
+AT_REST = 1e-9
+
+
+def verdict(history: NDArray[Any], scale: float) -> str:
+    """How well the balances were kept, in a sentence; `scale`: the largest possible angular momentum."""
     if len(history) < 2:
         return "no step yet"
     energy = _over(
         np.abs(history["energy_residual"]), np.abs(history["kinetic_energy"]) + np.abs(history["strain_energy"])
     )
     components = np.stack([history[f"angular_momentum_{axis}"] for axis in "xyz"])
-    angular = _over(history["angular_momentum_residual"], np.sqrt((components**2).sum(axis=0)))
+    momentum = np.sqrt((components**2).sum(axis=0))
+    if np.nanmax(momentum) > AT_REST * scale:
+        angular = _over(history["angular_momentum_residual"], momentum)
+    else:
+        angular = _over(history["angular_momentum_residual"], np.array([scale]), "largest possible value")
     return f"worst energy residual of a step {energy}; worst angular momentum residual {angular}"
 
 
-def _over(residual: NDArray[np.float64], scale: NDArray[np.float64]) -> str:
+def _over(residual: NDArray[np.float64], scale: NDArray[np.float64], of: str = "largest value") -> str:
     largest, worst = float(np.nanmax(scale)), float(np.nanmax(residual))
     if largest > 0.0:
-        return f"{worst / largest:.1e} of the largest value"
+        return f"{worst / largest:.1e} of the {of}"
     return f"{worst:.1e} (the quantity itself is 0)"
 
 
-def _page(head: str, history: NDArray[Any], accuracy: str) -> str:
+def _page(head: str, history: NDArray[Any], accuracy: str, scale: float) -> str:
     known = f"; accuracy in time: {html.escape(accuracy)}" if accuracy else ""
-    parts = [f"<div><p>{head}<br>{verdict(history)}{known}</p>"]
+    parts = [f"<div><p>{head}<br>{verdict(history, scale)}{known}</p>"]
     if len(history) > 1:
         time = history["time"]
         energies = {name: history[key] for name, key in ENERGIES.items()}

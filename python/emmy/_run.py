@@ -56,8 +56,6 @@ def call(verb: str, *operands: StrPath, progress: bool = False, more: Sequence[s
 
     def show(message: str) -> None:
         kind, _, text = message.partition(": ")
-        if verb in ("run", "resume") and "vibrations are not resolved; about" in text:
-            return  # a statement of the results: `Run.accuracy`
         if kind in ("note", "warning"):
             warn([text])
         elif progress:

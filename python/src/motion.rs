@@ -213,6 +213,12 @@ impl Motion {
         Ok(events.map(|event| (event.step, event.time, event.kind.name(), event.message.clone())).collect())
     }
 
+    /// Largest angular momentum that the energy so far allows.
+    #[getter]
+    fn angular_momentum_scale(&self) -> PyResult<f64> {
+        Ok(self.lock()?.running.motion().statistics().angular_momentum_scale)
+    }
+
     /// The statement on the accuracy in time; none before the first step.
     fn accuracy(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut work = self.lock()?;

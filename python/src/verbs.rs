@@ -43,6 +43,9 @@ impl Host for Package<'_> {
         let _ = self.send(Text::Message(text.to_string()));
     }
 
+    /// `Run.accuracy` and the columns of a sweep have it.
+    fn statement(&self, _: &str) {}
+
     fn is_interrupted(&self) -> bool {
         self.is_interrupted.load(Ordering::Relaxed)
     }

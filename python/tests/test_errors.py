@@ -45,7 +45,7 @@ def test_unknown_groups_all_at_once():
         (lambda: emmy.Motion(free_block(), steps=(1.0, 0.0)), "steps"),
         (lambda: emmy.Motion(free_block(), steps=[(1.0, 0.1), (0.5, 0.1)]), "steps"),
         (lambda: emmy.Motion(free_block(), until=1.0), "until"),
-        (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), degree=99), "scheme"),
+        (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), degree=99), "degree"),
         (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), tolerance=2.0), "tolerance"),
         (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), solver="lu"), "solver"),
         (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), probes={"tip": (1, 2)}), "probes"),

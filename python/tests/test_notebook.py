@@ -100,3 +100,13 @@ def test_nothing_is_printed(capfd, spinning):
     emmy.check("l-block.toml")
     captured = capfd.readouterr()
     assert captured.out == "" and captured.err == ""
+
+
+def test_a_body_at_rest_under_its_weight_closes():
+    mesh = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
+    rubber = emmy.Region(emmy.NeoHooke(lambda_=1000, mu=500), density=2)
+    hanging = emmy.Body(mesh, rubber, emmy.Support("y-min", fix="xyz"), emmy.Load(acceleration=(3, 0, -9.81)))
+    motion = emmy.Motion(hanging, steps=(0.5, 0.1), equilibrium=True)
+    motion.run()
+    own = re.search(r"angular momentum residual (\S+) of the largest possible value", motion._repr_html_())
+    assert own and float(own[1]) < 1e-12

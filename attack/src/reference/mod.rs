@@ -4,7 +4,9 @@
 pub mod body;
 pub mod cells;
 pub mod dual;
+pub mod element;
 pub mod energies;
+pub mod history;
 pub mod mesh;
 pub mod motion;
 pub mod numbers;

@@ -1,7 +1,6 @@
 //! Failures of verbs: their messages and exit codes.
 
 use std::fmt;
-use std::io::ErrorKind;
 
 use emmy::motion::MarchError;
 use emmy_io::directory::DirectoryError;
@@ -176,20 +175,15 @@ impl From<InputError> for Failure {
     }
 }
 
-/// A directory that cannot be used is bad input; a disk without room is not.
+/// A directory that cannot be used is bad input; a file that cannot be written there is not.
 impl From<DirectoryError> for Failure {
     fn from(error: DirectoryError) -> Self {
         let message = error.to_string();
         match error {
-            DirectoryError::System { error, .. } if is_full(error.kind()) => Failure::Other(message),
+            DirectoryError::File { .. } => Failure::Other(message),
             _ => Failure::Files { message, help: None },
         }
     }
-}
-
-/// Whether there is no room for a file, by a limit of the disk, of a user or of the process.
-fn is_full(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge)
 }
 
 /// A start that does not fit is bad input; an equilibrium that was not found is a failed computation.

@@ -43,6 +43,12 @@ pub trait Host: Sync {
     /// closing report. `--quiet` switches off all but notes and warnings.
     fn message(&self, text: &str);
 
+    /// Takes a note that states how far results can be trusted. The results have it, too, so a host that hands them over may
+    /// drop it.
+    fn statement(&self, text: &str) {
+        self.message(text);
+    }
+
     /// Whether to stop. A run asks after each step, and then ends with its files complete and
     /// [`Failure::Interrupted`].
     fn is_interrupted(&self) -> bool;

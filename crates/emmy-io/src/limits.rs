@@ -39,7 +39,7 @@ pub fn check(limits: &Limits, statistics: &RunStatistics) -> Result<(), LimitExc
         ("energy", "T + V", limits.energy, statistics.energy_drift()),
         (
             "angular_momentum",
-            if statistics.is_turning() { "|L|" } else { "possible |L|" },
+            statistics.angular_momentum_size().1,
             limits.angular_momentum,
             statistics.angular_momentum_drift(),
         ),

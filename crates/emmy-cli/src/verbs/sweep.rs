@@ -250,18 +250,15 @@ fn warn_of_loads(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
 fn note_long_steps(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
     let is_coarse = |row: &&SweepRow| {
         let steps = of(sweep, row, "steps_per_lowest_period");
-        let scheme = |row: &SweepRow| Some(sweep.problem(row.run).ok()?.scheme);
-        // No scheme may take longer steps than a fifth of the period at degree 1.
-        steps < 5.0 && scheme(row).is_some_and(|scheme| accuracy::is_coarse(1.0, steps, scheme))
+        accuracy::is_coarse(1.0, steps, sweep.scheme(row.run))
     };
     let coarse: Vec<&SweepRow> = rows.iter().filter(is_coarse).collect();
     let Some(first) = coarse.first() else { return };
     let [many, name] = [counted(coarse.len(), "run", "runs"), sweep.name(first.run)];
-    message!(
-        host,
+    host.statement(&format!(
         "note: in {many}, vibrations are not resolved: the steps are too long for the lowest elastic period \
          (column steps_per_lowest_period), first in {name}"
-    );
+    ));
 }
 
 /// After everything is written, a signal or failed runs are the end of the program.

@@ -66,4 +66,13 @@ pub enum DirectoryError {
         #[source]
         error: io::Error,
     },
+    /// A file cannot be written, though the directory can be used: a full disk.
+    #[error("cannot write to {path}: {error}")]
+    File {
+        /// The directory.
+        path: PathBuf,
+        /// The message of the system.
+        #[source]
+        error: io::Error,
+    },
 }

@@ -131,7 +131,7 @@ pub(crate) fn write_mesh(directory: &Path, mesh: &Mesh) -> Result<(), DirectoryE
         let reason = "a file of this name is there, which Emmy has not written";
         return Err(system(&path, io::Error::new(io::ErrorKind::AlreadyExists, reason)));
     }
-    replace(&path, vtk::mesh_file(mesh).as_bytes()).map_err(|error| system(&path, error))
+    replace(&path, vtk::mesh_file(mesh).as_bytes()).map_err(|error| DirectoryError::File { path, error })
 }
 
 fn system(path: &Path, error: io::Error) -> DirectoryError {

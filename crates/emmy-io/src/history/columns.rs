@@ -104,7 +104,7 @@ const ENERGY_RESIDUAL: &str =
 const ANGULAR: &str = "angular momentum about the origin";
 const MOMENTUM_RESIDUAL: &str =
     "norm of the change of linear momentum in this step minus the impulse of loads and reactions";
-const ANGULAR_RESIDUAL: &str = "norm of the same for the angular momentum; with plane cells its z component, the planes bear couples about x and y";
+const ANGULAR_RESIDUAL: &str = "norm of the same for the angular momentum; with plane cells of its z component, because the planes bear couples about x and y";
 const DETERMINANT: &str =
     "smallest det F at the quadrature points at the end of the step; `inf` for a body of links only";
 

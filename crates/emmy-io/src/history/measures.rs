@@ -33,6 +33,17 @@ pub struct Extreme {
     pub region: Option<String>,
 }
 
+/// Keeps the largest value of each field, in the body and in each region.
+pub(crate) fn keep_largest(kept: &mut Vec<Extreme>, new: impl IntoIterator<Item = Extreme>) {
+    for new in new {
+        match kept.iter_mut().find(|own| own.field == new.field && own.region == new.region) {
+            Some(own) if own.value >= new.value => {}
+            Some(own) => *own = new,
+            None => kept.push(new),
+        }
+    }
+}
+
 impl Extreme {
     /// The largest value of a field at a state among some members with these numbers, the last of several; undefined values
     /// are left out. On a team a call of all ranks with the members of their shares.

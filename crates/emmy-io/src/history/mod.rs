@@ -19,6 +19,7 @@ pub use columns::{ColumnInfo, HistoryColumns, Row, required};
 pub use file::HistoryFile;
 pub(crate) use header::{line as csv_line, names as csv_cells};
 pub use measures::Extreme;
+pub(crate) use measures::keep_largest;
 pub(crate) use peaks::column_of_peak;
 pub use peaks::{Peak, Peaks};
 pub use reader::{History, HistoryError, Rows};

@@ -15,7 +15,7 @@ use serde_json::Value;
 use crate::accuracy::{self, Accuracy};
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock};
-use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Peaks};
+use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Peaks, keep_largest};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::recording::{OtherFields, Recording};
@@ -90,6 +90,7 @@ impl Results {
     pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
         let directory = &problem.output.directory;
         let system = |error| DirectoryError::System { path: directory.clone(), error };
+        let unwritten = |error| DirectoryError::File { path: directory.clone(), error };
         let files = problem.on_first_rank(
             || {
                 directory::check_run(problem)?;
@@ -99,15 +100,15 @@ impl Results {
                 if let Some(mesh) = &problem.mesh_in_memory {
                     directory::write_mesh(directory, mesh)?;
                 }
-                replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
+                replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(unwritten)?;
                 let columns = HistoryColumns::of(problem);
                 let history =
-                    HistoryFile::create(&directory.join("history.csv"), &columns).map_err(system)?;
-                Files::open(problem, lock, (history, Peaks::of(&columns)), None).map_err(system)
+                    HistoryFile::create(&directory.join("history.csv"), &columns).map_err(unwritten)?;
+                Files::open(problem, lock, (history, Peaks::of(&columns)), None).map_err(unwritten)
             },
             |message| system(io::Error::other(message)),
         )?;
-        Results::open(problem, files, None).map_err(system)
+        Results::open(problem, files, None).map_err(unwritten)
     }
 
     /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory; absent
@@ -248,19 +249,8 @@ impl Results {
     fn write_frame(&mut self, body: &Body, state: &State) -> io::Result<()> {
         let Some(recording) = &mut self.recording else { return Ok(()) };
         let stress = recording.write(body, state)?;
-        self.note_extremes(stress);
+        keep_largest(&mut self.extremes, stress);
         Ok(())
-    }
-
-    /// Keeps the largest value of each field, in the body and in each region.
-    fn note_extremes(&mut self, new: impl IntoIterator<Item = Extreme>) {
-        for new in new {
-            match self.extremes.iter_mut().find(|own| own.field == new.field && own.region == new.region) {
-                Some(own) if own.value >= new.value => {}
-                Some(own) => *own = new,
-                None => self.extremes.push(new),
-            }
-        }
     }
 
     fn summary(&self, status: Status, message: Option<&str>) -> Value {
@@ -421,7 +411,7 @@ impl Observer for Results {
         let is_logged = every > 0 && view.record.step.is_multiple_of(every);
         let written = self.files.as_mut().map_or(Ok(()), |files| files.write(view, &row.numbers, is_logged));
         self.agree(written)?;
-        self.note_extremes(row.extremes);
+        keep_largest(&mut self.extremes, row.extremes);
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
         if is_frame {
             self.write_frame(view.body, view.state)?;

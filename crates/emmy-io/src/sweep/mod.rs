@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use emmy::modes::n_modes;
+use emmy::time::Scheme;
 
 pub use file::{KEPT, SWEEP_KIND, SWEEP_WITNESS, SweepError, SweepFile};
 pub use runs::{SweepRow, sweep};
@@ -96,6 +97,8 @@ pub struct Sweep {
     first: String,
     /// Checksum of the data of all runs.
     checksum: u64,
+    /// Scheme of each run.
+    schemes: Vec<Scheme>,
 }
 
 impl Sweep {
@@ -138,6 +141,7 @@ impl Sweep {
             notes: Vec::new(),
             first: String::new(),
             checksum: 0,
+            schemes: Vec::new(),
         };
         sweep.check_keys()?;
         let checked = side_by_side(sweep.n_runs(), |run| sweep.check(run));
@@ -179,6 +183,7 @@ impl Sweep {
                 checksum: checksum(format!("{input}{mesh}{tables}{state}").as_bytes()),
                 columns: quantities.columns().into_iter().map(|column| column.name).collect(),
                 named: quantities.named_columns(),
+                scheme: problem.scheme,
                 first: if run == 0 { input } else { String::new() },
                 directory: problem.output.directory,
                 files: problem.files,
@@ -200,6 +205,7 @@ impl Sweep {
                 return Err(Fault::new(message).help(help).into());
             }
             sums.push_str(&format!("{:016x}", own.checksum));
+            self.schemes.push(own.scheme);
             match run {
                 0 => (self.first, self.directory) = (own.first, own.directory),
                 _ if self.directory != own.directory => {
@@ -303,6 +309,11 @@ impl Sweep {
         input::read(&self.file, &Overrides { set, until: self.until, output, ..Default::default() })
     }
 
+    /// The scheme of a run.
+    pub fn scheme(&self, run: usize) -> Scheme {
+        self.schemes[run]
+    }
+
     /// Names of the numbers in a row: of the whole body, and for each column X of a history that `[output]` asks for `X`,
     /// `X_min`, `X_min_time`, `X_max` and `X_max_time`.
     pub fn columns(&self) -> &[String] {
@@ -376,6 +387,7 @@ struct Checked {
     checksum: u64,
     columns: Vec<String>,
     named: Vec<String>,
+    scheme: Scheme,
     first: String,
     directory: PathBuf,
     files: Vec<PathBuf>,

@@ -14,13 +14,13 @@ use serde_json::Value;
 use super::{COLUMNS, Sweep};
 use crate::accuracy::{self, Accuracy};
 use crate::directory;
-use crate::history::{HistoryColumns, HistoryFile, Number, Peaks};
+use crate::history::{Extreme, HistoryColumns, HistoryFile, Number, Peaks, keep_largest};
 use crate::input::Problem;
 use crate::limits;
 use crate::message::with_causes;
 use crate::results::{input, write_units};
 use crate::side_by_side::{on_one_thread, side_by_side};
-use crate::summary::{Status, SummaryHeader, add_accuracy, add_peaks};
+use crate::summary::{self, Status, SummaryHeader, add_accuracy, add_peaks};
 use crate::whole_file::replace;
 
 /// A finished run.
@@ -118,7 +118,15 @@ fn ended(sweep: &Sweep, run: usize, watch: &Watch<'_>) -> io::Result<Option<Ende
     let kept = if sweep.is_kept() { Some(Kept::create(&problem, &columns)?) } else { None };
     let is_stopped = |part| watch(run, part);
     let peaks = Peaks::of(&columns);
-    let mut recorder = Recorder { problem: &problem, columns, peaks, kept, started, is_stopped: &is_stopped };
+    let mut recorder = Recorder {
+        problem: &problem,
+        columns,
+        peaks,
+        extremes: Vec::new(),
+        kept,
+        started,
+        is_stopped: &is_stopped,
+    };
     let failure = match motion.march(&problem.plan, &mut [&mut recorder]) {
         Ok(()) => None,
         Err(MarchError::Step(error)) => Some(with_causes(&error)),
@@ -176,6 +184,7 @@ struct Recorder<'a> {
     problem: &'a Problem,
     columns: HistoryColumns,
     peaks: Peaks,
+    extremes: Vec<Extreme>,
     kept: Option<Kept>,
     started: Instant,
     is_stopped: &'a dyn Fn(f64) -> bool,
@@ -194,6 +203,7 @@ impl Observer for Recorder<'_> {
         if self.kept.is_some() || !self.peaks.is_empty() {
             let row = self.columns.row(view, self.started.elapsed().as_secs_f64());
             self.peaks.add(&row.numbers);
+            keep_largest(&mut self.extremes, row.extremes);
             if let Some(kept) = &mut self.kept {
                 kept.history.write(&row.numbers)?;
             }
@@ -209,8 +219,13 @@ impl Recorder<'_> {
         let seconds = self.started.elapsed().as_secs_f64();
         let statistics = motion.statistics();
         let header = SummaryHeader::new(self.problem);
-        let mut summary =
-            header.summary(statistics, &[], status(failure.as_deref()), failure.as_deref(), seconds);
+        let mut summary = header.summary(
+            statistics,
+            &self.extremes,
+            status(failure.as_deref()),
+            failure.as_deref(),
+            seconds,
+        );
         let period = || accuracy::lowest_period(self.problem);
         if let Some(accuracy) = Accuracy::of(self.problem, &self.problem.plan, statistics, None, period) {
             add_accuracy(&mut summary, &accuracy);
@@ -239,7 +254,7 @@ impl Recorder<'_> {
         if let Some(kept) = &self.kept {
             kept.history.verify()?;
             add_peaks(&mut summary, &self.peaks);
-            replace(&kept.summary, format!("{summary:#}\n").as_bytes())?;
+            summary::write(&kept.summary, &summary)?;
         }
         Ok((numbers, failure))
     }

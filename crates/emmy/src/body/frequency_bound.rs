@@ -32,8 +32,9 @@ impl Body {
     /// ```
     ///
     /// # Errors
-    /// [`crate::Error::Linear`] if an eigenvalue is not found.
+    /// [`crate::Error::Linear`] if an eigenvalue is not found; [`crate::Error::NotOnTeam`].
     pub fn frequency_bound(&self) -> crate::Result<Option<f64>> {
+        self.check_whole("a bound of the frequencies")?;
         let has_links = self.made_of.iter().any(|region| region.link().is_some());
         if has_links || self.has_ground() || !self.internal_dofs().is_empty() {
             return Ok(None);

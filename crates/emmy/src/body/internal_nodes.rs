@@ -96,6 +96,21 @@ impl InternalNodes {
             field[3 * node..3 * node + 3].copy_from_slice(&mean);
         }
     }
+
+    /// Adds the forces on the internal nodes, `[n_nodes][3]`, to the nodes of their cells in equal parts: the forces at fixed
+    /// modes a_m. With them the inertia and the reactions of a state whose modes are not in balance keep the momenta.
+    ///
+    /// ```math
+    /// f_A + sum_m f_m / n
+    /// ```
+    pub(super) fn share(&self, mesh: &Mesh, force: &mut [f64]) {
+        for (node, cell) in self.with_cells(mesh) {
+            let share = [0, 1, 2].map(|d| force[3 * node + d] / cell.nodes.len() as f64);
+            for &corner in cell.nodes {
+                (0..3).for_each(|d| force[3 * corner as usize + d] += share[d]);
+            }
+        }
+    }
 }
 
 /// Mean of a vector over the nodes of a cell.

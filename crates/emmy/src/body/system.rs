@@ -122,6 +122,11 @@ impl Body {
         self.internal.set_means(&self.mesh, field);
     }
 
+    /// Adds the forces on the internal nodes to the nodes of their cells, in equal parts.
+    pub(crate) fn share_internal_forces(&self, force: &mut [f64]) {
+        self.internal.share(&self.mesh, force);
+    }
+
     /// Fits a field of the nodes of the mesh, perhaps with other internal nodes, to the body, without modes.
     pub(crate) fn fit_without_modes(&self, field: &mut Vec<f64>) {
         field.resize(self.mesh.n_dofs(), 0.0);

@@ -232,20 +232,22 @@ impl RunStatistics {
     /// Accumulated angular momentum residual over the largest |L|, or over the largest possible one of a body that does not
     /// turn.
     pub fn angular_momentum_drift(&self) -> f64 {
-        let turning = self.largest_angular_momentum;
-        let size = if self.is_turning() { turning } else { self.angular_momentum_scale };
-        ratio(self.accumulated_angular_momentum_residual, size)
+        ratio(self.accumulated_angular_momentum_residual, self.angular_momentum_size().0)
     }
 
-    /// Whether the angular momentum of some step was more than round-off beside the largest possible one.
+    /// What residuals of the angular momentum are compared with, and its name: the largest |L|, or the largest possible one
+    /// where |L| is round-off.
     ///
     /// ```
     /// use emmy::motion::RunStatistics;
     /// let at_rest = RunStatistics { largest_angular_momentum: 1e-14, angular_momentum_scale: 2.0, ..Default::default() };
-    /// assert!(!at_rest.is_turning());
+    /// assert_eq!(at_rest.angular_momentum_size(), (2.0, "possible |L|"));
     /// ```
-    pub fn is_turning(&self) -> bool {
-        self.largest_angular_momentum >= AT_REST * self.angular_momentum_scale
+    pub fn angular_momentum_size(&self) -> (f64, &'static str) {
+        match self.largest_angular_momentum > AT_REST * self.angular_momentum_scale {
+            true => (self.largest_angular_momentum, "|L|"),
+            false => (self.angular_momentum_scale, "possible |L|"),
+        }
     }
 }
 

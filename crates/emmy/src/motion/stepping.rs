@@ -132,7 +132,10 @@ impl<'a> Motion<'a> {
         body.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
         body.clear_guests(&mut state.momentum);
-        body.fit_momentum(&state.velocity, &mut state.momentum)?;
+        // Nodes that supports held until then may move.
+        let released = |now: &&'a Body| due_release(now, state.time, 0.0).map(|(_, next)| next);
+        let due = std::iter::successors(Some(body), released).last().unwrap_or(body);
+        due.fit_momentum(&state.velocity, &mut state.momentum)?;
         let stepper = scheme.stepper(body, settings, &mut state)?;
         let degree = scheme.degree();
         let record =

@@ -116,7 +116,7 @@ impl Newton {
         contraction: f64,
     ) -> Result<bool> {
         let (mut left, mut contraction) = (run.sizes.residual, contraction);
-        let (mut tangent, mut is_fresh) = (Tangent::Reused, false);
+        let (mut tangent, mut is_fresh, mut has_exact) = (Tangent::Reused, false, true);
         for _ in 0..MAX_POLISHING {
             let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
             run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
@@ -133,11 +133,12 @@ impl Newton {
                 x.copy_from_slice(&self.trial);
                 break;
             }
-            let sizes = system.residual(&self.trial, &mut self.trial_residual)?;
-            self.history.push(sizes.residual);
-            let ratio = sizes.residual / run.sizes.residual;
-            let is_rounding = run.is_rounding(sizes);
-            if ratio < 1.0 || is_rounding {
+            // A trial without a residual is worse than any other.
+            let sizes = system.residual(&self.trial, &mut self.trial_residual).ok();
+            let ratio = sizes.map_or(f64::INFINITY, |sizes| sizes.residual / run.sizes.residual);
+            let is_rounding = sizes.is_some_and(|sizes| run.is_rounding(sizes));
+            self.history.extend(sizes.map(|sizes| sizes.residual));
+            if let Some(sizes) = sizes.filter(|_| ratio < 1.0 || is_rounding) {
                 x.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.residual, &mut self.trial_residual);
                 run.sizes = sizes;
@@ -150,13 +151,15 @@ impl Newton {
             if ratio < SLOW || is_rounding {
                 continue;
             }
+            left = run.sizes.residual;
             if !is_fresh {
                 (tangent, contraction) = (Tangent::Refactorized, SLOW);
                 continue;
             }
-            if self.polish_exactly(system, x, run) || ratio >= 1.0 || ratio.is_nan() {
+            if has_exact && self.polish_exactly(system, x, run) || ratio >= 1.0 || ratio.is_nan() {
                 break;
             }
+            has_exact = false;
         }
         Ok(is_fresh)
     }

@@ -150,3 +150,41 @@ fn corrections_after_convergence_keep_the_best_iterate() {
         }
     }
 }
+
+/// As [`TwoModes`]; the tangent of the start leaves 1/100 and 0.9 of the two errors, any later one a quarter of the second.
+struct Renewed {
+    factorizations: usize,
+}
+
+impl System for Renewed {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        (residual[0], residual[1]) = (x[0] - 1.0, x[1]);
+        Ok(Sizes { residual: residual[0].hypot(residual[1]), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        tangent: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        self.factorizations += usize::from(tangent == Tangent::Refactorized);
+        let left = if self.factorizations > 1 { 0.25 } else { 0.9 };
+        (dx[0], dx[1]) = (-0.99 * residual[0], -(1.0 - left) * residual[1]);
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        4.0
+    }
+}
+
+/// After convergence the contraction of the first error promises rounding in two corrections; the second error is then left.
+#[test]
+fn slow_corrections_after_convergence_renew_the_tangent() {
+    let mut x = [1.5, 5e-12];
+    let mut system = Renewed { factorizations: 0 };
+    let outcome = Newton::default().solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
+    assert!(outcome.converged && !outcome.took_exact_tangent && outcome.refactorizations == 2, "{outcome:?}");
+    assert!(x[1].abs() <= ROUND_OFF && (x[0] - 1.0).abs() <= ROUND_OFF, "{x:?}");
+}

@@ -151,3 +151,18 @@ fn a_light_node_beside_a_heavy_one_counts() {
     let failed = Motion::starting(&body, at(DGM, 1), NewtonSettings::default(), kicked).map(|_| ());
     assert!(matches!(failed, Err(Error::StartMomentum { .. })), "{failed:?}");
 }
+
+/// The nodes that a support held until its release move in the state after it; the free body keeps its linear momentum.
+#[test]
+fn a_state_after_a_release_is_a_start() {
+    let body = block(1.0, &[Support::fixed("y-min").until(0.01)]);
+    for scheme in schemes() {
+        let released = moved(&body, scheme, state(&body, [0.0, 0.0, 1.0]));
+        assert!(released.velocity[..3].iter().any(|v| v.abs() > 1e-3), "{scheme}");
+        let start = Motion::starting(&body, scheme, NewtonSettings::default(), released);
+        let mut motion = start.unwrap_or_else(|error| panic!("{scheme}: {error}"));
+        let before = motion.record().linear_momentum;
+        let after = motion.step(0.005).unwrap().linear_momentum;
+        assert!((0..3).all(|i| (after[i] - before[i]).abs() < 1e-12), "{scheme}: {before:?} {after:?}");
+    }
+}

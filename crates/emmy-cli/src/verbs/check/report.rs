@@ -207,11 +207,9 @@ impl Report {
         let mass = self.units.number(mass, "mass");
         let groups = mesh.groups();
         let is_spread = groups.facets(group).is_ok() || groups.cells(group).is_ok();
-        let Ok(centre) =
-            body.centre_of(group).map_err(drop).and_then(|own| is_spread.then_some(own).ok_or(()))
-        else {
-            return self.line("", &format!("{n_nodes} nodes of {mass}"));
-        };
+        let nodes = counted(n_nodes, "node", "nodes");
+        let centre = if is_spread { body.centre_of(group).ok() } else { None };
+        let Some(centre) = centre else { return self.line("", &format!("{nodes} of {mass}")) };
         let distance = (0..3).map(|i| (masses.centre[i] - centre[i]).powi(2)).sum::<f64>().sqrt();
         let what = if groups.facets(group).is_ok() { "area" } else { "cells" };
         let place = match distance <= 1e-9 * mesh.diagonal() {
@@ -222,7 +220,7 @@ impl Report {
                 format!("{distance} from the centre of its {what}, {centre}: `total` puts a mass there")
             }
         };
-        self.line("", &format!("{n_nodes} nodes of {mass}, {place}"));
+        self.line("", &format!("{nodes} of {mass}, {place}"));
     }
 
     /// Springs to the ground, and attractions.

@@ -138,10 +138,7 @@ impl Closing<'_> {
         message!(self.host, "worst balance of a step:");
         residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
         residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
-        let (size, of) = match statistics.is_turning() {
-            true => (statistics.largest_angular_momentum, "|L|"),
-            false => (statistics.angular_momentum_scale, "possible |L|"),
-        };
+        let (size, of) = statistics.angular_momentum_size();
         let relative = Some((part(angular_momentum, size), of));
         residual("angular momentum", angular_momentum, "mass·length²/time", relative);
     }
@@ -166,7 +163,7 @@ impl Closing<'_> {
             message!(self.host, "warning: {warning}");
         }
         if let Some(note) = self.accuracy.and_then(|accuracy| accuracy.note.as_ref()) {
-            message!(self.host, "note: {note}");
+            self.host.statement(&format!("note: {note}"));
         }
     }
 }

@@ -60,10 +60,7 @@ fn without_slash(name: &str) -> String {
     name.replace('/', "\u{2215}")
 }
 
-/// An error of HDF5 as an error of the system. The crate shows the number of a system's error, but not the error.
+/// An error of HDF5 as an error of the system.
 fn rejected(error: rust_hdf5::Hdf5Error) -> io::Error {
-    let text = error.to_string();
-    let number =
-        text.rsplit_once("(os error ").and_then(|(_, number)| number.strip_suffix(')')?.parse().ok());
-    number.map_or_else(|| io::Error::other(error), io::Error::from_raw_os_error)
+    io::Error::other(error)
 }

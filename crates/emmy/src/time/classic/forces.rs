@@ -239,7 +239,9 @@ impl TimePoint {
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
         forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)?;
-        forces.net(&self.displacement, time, &mut self.external, &mut self.force)
+        forces.net(&self.displacement, time, &mut self.external, &mut self.force)?;
+        forces.body.share_internal_forces(&mut self.force);
+        Ok(())
     }
 
     /// Evaluates the internal forces for the reactions; a body without supports has no reactions.

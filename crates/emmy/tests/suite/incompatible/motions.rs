@@ -8,7 +8,7 @@ use emmy::time::Scheme;
 use emmy::{Error, internals::time::Stepper};
 
 use super::{distorted_pair, isochoric, of_mesh, pair, rubber, spin, with_modes};
-use crate::shared::schemes::{DGM, assumed_strain, at};
+use crate::shared::schemes::{DGM, assumed_strain, at, fe};
 
 fn strict() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, ..NewtonSettings::default() }
@@ -75,6 +75,28 @@ fn elements_of_degree_k_have_the_order_2k() {
         let order = (error(20) / error(40)).log2();
         println!("{scheme}: {order:.2} {:.1e}", error(40));
         assert!((order - 2.0).abs() < 0.3, "{scheme}: {order}");
+    }
+}
+
+/// The modes that a time element leaves are in balance over its last step, not at its end. The schemes that weight forces and
+/// accelerations at single times keep the linear momentum of a free body all the same.
+#[test]
+fn modes_out_of_balance_at_the_start_keep_the_momentum() {
+    let body = pair();
+    let state = State::initial(&body, 0.0, &[spin()]).unwrap();
+    let mut flight = Motion::starting(&body, fe(1), strict(), state).unwrap();
+    (0..3).for_each(|_| _ = flight.step(0.05).unwrap());
+    let start = flight.record().linear_momentum;
+    let size = distance(start, [0.0; 3]);
+    for scheme in ["Newmark(0.3, 0.6)", "HHT(0.1)", "generalized-alpha(0.7)", "Bathe"] {
+        let scheme = Scheme::from_name(scheme).unwrap();
+        let state = flight.state().clone().transferred(&body, 0.0).unwrap();
+        let mut motion = Motion::starting(&body, scheme, strict(), state).unwrap();
+        for _ in 0..3 {
+            let record = motion.step(0.05).unwrap();
+            let change = distance(record.linear_momentum, start);
+            assert!(change < 1e-12 * size, "{scheme}: {change:e} of {size:e}");
+        }
     }
 }
 
