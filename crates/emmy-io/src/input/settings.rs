@@ -146,7 +146,7 @@ pub(super) static LIMITS: Described = Described::new(|| {
             "angular_momentum",
             POSITIVE,
             "",
-            "Largest accumulated angular momentum residual, as a part of the largest |L| so far, or of the largest possible one of a body that does not turn",
+            "Largest accumulated angular momentum residual, as a part of the largest norm of the angular momentum so far, or of the largest possible one of a body that does not turn",
         )
         .absent("no limit")
 });
