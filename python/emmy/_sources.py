@@ -175,7 +175,7 @@ class Sources:
 
     @classmethod
     def from_meshio(cls, mesh: Any, *, links: Sequence[str] = ()) -> Self:
-        """Mesh of meshio; cell sets, point sets, Gmsh's physical groups and other arrays of whole numbers become groups.
+        """Mesh of meshio; its cell sets, point sets, physical groups and other arrays of whole numbers become groups.
 
         They are the groups that `read` takes from a file of VTK with the same arrays: ``ARRAY=VALUE`` for each of up to
         64 values. `notes` names the arrays and counts the cells that are left out.
