@@ -160,7 +160,8 @@ fn ghost_and_hidden_cells_are_left_out() {
 
 #[test]
 fn lists_that_do_not_fit_are_errors() {
-    let cases: [(fn(&mut Grid), &str); 5] = [
+    type Damage = fn(&mut Grid);
+    let cases: [(Damage, &str); 5] = [
         (|grid| grid.connectivity[3] = 99, "a cell names node 99, of 8"),
         (|grid| grid.connectivity[3] = -1, "a cell names node -1, of 8"),
         (|grid| grid.ends[0] = 9, "cell 0 of type 11 ends at 9 instead of 8"),
