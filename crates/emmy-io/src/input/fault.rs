@@ -209,6 +209,15 @@ impl InputError {
         if faults.is_empty() { Ok(()) } else { Err(InputError { faults }) }
     }
 
+    /// The same faults, the last with remarks on the mesh, which may have their cause.
+    pub(super) fn with_notes(mut self, notes: &[String]) -> Self {
+        if let Some(last) = self.faults.last_mut().filter(|_| !notes.is_empty()) {
+            let notes = format!("notes on the mesh: {}", notes.join("; "));
+            last.help = Some(last.help.take().map_or(notes.clone(), |help| format!("{help}; {notes}")));
+        }
+        self
+    }
+
     /// The faults; at least one.
     pub fn faults(&self) -> &[Fault] {
         &self.faults

@@ -80,10 +80,11 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
 }
 
 /// Where the nodes of a group are taken, and the kinds of its members in the order in which they are.
-const NODES: [(&str, [&str; 3]); 5] = [
+const NODES: [(&str, [&str; 3]); 6] = [
     ("support", ["facets", "nodes", "cells"]),
     ("force at each node", ["facets", "nodes", "cells"]),
     ("mass or spring", ["facets", "nodes", "cells"]),
+    ("spread mass", ["facets", "cells", "nodes"]),
     ("initial velocity", ["cells", "facets", "nodes"]),
     ("attraction", ["cells", "facets", "nodes"]),
 ];
@@ -96,7 +97,7 @@ pub(super) fn notes<'a>(
     initial: &'a [Placed<InitialVelocity>],
     nodal: &'a PlacedNodal,
 ) -> Vec<String> {
-    let [support, force, mass, velocity, attraction] = NODES;
+    let [support, force, mass, spread, velocity, attraction] = NODES;
     let nodal_forces = loads.iter().filter(|load| load.value.1 == Members::Nodes);
     let mut named: Vec<(&str, &'a str, [&str; 3])> = Vec::new();
     let name = |group: &'a Option<(String, Place)>| group.as_ref().map(|(name, _)| name.as_str());
@@ -104,6 +105,7 @@ pub(super) fn notes<'a>(
     named.extend(supports.iter().filter_map(|support| name(&support.group)).map(of(support)));
     named.extend(nodal_forces.filter_map(|load| name(&load.group)).map(of(force)));
     named.extend(nodal.at_nodes().filter_map(name).map(of(mass)));
+    named.extend(nodal.spread().filter_map(name).map(of(spread)));
     named.extend(initial.iter().filter_map(|initial| name(&initial.group)).map(of(velocity)));
     named.extend(nodal.attracted().filter_map(name).map(of(attraction)));
     named.sort_unstable();
@@ -117,7 +119,7 @@ fn note(mesh: &Mesh, what: &str, name: &str, order: [&str; 3]) -> Option<String>
     let mut found =
         order.into_iter().filter(|kind| kinds.contains(kind)).filter_map(|kind| Some((kind, nodes(kind)?)));
     let (meant, own) = found.next()?;
-    let others = found.filter(|(_, nodes)| nodes.iter().any(|node| own.binary_search(node).is_err()));
+    let others = found.filter(|(_, nodes)| *nodes != own);
     let others: Vec<&str> = others.map(|(kind, _)| kind).collect();
     let other = *others.first()?;
     Some(format!(

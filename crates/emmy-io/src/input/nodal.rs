@@ -70,6 +70,11 @@ impl PlacedNodal {
         points.map(|mass| &mass.group).chain(self.springs.iter().map(|spring| &spring.group))
     }
 
+    /// The groups of masses that are spread.
+    pub(super) fn spread(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
+        self.masses.iter().filter(|mass| matches!(mass.value, Mass::Spread(_))).map(|mass| &mass.group)
+    }
+
     /// The groups of the attractions to the ground.
     pub(super) fn attracted(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
         self.attractions.iter().map(|attraction| &attraction.group)
@@ -84,8 +89,7 @@ impl PlacedNodal {
 
     /// Groups of the masses that are spread, with their places.
     pub(super) fn spread_groups(&self) -> Vec<(String, Place)> {
-        let spread = self.masses.iter().filter(|mass| matches!(mass.value, Mass::Spread(_)));
-        spread.filter_map(|mass| mass.group.clone()).collect()
+        self.spread().flatten().cloned().collect()
     }
 
     /// Sum of the rates of all drags.

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use emmy::body::{InitialVelocity, Load, Region, Support};
+use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, Solver};
 use emmy::time::Scheme;
 
@@ -123,18 +124,24 @@ impl Parts {
         })
     }
 
-    /// The mesh with every group found.
-    fn checked_mesh(&mut self) -> Result<CheckedMesh, InputError> {
-        let Some(mut file) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
-            return Err(finished(std::mem::take(&mut self.faults)));
-        };
-        let mesh = &file.mesh;
+    /// Checks that the mesh has the groups and cells that the input names.
+    fn check_mesh(&mut self, mesh: &Mesh) -> Result<Formulations, InputError> {
         groups::check(mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
         groups::check_nodes(mesh, self.nodal.groups(), &mut self.faults);
         self.faults.finish()?;
         groups::check_regions(mesh, &self.regions)?;
         let formulations = Formulations::new(mesh, &self.regions, &self.time)?;
         support::check_together(mesh, &self.supports, &self.time)?;
+        Ok(formulations)
+    }
+
+    /// The mesh with every group found.
+    fn checked_mesh(&mut self) -> Result<CheckedMesh, InputError> {
+        let Some(mut file) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
+            return Err(finished(std::mem::take(&mut self.faults)));
+        };
+        let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
+        let mesh = &file.mesh;
         let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
         let loads = self.loads.iter().map(|load| &load.value.0);
         file.notes.extend(plausible::note_on_size(mesh, self.units));

@@ -113,13 +113,13 @@ pub(super) fn note(region: &Region, units: Units) -> Option<String> {
 }
 
 /// Largest extent of a mesh in mm below which it is probably in m, and in m above which it is in mm.
-const LENGTHS: [(i32, f64, &str, &str); 2] = [(-3, 0.1, "m", "1000"), (0, 1000.0, "mm", "0.001")];
+const LENGTHS: [(i32, f64, &str, &str); 2] = [(-3, 0.3, "m", "1000"), (0, 1000.0, "mm", "0.001")];
 
 /// A remark on a mesh that is probably in another unit of length than the input.
 pub(super) fn note_on_size(mesh: &Mesh, units: Units) -> Option<String> {
     let system = units.system()?;
     let power = system.power("length");
-    let size = mesh.extent().into_iter().fold(0.0, f64::max);
+    let size = length(mesh);
     let (_, _, other, scale) = LENGTHS
         .into_iter()
         .find(|&(own, bound, ..)| own == power && if own < 0 { size < bound } else { size > bound })?;
@@ -142,27 +142,59 @@ pub(super) fn notes_on_loads<'a>(
     let moduli: Option<Vec<f64>> =
         regions.iter().filter(|own| own.link().is_none()).map(|own| own.youngs_modulus()).collect();
     let Some(modulus) = moduli.and_then(|own| own.into_iter().reduce(f64::max)) else { return Vec::new() };
+    let density = regions.iter().map(|own| own.density).fold(0.0, f64::max);
     let size = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     let note = |load: &Load| {
-        let (group, stress) = match &load.kind {
-            LoadKind::Traction { group, traction } => (group, size(traction)),
-            LoadKind::Pressure { group, pressure } => (group, pressure.abs()),
-            LoadKind::Force { group, force } => {
-                let facets = mesh.groups().facets(group).ok()?;
-                (group, size(force) / facets.iter().map(|&facet| area(mesh, facet)).sum::<f64>())
+        let (group, stress, over) = match &load.kind {
+            LoadKind::Traction { group, traction } => (Some(group), size(traction), ""),
+            LoadKind::Pressure { group, pressure } => (Some(group), pressure.abs(), ""),
+            LoadKind::Force { group, force } => (Some(group), size(force) / area_of(mesh, group)?, ""),
+            LoadKind::NodalForce { group, force } => {
+                let force = size(force) * mesh.group_nodes(group).ok()?.len() as f64;
+                match area_of(mesh, group) {
+                    Some(area) => (Some(group), force / area, ""),
+                    None => (Some(group), force / section(mesh), " of the largest section"),
+                }
             }
-            _ => return None,
+            LoadKind::BodyForceField { group, field } => {
+                let force = size(&field.at(mesh.points()[0], 0.0));
+                (group.as_ref(), force * length(mesh), " over the length of the mesh")
+            }
+            LoadKind::Acceleration { group, acceleration } => {
+                let force = density * size(acceleration);
+                (group.as_ref(), force * length(mesh), " over the length of the mesh")
+            }
+            LoadKind::TractionField { .. } | LoadKind::AccelerationField { .. } => return None,
         };
         let is_too_large = stress.is_finite() && stress > LARGEST_STRAIN * modulus;
+        let group = group.map_or("all cells".to_string(), |group| format!("`{group}`"));
         is_too_large.then(|| {
             format!(
-                "load on `{group}`: {} per area, and the largest Young's modulus is {}, are the units right?",
+                "load on {group}: {} per area{over}, and the largest Young's modulus is {}, are the units right?",
                 units.number(stress, "stress"),
                 units.number(modulus, "stress")
             )
         })
     };
     loads.filter_map(note).collect()
+}
+
+/// Largest extent of a mesh.
+fn length(mesh: &Mesh) -> f64 {
+    mesh.extent().into_iter().fold(0.0, f64::max)
+}
+
+/// Largest face of the box around a mesh; of a mesh in a plane its length, times the thickness 1.
+fn section(mesh: &Mesh) -> f64 {
+    let mut extent = mesh.extent();
+    extent.sort_by(f64::total_cmp);
+    if extent[0] > 0.0 { extent[1] * extent[2] } else { extent[2] }
+}
+
+/// Area of a group of facets.
+fn area_of(mesh: &Mesh, group: &str) -> Option<f64> {
+    let facets = mesh.groups().facets(group).ok()?;
+    Some(facets.iter().map(|&facet| area(mesh, facet)).sum())
 }
 
 /// Area of the polygon of a facet's corners; of an edge its length, times the thickness 1.
@@ -184,6 +216,7 @@ fn area(mesh: &Mesh, facet: Facet) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use emmy::body::Field;
     use emmy::material::SaintVenantKirchhoff;
 
     use super::*;
@@ -286,6 +319,18 @@ mod tests {
             assert_eq!(notes(force(1e5)), [""; 0]);
             assert_eq!(notes(Load::pressure("x-max", 3e6)).len(), 1);
             assert_eq!(notes(Load::traction("x-max", [1e6, 0.0, 0.0])), [""; 0]);
+            // 9 nodes of a face, 27 of all cells, a weight over the length.
+            let nodal = |group: &str, stress: f64| Load::nodal_force(group, [stress * edge * edge, 0.0, 0.0]);
+            assert_eq!(notes(nodal("x-max", 3e6 / 9.0)).len(), 1);
+            assert_eq!(notes(nodal("x-max", 1e6 / 9.0)), [""; 0]);
+            assert_eq!(notes(nodal("body", 3e6 / 27.0)).len(), 1);
+            assert_eq!(notes(nodal("body", 1e6 / 27.0)), [""; 0]);
+            let pull = |stress: f64| Load::acceleration([0.0, 0.0, stress / 7.85e-9 / edge]);
+            assert_eq!(notes(pull(3e6)).len(), 1);
+            assert_eq!(notes(pull(1e6)), [""; 0]);
+            let force = |stress: f64| Load::body_force(Field::new(move |_, _| [0.0, stress / edge, 0.0]));
+            assert_eq!(notes(force(3e6)).len(), 1);
+            assert_eq!(notes(force(1e6)), [""; 0]);
         }
     }
 }

@@ -56,6 +56,43 @@ fn initial_velocities_and_accelerations_mean_the_cells() {
 }
 
 #[test]
+fn masses_and_attractions_say_what_a_name_of_two_kinds_means() {
+    for (group, x, has_note) in [("left", 0.0, true), ("facets:left", 0.0, false), ("cells:left", 0.5, false)]
+    {
+        let problem = problem(&format!("[[mass]]\ngroup = \"{group}\"\ntotal = 2.0")).unwrap();
+        // The bar of mass 2 has its centre at x = 1.
+        let centre = problem.body.masses().centre[0];
+        assert!((centre - (2.0 + 2.0 * x) / 4.0).abs() < 1e-14, "{group} {centre}");
+        let note = "`left` is a group of facets and of cells: spread mass means the facets; `cells:left` would be the cells";
+        assert_eq!(problem.notes.contains(&note.to_string()), has_note, "{:?}", problem.notes);
+    }
+    let pull =
+        problem("[[load]]\ngroup = \"left\"\nattraction = { centre = [9.0, 0.0, 0.0], strength = 1.0 }")
+            .unwrap();
+    let note = "`left` is a group of cells and of facets: attraction means the cells; `facets:left` would be the facets";
+    assert!(pull.notes.contains(&note.to_string()), "{:?}", pull.notes);
+}
+
+#[test]
+fn a_fault_of_a_group_has_the_notes_on_the_mesh() {
+    // Tags that are no whole numbers give no group.
+    let directory = tempfile::tempdir().unwrap();
+    let tet = "# vtk DataFile Version 3.0\ntet\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n\
+               4 0 1 2 3\nCELL_TYPES 1\n10\nCELL_DATA 1\nSCALARS material double 1\nLOOKUP_TABLE default\n1.5\n";
+    std::fs::write(directory.path().join("tet.vtk"), tet).unwrap();
+    let text = "[mesh]\nfile = \"tet.vtk\"\n[[region]]\ngroup = \"material=1\"\ndensity = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\
+                [time]\nscheme = \"DGM\"\nsteps = [{ until = 1.0, size = 0.1 }]\n";
+    let path = directory.path().join("input.toml");
+    std::fs::write(&path, text).unwrap();
+    let error = input::read(&path, &Overrides::default()).unwrap_err();
+    let advice = error.faults()[0].advice().unwrap();
+    assert!(
+        advice.contains("notes on the mesh: arrays that are left out") && advice.contains("material"),
+        "{advice}"
+    );
+}
+
+#[test]
 fn a_pressure_inside_is_an_error_and_a_traction_is_not() {
     let error = problem("[[load]]\ngroup = \"between\"\npressure = 3.0").unwrap_err();
     assert!(error.contains("the facet at [1, 0.5, 0.5] has cells on both sides"), "{error}");
