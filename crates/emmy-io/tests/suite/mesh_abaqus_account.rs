@@ -179,6 +179,18 @@ fn shells_are_in_plane_strain_if_the_input_says_so() {
 }
 
 #[test]
+fn lines_of_three_nodes_are_edges_of_quadratic_cells() {
+    // The middle comes second, as in Abaqus and Gmsh, or last, as in meshio.
+    let nodes = "*NODE\n1,0,0\n2,2,0\n3,0,2\n4,1,0\n5,1,1\n6,0,1\n*ELEMENT, TYPE=CPE6\n1,1,2,3,4,5,6\n";
+    for lines in ["2,1,4,2\n3,2,5,3", "2,1,2,4\n3,2,3,5"] {
+        let text = format!("{nodes}*ELEMENT, TYPE=T3D3, ELSET=rim\n{lines}\n*NSET, NSET=end\n1,\n");
+        let file = parse_text("a.inp", &text).unwrap();
+        assert_eq!((n_facets(&file, "rim"), file.mesh.group_nodes("rim").unwrap().len()), (2, 5), "{lines}");
+        assert!(counts(&file, LEFT_OUT).is_empty(), "{:?}", file.notes);
+    }
+}
+
+#[test]
 fn a_set_without_a_face_stands_for_its_free_faces() {
     // A bar of two cubes has 10 free faces, each of its ends 5.
     let file = bricks(

@@ -296,9 +296,11 @@ impl<'a> Assembly<'a> {
 
     /// The facet that a surface element is, if it is one.
     fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Result<Option<Facet>> {
-        let corners = &body.nodes_of(element)[..element.kind.n_corners()];
-        let corners = self.node_indices(body, element, corners, first_node)?;
-        Ok(self.faces.as_ref().and_then(|faces| faces.facet(&corners)))
+        let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
+        let find = |corners: &[u32]| self.faces.as_ref().and_then(|faces| faces.facet(corners));
+        let facet = find(&nodes[..element.kind.n_corners()]);
+        // Abaqus has the middle of a line in the second place.
+        Ok(facet.or_else(|| if let [first, _, last] = nodes[..] { find(&[first, last]) } else { None }))
     }
 
     /// Counts the elements that are left out by their types, and notes which types are read as faces.
