@@ -22,6 +22,7 @@ mod mesh_mirrored;
 mod mesh_nastran;
 mod mesh_plane;
 mod mesh_round_trip;
+mod mesh_vtk_arrays;
 mod mesh_vtu;
 mod meshes;
 mod report_vendor;
