@@ -65,6 +65,15 @@ pub(super) fn from_bytes(numeric_type: &str, encoding: Encoding, bytes: &[u8]) -
     }
 }
 
+/// The first `n` bits, the highest of a byte first.
+pub(super) fn from_bits(bytes: &[u8], n: usize) -> Outcome<Numbers> {
+    if bytes.len() != n.div_ceil(8) {
+        return Err(format!("{} bytes instead of the {} of {n} bits", bytes.len(), n.div_ceil(8)));
+    }
+    let bits = bytes.iter().flat_map(|byte| (0..8).rev().map(move |place| i64::from((byte >> place) & 1)));
+    Ok(Numbers::Whole(bits.take(n).collect()))
+}
+
 /// Bytes of base64; a header and its data may have been encoded separately.
 pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
@@ -111,10 +120,10 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<
     Ok(data)
 }
 
-/// Bytes of a number of a type; `None`: no type of numbers.
+/// Most bytes of a number of a type; `None`: no type of numbers.
 pub(super) fn size(numeric_type: &str) -> Option<usize> {
     match numeric_type {
-        "Int8" | "UInt8" => Some(1),
+        "Bit" | "Int8" | "UInt8" => Some(1),
         "Int16" | "UInt16" => Some(2),
         "Int32" | "UInt32" | "Float32" => Some(4),
         "Int64" | "UInt64" | "Float64" => Some(8),
@@ -181,6 +190,12 @@ mod tests {
         let bytes = [0, 0, 0, 4, 0xff, 0xff, 1, 2];
         let data = payload(encoding, &bytes, 4).unwrap();
         assert_eq!(from_bytes("Int16", encoding, &data), Ok(Numbers::Whole(vec![-1, 258])));
+    }
+
+    #[test]
+    fn bits_begin_with_the_highest_of_a_byte() {
+        assert_eq!(from_bits(&[0xa0, 0x40], 10), Ok(Numbers::Whole(vec![1, 0, 1, 0, 0, 0, 0, 0, 0, 1])));
+        assert_eq!(from_bits(&[0xa0], 10).unwrap_err(), "1 bytes instead of the 2 of 10 bits");
     }
 
     #[test]

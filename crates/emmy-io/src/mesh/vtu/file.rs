@@ -6,7 +6,7 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::super::{MeshError, Place, Result};
-use super::array::{Encoding, from_base64, from_bytes, from_text, payload, size};
+use super::array::{Encoding, from_base64, from_bits, from_bytes, from_text, payload, size};
 use super::cell::renumber_old_hexahedra;
 use super::grid::is_needed;
 use super::{Grid, GridArray, Numbers};
@@ -221,7 +221,10 @@ impl<'a, 'input> Piece<'a, 'input> {
             Some("appended") => self.appended(array.node, most)?,
             other => return Err(format!("format {other:?} is not ascii, binary or appended")),
         };
-        from_bytes(array.numeric_type, self.encoding, &bytes)
+        match n {
+            Some(n) if array.numeric_type == "Bit" => from_bits(&bytes, n),
+            _ => from_bytes(array.numeric_type, self.encoding, &bytes),
+        }
     }
 
     fn appended(&self, node: Node<'_, '_>, most: usize) -> Result<Vec<u8>, String> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::error::Position;
-use super::array::{Encoding, from_bytes, from_text, size};
+use super::array::{Encoding, from_bits, from_bytes, from_text, size};
 use super::cell::{PIXEL, VOXEL, renumber_old_hexahedra};
 use super::{Grid, GridArray, MeshError, Numbers, Place, Result};
 
@@ -100,10 +100,12 @@ impl Reader<'_> {
         let cut_off =
             || format!("{n} numbers are announced, but the rest of the file has only {} bytes", rest.len());
         if self.is_binary {
-            let n_bytes = size(numeric_type).unwrap_or(8).checked_mul(n).ok_or_else(cut_off)?;
-            let bytes = rest.get(..n_bytes).ok_or_else(cut_off)?;
-            self.at += n_bytes;
-            return from_bytes(numeric_type, BINARY, bytes);
+            let is_bits = numeric_type == "Bit";
+            let n_bytes =
+                if is_bits { Some(n.div_ceil(8)) } else { size(numeric_type).unwrap_or(8).checked_mul(n) };
+            let bytes = n_bytes.and_then(|n_bytes| rest.get(..n_bytes)).ok_or_else(cut_off)?;
+            self.at += bytes.len();
+            return if is_bits { from_bits(bytes, n) } else { from_bytes(numeric_type, BINARY, bytes) };
         }
         let text = self.ascii(n).ok_or_else(cut_off)?;
         from_text(numeric_type, &text)
@@ -239,10 +241,7 @@ impl Reader<'_> {
                 self.numbers(kind, number::<usize>(words, 2)?.saturating_mul(4))?;
                 return Ok(Vec::new());
             }
-            "COLOR_SCALARS" => {
-                let kind = if self.is_binary { "unsigned_char" } else { "float" };
-                (word(words, 1)?, kind, number(words, 2)?)
-            }
+            "COLOR_SCALARS" => return Ok(vec![self.colors(word(words, 1)?, number(words, 2)?, n)?]),
             "SCALARS" => {
                 let components = words.get(3).map_or(Ok(1), |_| number(words, 3))?;
                 self.words_if("LOOKUP_TABLE");
@@ -258,15 +257,24 @@ impl Reader<'_> {
         Ok(vec![self.array(name, kind, components, n)?])
     }
 
+    /// An array of bytes, which VTK writes as text divided by 255.
+    fn colors(&mut self, name: &str, components: usize, tuples: usize) -> Outcome<GridArray> {
+        if self.is_binary {
+            return self.array(name, "unsigned_char", components, tuples);
+        }
+        let mut array = self.array(name, "float", components, tuples)?;
+        let whole = |numbers: Numbers| {
+            Numbers::Whole(numbers.into_reals().into_iter().map(|x| (255.0 * x).round() as i64).collect())
+        };
+        array.numbers = array.numbers.map(whole);
+        Ok(array)
+    }
+
     /// An array of a number of tuples.
     fn array(&mut self, name: &str, kind: &str, components: usize, tuples: usize) -> Outcome<GridArray> {
         let n = components.saturating_mul(tuples);
         let name = decoded(name);
         match &*kind.to_ascii_lowercase() {
-            "bit" if self.is_binary => {
-                self.numbers("unsigned_char", n.div_ceil(8))?;
-            }
-            "bit" => drop(self.numbers("int", n)?),
             "string" | "utf8_string" if self.is_binary => (0..n).try_for_each(|_| self.skip_text())?,
             // One on each line, percent-encoded.
             "string" | "utf8_string" => {
@@ -382,6 +390,7 @@ impl Geometry {
 /// Type of XML files for a type; identifiers are written with 32 bits.
 fn numeric_type(kind: &str) -> Option<&'static str> {
     Some(match kind {
+        "bit" => "Bit",
         "char" | "signed_char" | "vtktypeint8" => "Int8",
         "unsigned_char" | "vtktypeuint8" => "UInt8",
         "short" | "vtktypeint16" => "Int16",
