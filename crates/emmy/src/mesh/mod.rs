@@ -167,7 +167,7 @@ impl Mesh {
     ///
     /// ```
     /// let mesh = emmy::mesh::block([2.0, 1.0, 1.0], [2, 1, 1])?.with_node_group("x-min", [11])?;
-    /// assert_eq!(mesh.group_nodes("x-min")?, [0, 3, 6, 9]);
+    /// assert_eq!(mesh.group_nodes("x-min")?, [0, 3, 4, 7]);
     /// assert_eq!(mesh.group_nodes("nodes:x-min")?, [11]);
     /// # Ok::<(), emmy::Error>(())
     /// ```
