@@ -40,12 +40,8 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 /// Entries of each format, and what its reader does with them.
 #[cfg(test)]
-pub(crate) const ENTRIES: [(&str, &[account::Entries]); 4] = [
-    ("Gmsh", gmsh::TABLE),
-    ("Abaqus", abaqus::TABLE),
-    ("Nastran", nastran::TABLE),
-    ("VTK", vtu::TABLE),
-];
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 4] =
+    [("Gmsh", gmsh::TABLE), ("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE), ("VTK", vtu::TABLE)];
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
