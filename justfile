@@ -15,6 +15,10 @@ pyvista:
     cargo build -p emmy-cli
     python3 crates/emmy-cli/tests/pyvista/frames.py target/debug/emmy
 
+# Mesh files of meshio, Gmsh, pyNastran and VTK, against the library that wrote them (CONTRIBUTING.md says what it needs): `just corpus --quick`.
+corpus *ARGS:
+    python3 crates/emmy-io/tests/corpus/corpus.py {{ARGS}}
+
 # Everything that CI runs.
 ci:
     bash .ci/run

@@ -82,6 +82,12 @@ impl Account {
         listed(&self.left_out)
     }
 
+    /// Those entries and the unknown ones.
+    pub(crate) fn not_read(&self) -> Option<String> {
+        let all: Vec<String> = [&self.left_out, &self.unknown].into_iter().filter_map(listed).collect();
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+
     /// A note on the entries that would change the motion, and one on the unknown ones.
     pub(crate) fn notes(&self) -> Vec<String> {
         let left_out = self.left_out().map(|all| format!("left out, though it may change the motion: {all}"));
@@ -132,6 +138,7 @@ mod tests {
         }
         account.leave_out("CONM2");
         assert_eq!(account.left_out().unwrap(), "2 RBE2, 1 CONM2, 1 MPC");
+        assert_eq!(account.not_read().unwrap(), "2 RBE2, 1 CONM2, 1 MPC, 1 FOO");
         assert_eq!(
             account.notes(),
             [

@@ -284,4 +284,9 @@ def all_bodies():
     bodies.append(build("mixed-plane", half[0] + [cell for cell in half[1] if cell[1][0][0] >= 1]))
     half = list(plane("tri6", (1, 2))), list(plane("quad8", (3, 2)))
     bodies.append(build("mixed-plane-quadratic", half[0] + [cell for cell in half[1] if cell[1][0][0] >= 1]))
-    return bodies + [in_blocks(body) for body in bodies] + [turned(body) for body in bodies if body.dimension > 1] + [with_spare_nodes(body) for body in bodies]
+    return (
+        bodies
+        + [in_blocks(body) for body in bodies]
+        + [turned(body) for body in bodies if body.dimension > 1]
+        + [with_spare_nodes(body) for body in bodies]
+    )

@@ -1,13 +1,12 @@
-"""Files of Gmsh: of given bodies, and of meshes that Gmsh makes."""
+"""Files of Gmsh."""
 
 import collections
 import itertools
 
-import emmy
 import gmsh
 import numpy as np
-from bodies import CORNER_PLACES, KINDS, Body, places
-from wanted import cell_group, ends_of, facet_group, groups_of, node_group, of_body
+from bodies import CORNER_PLACES, KINDS, places
+from wanted import cell_group, ends_of, facet_group, groups_of, of_body
 
 TYPES = {
     "vertex": 15, "line2": 1, "line3": 8, "tri3": 2, "tri6": 9, "quad4": 3, "quad8": 16, "quad9": 10, "tet4": 4,
@@ -81,16 +80,13 @@ def set_options(**options):
         gmsh.option.setNumber(f"Mesh.{name}", value)
 
 
-def wanted(body, groups, tolerance=1e-12):
+def wanted(body, groups, tolerance=1e-12, known=None):
+    """What the body must be, with the volume by Gmsh, or a known one."""
     right = of_body(body, groups, tolerance)
     # Its pyramids of 13 nodes have other functions inside.
     if body.dimension > 1 and "pyramid13" not in body.kinds:
-        right.volume = volume()
+        right.volume = known or volume()
     return right
-
-
-def links(body):
-    return list(body.cell_groups) if body.dimension == 1 else []
 
 
 MSH = list(itertools.product([1.0, 2.0, 2.1, 2.2, 4.0, 4.1], [0, 1]))
@@ -101,7 +97,7 @@ def writes(version, binary):
     return not (binary and version in (1.0, 4.0))
 
 
-def write_msh(corpus, way, body, version, binary, groups, **options):
+def write_msh(corpus, way, body, version, binary, groups, known=None, **options):
     """Writes and compares a file."""
     set_options(MshFileVersion=version, Binary=binary, **options)
     path = corpus.path(way, f"{body.name}.msh")
@@ -111,17 +107,19 @@ def write_msh(corpus, way, body, version, binary, groups, **options):
         numbers = {}
         for dimension, tag in gmsh.model.getPhysicalGroups():
             members = groups.get(gmsh.model.getPhysicalName(dimension, tag), {})
-            for kind, own in members.items():
-                numbers.setdefault(str(tag), {}).setdefault(kind, set()).update(own)
+            kind = {body.dimension: "cells", body.dimension - 1: "facets"}.get(dimension, "nodes")
+            if kind in members:
+                numbers.setdefault(str(tag), {}).setdefault(kind, set()).update(members[kind])
         groups = numbers
-    corpus.file(way, path, wanted(body, groups), links=list(groups) if body.dimension == 1 else [])
+    corpus.file(way, path, wanted(body, groups, known=known), links=list(groups) if body.dimension == 1 else [])
 
 
 def to_msh(corpus):
     for version, binary in MSH:
         way = f"gmsh/{version}-{'binary' if binary else 'ascii'}"
         if not writes(version, binary):
-            corpus.cannot(way, "all", "Gmsh writes this version as text alone")
+            if corpus.bodies(way):
+                corpus.cannot(way, "all", "Gmsh writes this version as text alone")
             continue
         for body in corpus.bodies(way):
             make_model(body)
@@ -140,7 +138,7 @@ def to_inp(corpus):
 
 
 def check_inp(corpus, way, body, path, entities, node_sets):
-    if lacks(corpus, way, body, path):
+    if is_refused(corpus, way, body, path):
         return
     groups = groups_of(body, nodes=False)
     if node_sets:
@@ -155,7 +153,11 @@ def check_inp(corpus, way, body, path, entities, node_sets):
     # Element sets of the entities.
     names = ["Point", "Line", "Surface", "Volume"]
     for tag, of_entity in entities.items():
-        own = [number for number in range(len(body.cells)) if {name for name, cells in body.cell_groups.items() if number in cells} == set(of_entity)]
+        own = [
+            number
+            for number in range(len(body.cells))
+            if {name for name, cells in body.cell_groups.items() if number in cells} == set(of_entity)
+        ]
         groups[f"{names[body.dimension]}{tag}"] = cell_group(own)
     for rows, dimension in ((body.facet_groups, body.dimension - 1), (body.line_groups, 1)):
         for tag, name in zip([tag for _, tag in gmsh.model.getEntities(dimension)], rows, strict=False):
@@ -167,20 +169,22 @@ def check_inp(corpus, way, body, path, entities, node_sets):
     corpus.file(way, path, wanted(body, groups), shells=shells, links=list(groups) if body.dimension == 1 else [])
 
 
-def lacks(corpus, way, body, path):
-    """Whether cells of the body are not in a file of text: Gmsh leaves out those that the format has not."""
-    text = path.read_text()
-    count = sum(1 for line in text.splitlines() if line[:1].isdigit() or line[:1] == "C") if path.suffix == ".inp" else text.count("\nC")
-    given = sum(len(own) for _, own, _ in (gmsh.model.mesh.getElements(d)[:3] for d in range(1, 4)) for own in own)
-    missing = [kind for kind in body.kinds if not has(kind, path.suffix)]
-    if missing:
-        corpus.cannot(way, body.name, f"Gmsh leaves out {', '.join(sorted(missing))}")
-    return bool(missing)
+# What Emmy says where Gmsh writes cells that the format has not, or in an order of its own.
+NOT_OF_FORMAT = {
+    (".inp", "hex27"): "elements of type C3D27 are not supported",
+    (".inp", "pyramid13"): "elements of type C3D13 are not supported",
+    (".inp", "quad9"): "CPS9",
+    (".bdf", "hex27"): "has 27 nodes instead of 8 or 20",
+    (".bdf", "pyramid13"): "is inverted or degenerate",
+}
 
 
-def has(kind, suffix):
-    lacking = {".inp": ["quad9", "hex27", "pyramid5", "pyramid13"], ".bdf": ["quad9", "hex27", "pyramid13"]}
-    return kind not in lacking[suffix]
+def is_refused(corpus, way, body, path):
+    """Whether a file has cells that the format has not; checks the message then."""
+    texts = [text for (suffix, kind), text in NOT_OF_FORMAT.items() if suffix == path.suffix and kind in body.kinds]
+    if texts:
+        corpus.refused(way, path, texts[0])
+    return bool(texts)
 
 
 def to_bdf(corpus):
@@ -193,7 +197,7 @@ def to_bdf(corpus):
             set_options(BdfFieldFormat=field, SaveElementTagType=tags)
             path = corpus.path(way, f"{body.name}.bdf")
             gmsh.write(str(path))
-            if lacks(corpus, way, body, path):
+            if is_refused(corpus, way, body, path):
                 continue
             groups = pids(body, tags == 2)
             corpus.file(way, path, wanted(body, groups, 1e-8 if field == 2 else 2e-5), links=list(groups) if body.dimension == 1 else [])
@@ -254,103 +258,12 @@ def to_vtk(corpus):
             corpus.file(way, path, wanted(body, dict(groups), 1e-12))
 
 
-# Meshes that Gmsh makes.
-
-
-def shapes():
-    """Names and makers of models with the physical groups `body` and `skin`."""
-    occ = gmsh.model.occ
-
-    def tetrahedra():
-        occ.addSphere(0, 0, 0, 1)
-        occ.addBox(0, 0, 0, 2, 1, 1)
-        occ.fuse([(3, 1)], [(3, 2)])
-
-    def extruded(recombined):
-        def make():
-            disk = occ.addDisk(0, 0, 0, 1, 0.7)
-            occ.extrude([(2, disk)], 0.2, 0, 1.1, numElements=[2], recombine=recombined)
-
-        return make
-
-    def revolved():
-        rectangle = occ.addRectangle(1, 0, 0, 1, 1)
-        occ.revolve([(2, rectangle)], 0, 0, 0, 0, 1, 0, 1.2, numElements=[4], recombine=True)
-
-    def disk():
-        occ.addDisk(0, 0, 0, 1, 0.7)
-
-    return [
-        ("sphere and box", tetrahedra, False, 3), ("wedges", extruded(True), False, 3), ("bricks", extruded(True), True, 3),
-        ("revolved", revolved, True, 3), ("disk", disk, False, 2), ("recombined disk", disk, True, 2),
-    ]  # fmt: skip
-
-
-def make_shape(maker, recombine, dimension, quadratic, incomplete):
-    gmsh.clear()
-    gmsh.model.add("made")
-    set_options(ElementOrder=2 if quadratic else 1, SecondOrderIncomplete=incomplete, RecombineAll=recombine, MeshSizeMax=0.7, MeshSizeMin=0.5, HighOrderOptimize=0)
-    maker()
-    gmsh.model.occ.synchronize()
-    tops = [tag for _, tag in gmsh.model.getEntities(dimension)]
-    gmsh.model.addPhysicalGroup(dimension, tops, 7, "body")
-    sides = [tag for _, tag in gmsh.model.getEntities(dimension - 1)]
-    gmsh.model.addPhysicalGroup(dimension - 1, sides[:2], 7, "skin")
-    gmsh.model.addPhysicalGroup(0, [gmsh.model.getEntities(0)[0][1]], 3, "start")
-    if dimension == 3:
-        gmsh.model.addPhysicalGroup(1, [gmsh.model.getEntities(1)[0][1]], 4, "edge")
-    gmsh.model.mesh.generate(dimension)
-
-
-def as_body(name, dimension):
-    """The model as a body, and the number of each node of Gmsh in it."""
-    tags, points, _ = gmsh.model.mesh.getNodes()
-    index = {int(tag): number for number, tag in enumerate(tags)}
-    blocks = collections.defaultdict(list)
-    for _, tag in gmsh.model.getEntities(dimension):
-        for kind, nodes in elements(dimension, tag):
-            blocks[kind].append([index[node] for node in nodes])
-    body = Body(name, points.reshape(-1, 3), [(kind, np.array(rows)) for kind, rows in blocks.items()], {}, {}, {}, {})
-    body.cell_groups = {"body": list(range(len(body.cells)))}
-    for own_dimension, tag in gmsh.model.getPhysicalGroups():
-        name = gmsh.model.getPhysicalName(own_dimension, tag)
-        rows = [(kind, tuple(index[node] for node in nodes)) for entity in gmsh.model.getEntitiesForPhysicalGroup(own_dimension, tag) for kind, nodes in elements(own_dimension, entity)]
-        if own_dimension == dimension - 1:
-            body.facet_groups[name] = rows
-        elif own_dimension == 0:
-            body.node_groups[name] = [nodes[0] for _, nodes in rows]
-        elif own_dimension == 1:
-            body.line_groups[name] = rows
-    return body
-
-
-def made(corpus):
-    if corpus.only and corpus.only not in "gmsh/made":
-        return
-    order_of = [(False, 0), (True, 1)]
-    for (name, maker, recombine, dimension), (quadratic, incomplete) in itertools.product(shapes(), order_of):
-        make_shape(maker, recombine, dimension, quadratic, incomplete)
-        body = as_body(f"{name.replace(' ', '-')}-{2 if quadratic else 1}", dimension)
-        for variant in ["plain", "all", "parametric", "partitioned"]:
-            if variant == "partitioned":
-                set_options(PartitionCreateGhostCells=1, PartitionCreateTopology=0, PartitionSplitMeshFiles=0, PartitionCreatePhysicals=0)
-                gmsh.model.mesh.partition(2)
-            for version, binary in MSH:
-                if not writes(version, binary) or version == 1.0 and variant == "partitioned" or corpus.quick and (version, binary) not in [(2.2, 0), (4.1, 1)]:
-                    continue
-                way = f"gmsh/made-{variant}-{version}-{'binary' if binary else 'ascii'}"
-                options = {"SaveAll": variant == "all", "SaveParametric": variant == "parametric"}
-                # In older versions everything is saved without groups.
-                groups = {} if variant == "all" and version < 4 else groups_of(body)
-                write_msh(corpus, way, body, version, binary, groups, **options)
-            if variant == "plain":
-                corpus.check("gmsh/from_gmsh", body.name, wanted(body, groups_of(body)), lambda: emmy.Mesh.from_gmsh())
-        set_options(SaveAll=0, SaveParametric=0)
-
-
 def write_all(corpus):
+    import gmsh_made  # it needs this module
+
     gmsh.initialize(readConfigFiles=False)
     gmsh.option.setNumber("General.Verbosity", 1)
-    for write in (to_msh, to_inp, to_bdf, to_vtk, made):
+    for write in (to_msh, to_inp, to_bdf, to_vtk):
         write(corpus)
+    gmsh_made.write_all(corpus)
     gmsh.finalize()

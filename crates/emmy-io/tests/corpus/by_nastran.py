@@ -140,7 +140,13 @@ def add_properties(model, body):
     """Properties and a material; plane cells in plane strain."""
     model.add_mat1(1, 2.1e11, None, 0.3)
     for name, pid in PID.items():
-        if name in body.line_groups or body.dimension == 1 and name in body.cell_groups or body.dimension == 2 and name in body.facet_groups:
+        if (
+            name in body.line_groups
+            or body.dimension == 1
+            and name in body.cell_groups
+            or body.dimension == 2
+            and name in body.facet_groups
+        ):
             model.add_pbar(pid, 1, 0.1, 0.1, 0.1, 0.1)
         elif name in body.facet_groups:
             model.add_pshell(pid, 1, 0.1)

@@ -96,15 +96,16 @@ def ends_of(rows):
 
 def groups_of(body, lines=nodes_of, cells=True, faces=True, edges=True, nodes=True):
     """All groups of a body under their names."""
+    parts = [
+        (body.cell_groups, cell_group, cells),
+        (body.facet_groups, facet_group, faces),
+        (body.line_groups, lines, edges),
+        (body.node_groups, node_group, nodes),
+    ]
     groups = {}
-    for name, members in body.cell_groups.items() if cells else ():
-        groups[name] = cell_group(members)
-    for name, rows in body.facet_groups.items() if faces else ():
-        groups[name] = facet_group(rows)
-    for name, rows in body.line_groups.items() if edges else ():
-        groups[name] = lines(rows)
-    for name, rows in body.node_groups.items() if nodes else ():
-        groups[name] = node_group(rows)
+    for own, group, is_there in parts:
+        for name, members in own.items() if is_there else ():
+            groups.setdefault(name, {}).update(group(members))
     return groups
 
 

@@ -197,11 +197,20 @@ fn faults_have_their_line_and_their_card() {
         ),
         (format!("{TET}=,*0\n"), "a.bdf, line 5: node 4 exists already"),
         (format!("{TET}CHEX8,1,1,1,2,3,4\n"), "a.bdf, line 5: solid cells of the kind CHEX8 are not read"),
+        (
+            format!("{TET}CTETRA_,1,1,1,2,3,4\n"),
+            "a.bdf, line 5: solid cells of the kind CTETRA_ are not read; meshio has names of its own for quadratic cells: \
+             write the mesh as .vtu with it",
+        ),
         (format!("{TET}CGEN,CHEXA,1\n"), "a.bdf, line 5: CGEN makes grid points or cells, and is not read"),
         (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SU makes grid points or cells"),
         (
             format!("{TET}CBAR,1,1,1,2\nCONM2,3,1,,2.5\n"),
             "a.bdf: the file has no solid or plane cells, only 1 CBAR, 1 CONM2; the body must be",
+        ),
+        (
+            format!("{TET}CBAR,1,1,1,2\nCFOO,3,1,1,2,3\n"),
+            "a.bdf: the file has no solid or plane cells, only 1 CBAR, 1 CFOO; the body must be",
         ),
         (TET.to_string(), "a.bdf: the mesh has no solid or plane cells; the body must be in it as GRID"),
         (
@@ -392,6 +401,14 @@ fn missing_midside_nodes_are_put_on_their_edges() {
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Quad8, 1)]);
     assert!(close(file.mesh.points()[file.mesh.cell(0).nodes[5] as usize], [1.0, 0.5, 0.0]));
     has_note(&file.notes, "1 midside node was missing, and is put at the middle of the edge");
+    let nine = sheet
+        .replace("GRID,8", "GRID,9,,0.4,0.6,0.\nGRID,8")
+        .replace("CQUAD8", "CQUAD9")
+        .replace("7,8,,", "7,8,9,");
+    let file = parse_text("a.bdf", &nine).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Quad9, 1)]);
+    let places = [5, 8].map(|i| file.mesh.points()[file.mesh.cell(0).nodes[i] as usize]);
+    assert!(close(places[0], [1.0, 0.5, 0.0]) && close(places[1], [0.4, 0.6, 0.0]), "{places:?}");
     // Two tetrahedra at the face 1, 2, 3: one new node on its edge 2-3, which both have; the edge 1-3 has one already.
     let text = format!(
         "{TET}GRID,5,,0.,0.,-2.\nGRID,6,,1.,0.,0.\nGRID,7,,0.,1.,0.\nCTETRA,1,3,1,2,3,4,6,0\n,7\nCTETRA,2,3,1,3,2,5,\n,6\nENDDATA\n"

@@ -24,9 +24,9 @@ const TRIANGLE: Row = (CellKind::Tri3, first(3));
 const QUADRILATERAL: Row = (CellKind::Quad4, first(4));
 const LINES: &[Row] = &[(CellKind::Line2, first(2))];
 
-/// Kinds of cells by the names of their cards; the second one has midside nodes. Shells and membranes are faces of solid
+/// Kinds of cells by the names of their cards, from few nodes to many. Shells and membranes are faces of solid
 /// cells, or cells in a plane.
-const CARDS: [(&str, &[Row]); 24] = [
+const CARDS: [(&str, &[Row]); 25] = [
     ("CTETRA", TETRAHEDRA),
     ("CHEXA", HEXAHEDRA),
     ("CPENTA", WEDGES),
@@ -41,6 +41,8 @@ const CARDS: [(&str, &[Row]); 24] = [
     ("CQUADR", &[QUADRILATERAL]),
     ("CPLSTN4", &[QUADRILATERAL]),
     ("CQUAD8", &[QUADRILATERAL, (CellKind::Quad8, first(8))]),
+    // Gmsh and meshio write it; Nastran has no such card.
+    ("CQUAD9", &[QUADRILATERAL, (CellKind::Quad8, first(8)), (CellKind::Quad9, first(9))]),
     ("CPLSTN8", &[QUADRILATERAL, (CellKind::Quad8, first(8))]),
     ("CBAR", LINES),
     ("CBEAM", LINES),
@@ -63,19 +65,19 @@ pub(super) fn is_blank(field: &str) -> bool {
     matches!(field, "" | "0")
 }
 
-/// The row of a card with these fields for nodes: without any midside node the linear one. Fields after the nodes of a
-/// surface or line are its thickness and the like. `Err`: the number of its nodes.
+/// The row of a card with these fields for nodes: the first one that has all of them, without any midside node the linear
+/// one. Fields after the nodes of a surface or line are its thickness and the like. `Err`: the number of its nodes.
 pub(super) fn row(rows: &'static [Row], fields: &[&str]) -> Result<Row, usize> {
     let (linear, _) = rows[0];
     let (most, _) = rows[rows.len() - 1];
     let is_there = |index: usize| fields.get(index).is_some_and(|field| !is_blank(field));
     let n_fields = if linear.dimension() == 3 { fields.len() } else { most.n_nodes() };
     let has_corners = (0..linear.n_nodes()).all(is_there);
-    let has_midside = (linear.n_nodes()..most.n_nodes()).any(is_there);
-    if has_corners && n_fields <= most.n_nodes() {
-        return Ok(if has_midside { rows[rows.len() - 1] } else { rows[0] });
+    let has_all = |(kind, _): &&Row| !(kind.n_nodes()..most.n_nodes()).any(is_there);
+    match rows.iter().find(has_all) {
+        Some(row) if has_corners && n_fields <= most.n_nodes() => Ok(*row),
+        _ => Err((0..n_fields).filter(|&index| is_there(index)).count()),
     }
-    Err((0..n_fields).filter(|&index| is_there(index)).count())
 }
 
 /// Midside nodes of a kind of cell with the corners at the ends of their edges, as local numbers in VTK order.
@@ -104,7 +106,8 @@ mod tests {
                 let mut sorted = order.to_vec();
                 sorted.sort_unstable();
                 assert_eq!(sorted, (0..kind.n_nodes()).collect::<Vec<_>>(), "{card}");
-                assert_eq!(midsides(*kind).len(), kind.n_nodes() - kind.n_corners(), "{card}");
+                let n_centres = usize::from(*kind == CellKind::Quad9);
+                assert_eq!(midsides(*kind).len(), kind.n_nodes() - kind.n_corners() - n_centres, "{card}");
             }
         }
     }
@@ -121,6 +124,10 @@ mod tests {
         let quads = rows("CQUAD8").unwrap().1;
         let fields = ["1", "2", "3", "4", "5", "", "7", "8", "", "", "", "", "90."];
         assert_eq!(row(quads, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
+        let nines = rows("CQUAD9").unwrap().1;
+        assert_eq!(row(nines, &["1"; 9]).map(|(kind, _)| kind), Ok(CellKind::Quad9));
+        assert_eq!(row(nines, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
+        assert_eq!(row(nines, &fields[..4]).map(|(kind, _)| kind), Ok(CellKind::Quad4));
         assert_eq!(row(quads, &["1", "2", "", "4", "5", "", "7", "8", "90."]), Err(6));
     }
 }

@@ -44,8 +44,8 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<M
     let mut names = HashMap::new();
     sources.texts().for_each(|text| names.extend(names::properties(text)));
     let (deck, account) = reader.deck(&names, options)?;
-    let left_out = account.left_out();
-    let mesh = assembled::mesh(file, &deck).map_err(|error| match (error, left_out) {
+    let not_read = account.not_read();
+    let mesh = assembled::mesh(file, &deck).map_err(|error| match (error, not_read) {
         (MeshError::NoCells { file, .. }, Some(found)) => {
             MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
         }
@@ -210,7 +210,11 @@ impl Reader {
             true => format!("solid cells of the kind {name} are not read"),
             false => format!("{name} makes grid points or cells, and is not read"),
         };
-        let advice = "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section";
+        let advice = match name.ends_with('_') {
+            // In some of its formats the nodes have another order under the same name.
+            true => "meshio has names of its own for quadratic cells: write the mesh as .vtu with it",
+            false => "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section",
+        };
         Err(self.malformed(card.at, what, advice))
     }
 

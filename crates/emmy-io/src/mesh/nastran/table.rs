@@ -18,8 +18,8 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
         Read,
         "faces of solid cells, or cells in plane strain",
         &[
-            "CTRIA3", "CTRIA6", "CTRIAR", "CQUAD4", "CQUAD8", "CQUADR", "CPLSTN3", "CPLSTN4", "CPLSTN6",
-            "CPLSTN8",
+            "CTRIA3", "CTRIA6", "CTRIAR", "CQUAD4", "CQUAD8", "CQUAD9", "CQUADR", "CPLSTN3", "CPLSTN4",
+            "CPLSTN6", "CPLSTN8",
         ],
     ),
     entries(
