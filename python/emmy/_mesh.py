@@ -24,7 +24,7 @@ class Mesh(Sources):
         Nodes.
     cells : dict of str to array of int (m, nodes)
         Nodes of the cells of each kind, in the order of VTK; `elements` lists the kinds. Cells are numbered in the
-        order of the dict.
+        order of the dict. Triangles and quadrilaterals beside solid cells are their faces for `cell_groups`.
     cell_groups : dict of str to array of int, optional
         Numbers of the cells of each group.
     facet_groups : dict of str to array of int, optional
@@ -36,7 +36,7 @@ class Mesh(Sources):
     Raises
     ------
     MeshError
-        If a cell is inverted.
+        If a cell is inverted, or occurs twice.
     InputError
         If an array has the wrong shape, or names a node or cell that is not there.
     TypeError
@@ -112,7 +112,8 @@ class Mesh(Sources):
         kind, _, plain = name.partition(":")
         if name not in self._native.group_names and kind not in self._native.group_names.get(plain, ()):
             available = tuple(self._native.group_names)
-            near = difflib.get_close_matches(name, available, n=1)
+            chosen = [f"{kind}:{own}" for own, kinds in self.groups.items() for kind in kinds if ":" in name]
+            near = difflib.get_close_matches(name, [*available, *chosen], n=1)
             groups = "groups: " + ", ".join(f"`{own}`" for own in available)
             help = f"did you mean `{near[0]}`?" if near else groups
             raise UnknownGroupError([Fault("name", f"the mesh has no group `{name}`", help, name, available)])

@@ -214,6 +214,17 @@ MESSAGES = [
         "node_groups.tip: there is no node 4 among 4, counted from 0",
     ),
     (
+        lambda: emmy.Mesh.from_pyvista("grid.vtu"),
+        TypeError,
+        "grid: str is not a data set of PyVista; Mesh.read reads files",
+    ),
+    (
+        lambda: emmy.Mesh.from_meshio("mesh.msh"),
+        TypeError,
+        "mesh: str is not a meshio.Mesh; Mesh.read reads files",
+    ),
+    (lambda: emmy.Mesh.from_meshio(None), TypeError, "mesh: NoneType is not a meshio.Mesh"),
+    (
         lambda: emmy.Mesh.network(TET, [0, 1]),
         emmy.InputError,
         "links: expected an array of shape (m, 2), found (2,)",
@@ -256,7 +267,8 @@ MESSAGES = [
     (
         lambda: emmy.Mesh(TET, {"tet4": [[0, 2, 1, 3], [0, 2, 3, 3]]}),
         emmy.MeshError,
-        "mesh: cell 1 (tet4) is inverted or degenerate: det(dX/dxi) = 0 at one of its points",
+        "mesh: the arrays: cell 1 (tet4) is inverted or degenerate: det(dX/dxi) = 0 at one of its points, and the "
+        "mirrored order of its nodes does not help; check its shape in the mesher",
     ),
     (
         lambda: emmy.Motion(free_block(), steps=(1.0, 2.0, 3.0)),
