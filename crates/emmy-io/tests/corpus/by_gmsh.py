@@ -107,7 +107,7 @@ def write_msh(corpus, way, body, version, binary, groups, known=None, **options)
         numbers = {}
         for dimension, tag in gmsh.model.getPhysicalGroups():
             members = groups.get(gmsh.model.getPhysicalName(dimension, tag), {})
-            kind = {body.dimension: "cells", body.dimension - 1: "facets"}.get(dimension, "nodes")
+            kind = "cells" if dimension == body.dimension else "facets" if 0 < dimension == body.dimension - 1 else "nodes"
             if kind in members:
                 numbers.setdefault(str(tag), {}).setdefault(kind, set()).update(members[kind])
         groups = numbers
@@ -173,7 +173,6 @@ def check_inp(corpus, way, body, path, entities, node_sets):
 NOT_OF_FORMAT = {
     (".inp", "hex27"): "elements of type C3D27 are not supported",
     (".inp", "pyramid13"): "elements of type C3D13 are not supported",
-    (".inp", "quad9"): "CPS9",
     (".bdf", "hex27"): "has 27 nodes instead of 8 or 20",
     (".bdf", "pyramid13"): "is inverted or degenerate",
 }

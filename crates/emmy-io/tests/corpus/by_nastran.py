@@ -33,20 +33,35 @@ def model_of(body, own, system):
     cid = 0
     if system:
         cid = 5
-        place, axis, in_plane = [0.3, -0.7, 0.2], [0.5, -0.1, 1.4], [1.7, -0.2, 0.4]
-        if system == "CORD1R":
-            for grid, at in zip((9001, 9002, 9003), (place, axis, in_plane), strict=True):
-                model.add_grid(grid, at)
-            model.add_cord1r(cid, 9001, 9002, 9003)
-        else:
-            {"CORD2R": model.add_cord2r, "CORD2C": model.add_cord2c, "CORD2S": model.add_cord2s}[system](cid, place, axis, in_plane)
+        add_system(model, cid, system)
         model.cross_reference()
         places = [model.coords[cid].transform_node_to_local(place) for place in body.points]
         model.uncross_reference()
+    if system == "GRDSET":
+        # Nodes have no system of their own.
+        model.add_grdset(cid, 0, "", 0)
+        cid = 0
     for number, place in zip(own, places, strict=True):
         model.add_grid(number, place, cp=cid)
     add_cells(model, body, own)
     return model
+
+
+def add_system(model, cid, system):
+    """A system of coordinates, which is oblique and not at the origin."""
+    place, axis, in_plane = [0.3, -0.7, 0.2], [0.5, -0.1, 1.4], [1.7, -0.2, 0.4]
+    if system == "GRDSET":
+        model.add_cord2r(cid, place, axis, in_plane)
+    elif system == "nested":
+        model.add_cord2s(7, place, axis, in_plane)
+        model.add_cord2c(6, [0.9, 40.0, 20.0], [0.4, 70.0, 35.0], [1.2, 60.0, -10.0], rid=7)
+        model.add_cord2r(cid, [0.9, 40.0, 0.5], [0.4, 70.0, 1.5], [1.2, -60.0, -1.0], rid=6)
+    elif system.startswith("CORD1"):
+        for grid, at in zip((9001, 9002, 9003), (place, axis, in_plane), strict=True):
+            model.add_grid(grid, at)
+        getattr(model, f"add_{system.lower()}")(cid, 9001, 9002, 9003)
+    else:
+        getattr(model, f"add_{system.lower()}")(cid, place, axis, in_plane)
 
 
 def add_cells(model, body, own):
@@ -85,7 +100,9 @@ def add_supports(model, body, own):
     first, second = list(body.node_groups["tip"]), sorted({node for _, nodes in body.cells[:1] for node in nodes})
     model.add_spc1(8, "123", [own[node] for node in second])
     model.add_spc(9, [own[node] for node in first], ["3"], [0.0])
-    return {"spc_8": node_group(second), "spc_9": node_group(first)}
+    # In a plane, z is fixed anyway.
+    model.nodes[own[first[0]]].ps = "13"
+    return {"spc_8": node_group(second), "spc_9": node_group(first), ("ps_1" if body.dimension == 2 else "ps_13"): node_group(first)}
 
 
 WAYS = {
@@ -114,7 +131,7 @@ def write_all(corpus):
             if name == "CORD2R-small" and body.dimension == 2:
                 corpus.cannot(way, body.name, "with 8 characters in turned coordinates a plane is not flat")
                 continue
-            system = name.removesuffix("-small") if name.startswith("CORD") else None
+            system = name.removesuffix("-small") if name.startswith(("CORD", "GRDSET", "nested")) else None
             # The largest have 8 digits.
             own = numbers(body, 99_000_000 if name.startswith("long-ids") else 1)
             model = model_of(body, own, system)
@@ -130,7 +147,7 @@ def write_all(corpus):
                 corpus.cannot(way, body.name, f"{type(error).__name__}: {error}")
                 continue
             tolerance = 1e-9 if options["size"] == 16 else 2e-5
-            if "CORD" in name:
+            if system:
                 tolerance *= 10
             links = list(wanted_groups) if body.dimension == 1 else []
             corpus.file(way, path, of_body(body, wanted_groups, tolerance), links=links)

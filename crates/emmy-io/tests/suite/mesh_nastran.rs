@@ -501,6 +501,11 @@ fn constraints_of_grid_points_are_groups() {
         .replace("GRID,2,,1.,0.,0.", "GRID,2,,1.,0.,0.,,13");
     let file = parse_text("a.bdf", &format!("{sheet}ENDDATA\n")).unwrap();
     assert_eq!((file.mesh.groups().nodes.len(), &file.mesh.groups().nodes["ps_1"][..]), (1, &[1][..]));
+    // Links are in space.
+    let truss = "GRID,1,,0.,0.,0.,,13\nGRID,2,,1.,0.,2.,,3\nCROD,1,4,1,2\nENDDATA\n";
+    let file = parse_with("a.bdf".as_ref(), truss.as_bytes(), &links("pid_4")).unwrap();
+    let nodes = &file.mesh.groups().nodes;
+    assert_eq!((nodes.len(), &nodes["ps_13"][..], &nodes["ps_3"][..]), (2, &[0][..], &[1][..]));
 }
 
 #[test]

@@ -43,7 +43,8 @@ impl Reader {
             self.check_sheets(&elements, options)?;
         }
         self.fill_midsides(&mut elements, dimension)?;
-        self.name_constraints(dimension);
+        // Links alone may be in space.
+        self.name_constraints(dimension == 2 && elements.iter().any(|element| element.kind.dimension() == 2));
         let facets = facets(&elements, dimension);
         // Gmsh gives a volume, a surface and a curve the same number.
         let mut highest = HashMap::<u64, usize>::new();
@@ -212,7 +213,7 @@ impl Reader {
     }
 
     /// Groups of constrained grid points, with a note: nothing is fixed by them.
-    fn name_constraints(&mut self, dimension: usize) {
+    fn name_constraints(&mut self, is_plane: bool) {
         let body = &mut self.deck.root;
         for (name, first, last) in std::mem::take(&mut self.ranges) {
             // Numbers without a grid point are left out.
@@ -227,7 +228,7 @@ impl Reader {
         for (grid, own) in self.grids.iter().zip(&self.constraints) {
             // A plane body does not move along z.
             let components = own.as_deref().unwrap_or(default);
-            let components = if dimension == 2 { components.trim_end_matches('3') } else { components };
+            let components = if is_plane { components.trim_end_matches('3') } else { components };
             if !components.is_empty() {
                 let name = format!("ps_{components}");
                 body.set_mut(Of::Nodes, &name).push(None, grid.number);
