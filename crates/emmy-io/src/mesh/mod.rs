@@ -67,8 +67,8 @@ pub struct MeshFile {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MeshOptions {
-    /// Groups whose lines of two nodes are cells (line2), not edges. The links of Abaqus (T3D2, T2D2, CONN3D2, SPRINGA)
-    /// are always cells.
+    /// Groups whose lines of two nodes are cells (line2), not edges. In an Abaqus file without other cells all of them
+    /// (T3D2, T2D2, CONN3D2, SPRINGA) are cells.
     pub links: Vec<String>,
     /// Whether the shells of a file without solid cells are cells in plane strain; without it they are an error.
     pub plane_shells: bool,

@@ -1,6 +1,6 @@
 //! The mesh of an input file: placed bodies, sets and surfaces as groups.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 use emmy::mesh::{CellKind, Facet, MeshBuilder};
@@ -77,7 +77,7 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     let mut others = Account::default();
     for body in deck.bodies() {
-        (0..body.lower.len()).for_each(|index| others.leave_out(deck.lower_type(body, index)));
+        body.lower.iter().for_each(|element| others.leave_out(deck.type_of(element)));
         body.left_out.iter().for_each(|element| others.leave_out(&deck.types[element.element_type as usize]));
     }
     let has_parts_alone = !deck.parts.is_empty() && deck.instances.is_empty();
@@ -98,6 +98,10 @@ fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
 }
+
+/// What lines of two nodes are that are no links.
+const LINES: &str =
+    "edges of the cells beside them, not as links: no region with a material for links has their group";
 
 /// What the elements of a set are that are no cells.
 #[derive(Debug, Default)]
@@ -202,17 +206,6 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
-    fn names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
-        match instance {
-            None => vec![name.to_string()],
-            Some(index) => {
-                let qualified = format!("{}.{name}", self.deck.instances[index as usize].name);
-                if is_taken { vec![qualified] } else { vec![qualified, name.to_string()] }
-            }
-        }
-    }
-
     fn add_set(
         &mut self,
         of: Of,
@@ -231,7 +224,7 @@ impl<'a> Assembly<'a> {
                 if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
             n_missing = n_missing.saturating_add(missing - n_others);
         }
-        let names = self.names(instance, &set.name, is_taken);
+        let names = self.deck.group_names(instance, &set.name, is_taken);
         if n_missing > 0 {
             let [one, what, many] = match of {
                 Of::Nodes => ["node", "node", "nodes"],
@@ -301,29 +294,35 @@ impl<'a> Assembly<'a> {
         Ok(self.faces.as_ref().and_then(|faces| faces.facet(&corners)))
     }
 
-    /// Counts the elements that are left out by their types, and notes which types are read as faces.
+    /// Counts the elements that are left out by their types, and notes which types are read as faces, edges or links.
     fn account_for_elements(&self, account: &mut Account) -> Result<Vec<String>> {
         let mut read = BTreeMap::<&str, &str>::new();
+        let mut links = BTreeSet::<&str>::new();
         for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
-            for (index, element) in body.lower.iter().enumerate() {
-                let name = self.deck.lower_type(body, index);
-                let is_named = index < body.lower_types.len();
+            let lines = body.elements.iter().filter(|element| element.kind == CellKind::Line2);
+            let named = lines.filter(|element| element.element_type.is_some());
+            links.extend(named.map(|element| self.deck.type_of(element)));
+            for element in &body.lower {
+                let name = self.deck.type_of(element);
+                let is_named = element.element_type.is_some();
                 match self.are_facets(element.kind) {
                     true if self.facet(body, element, first_node)?.is_none() => account.leave_out(name),
-                    true if is_named && !self.is_plane => _ = read.insert(name, "faces"),
                     false if element.kind.dimension() > 1 => account.leave_out(name),
-                    _ if is_named => _ = read.insert(name, "edges"),
-                    _ => {}
+                    _ if !is_named => {}
+                    _ if element.kind.dimension() > 1 => {
+                        _ = read.insert(name, "faces of the solid cells beside them")
+                    }
+                    _ if element.n_nodes > 2 => _ = read.insert(name, "edges of the cells beside them"),
+                    _ => _ = read.insert(name, LINES),
                 }
             }
             for element in &body.left_out {
                 account.leave_out(&self.deck.types[element.element_type as usize]);
             }
         }
-        let note = |(name, parts)| {
-            format!("elements of type {name} are read as {parts} of the solid cells beside them")
-        };
-        Ok(read.into_iter().map(note).collect())
+        let note = |(name, parts)| format!("elements of type {name} are read as {parts}");
+        let links = links.into_iter().filter_map(|name| element::note(name, CellKind::Line2));
+        Ok(links.chain(read.into_iter().map(note)).collect())
     }
 
     /// Adds the elements of a member of a set that are no cells, and returns their number.
@@ -404,7 +403,8 @@ impl<'a> Assembly<'a> {
 
     fn add_surface(&mut self, instance: Option<u32>, surface: &Surface) {
         let name = surface.name.to_lowercase();
-        let names = self.names(instance, &surface.name, self.root_surfaces.contains(&name));
+        let is_taken = self.root_surfaces.contains(&name);
+        let names = self.deck.group_names(instance, &surface.name, is_taken);
         let Some(contents) = self.surfaces.get(&(instance, name)) else { return };
         for name in names {
             if surface.of == Of::Elements && (contents.nodes.is_empty() || !contents.facets.is_empty()) {

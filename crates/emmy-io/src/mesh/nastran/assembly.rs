@@ -93,7 +93,9 @@ impl Reader {
                 false => (&mut body.lower, &mut body.lower_index),
             };
             index.insert(number, list.len() as u32);
-            list.push(Element { number, kind, n_nodes: nodes.len(), nodes: body.connectivity.len(), at });
+            let start = body.connectivity.len();
+            let element_type = None;
+            list.push(Element { number, kind, n_nodes: nodes.len(), nodes: start, element_type, at });
             body.connectivity.extend(nodes);
             body.set_mut(Of::Elements, &name).push(None, number);
         }

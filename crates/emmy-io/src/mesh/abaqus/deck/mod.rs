@@ -4,11 +4,9 @@ mod data;
 mod keywords;
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
-
-use emmy::mesh::CellKind;
 
 use super::super::account::Account;
 use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
@@ -88,6 +86,18 @@ struct Elements {
     at: At,
 }
 
+impl Elements {
+    /// Whether a node may be missing: it is the ground.
+    fn may_be_grounded(&self) -> bool {
+        self.element_type.starts_with("CONN")
+    }
+
+    /// Whether the element in the last line is a connector to the ground.
+    fn is_grounded(&self) -> bool {
+        self.may_be_grounded() && self.pending.len() == 2
+    }
+}
+
 /// Depth of nested includes; deeper ones are taken for a cycle.
 const MAX_DEPTH: usize = 16;
 
@@ -114,8 +124,8 @@ impl Deck {
         }
         let mut types = BTreeSet::new();
         for body in self.bodies() {
-            let shells = (0..body.lower.len()).filter(|&index| body.lower[index].kind.dimension() == 2);
-            types.extend(shells.map(|index| self.lower_type(body, index)));
+            let shells = body.lower.iter().filter(|element| element.kind.dimension() == 2);
+            types.extend(shells.map(|element| self.type_of(element)));
         }
         let note = |name| {
             format!("elements of type {name} are read as cells in plane strain, without their thickness")
@@ -126,18 +136,54 @@ impl Deck {
         self.instances.iter_mut().for_each(|instance| instance.body.raise_shells());
     }
 
-    /// Turns lines into edges where meshers have written faces too, unless links are requested.
+    /// Makes edges of the trusses beside other cells, and leaves out the other lines there, but for those in some groups.
     fn lower_lines(&mut self, links: &[String]) {
-        let is_line = |element: &Element| element.kind == CellKind::Line2;
-        let has_lines = self.bodies().any(|body| body.elements.iter().any(is_line));
-        if !self.has_faces || !has_lines || !links.is_empty() || !self.has_cells() {
+        if !self.has_cells() {
             return;
         }
-        self.root.lower_lines();
-        self.instances.iter_mut().for_each(|instance| instance.body.lower_lines());
-        self.notes.insert(
-            "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
-        );
+        let are_edges: Vec<bool> = self.types.iter().map(|name| name.starts_with('T')).collect();
+        let links = self.lines_of(links);
+        let bodies = self.instances.iter_mut().map(|instance| &mut instance.body);
+        let bodies = std::iter::once(&mut self.root).chain(bodies);
+        bodies.zip(&links).for_each(|(body, links)| body.lower_lines(links, &are_edges));
+    }
+
+    /// Indices of the elements in some groups, outside of instances and in each of them.
+    fn lines_of(&self, groups: &[String]) -> Vec<HashSet<u32>> {
+        let mut found = vec![HashSet::new(); 1 + self.instances.len()];
+        if groups.is_empty() {
+            return found;
+        }
+        let mut members = Vec::new();
+        for (body, own) in self.bodies().zip(std::iter::once(None).chain((0..).map(Some))) {
+            for (key, set) in &body.element_sets {
+                let is_taken = self.root.element_sets.contains_key(key);
+                if self.group_names(own, &set.name, is_taken).iter().any(|name| groups.contains(name)) {
+                    let of_body = |member: &Member| Member { instance: member.instance.or(own), ..*member };
+                    members.extend(set.members.iter().map(of_body));
+                }
+            }
+        }
+        let instances = self.instances.iter().zip(0..);
+        let named = instances.filter(|(instance, _)| groups.contains(&instance.name));
+        members.extend(named.map(|(_, index)| Member::all(Some(index))));
+        for member in members {
+            let body = member.instance.map_or(&self.root, |index| &self.instances[index as usize].body);
+            let place = member.instance.map_or(0, |index| 1 + index as usize);
+            found[place].extend(member.indices(&body.element_index).0);
+        }
+        found
+    }
+
+    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
+    pub(super) fn group_names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
+        match instance {
+            None => vec![name.to_string()],
+            Some(index) => {
+                let qualified = format!("{}.{name}", self.instances[index as usize].name);
+                if is_taken { vec![qualified] } else { vec![qualified, name.to_string()] }
+            }
+        }
     }
 
     /// The contents outside of parts, and those of the instances.
@@ -155,10 +201,10 @@ impl Deck {
         self.has_faces && !self.has_cells()
     }
 
-    /// Name of the type of an element of lower dimension.
-    pub(super) fn lower_type(&self, body: &Body, index: usize) -> &str {
-        let known = body.lower_types.get(index).map(|&index| self.types[index as usize].as_str());
-        known.unwrap_or_else(|| body.lower[index].kind.name())
+    /// Name of the type of an element.
+    pub(super) fn type_of(&self, element: &Element) -> &str {
+        let known = element.element_type.map(|index| self.types[index as usize].as_str());
+        known.unwrap_or_else(|| element.kind.name())
     }
 
     pub(in crate::mesh) fn place(&self, at: At) -> Place {
