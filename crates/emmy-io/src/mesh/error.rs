@@ -219,6 +219,24 @@ pub enum MeshError {
         /// Something to try.
         advice: &'static str,
     },
+    /// A set, part, surface or coordinate system that the file does not define.
+    #[error("{place}: {problem}; {advice}")]
+    Undefined {
+        /// Place that names it.
+        place: Place,
+        /// Reason.
+        problem: String,
+        /// Something to try.
+        advice: &'static str,
+    },
+    /// An error of something missing, with the lines of the file that were not read and may be the cause.
+    #[error("{error}; {suspects}")]
+    Suspected {
+        /// The error.
+        error: Box<MeshError>,
+        /// The lines that were not read.
+        suspects: String,
+    },
     /// A fault of an unstructured grid of VTK, in a file or in memory.
     #[error("{}: {problem}; {advice}", file.display())]
     Grid {
@@ -237,4 +255,20 @@ pub enum MeshError {
         /// The error of the mesh.
         reason: emmy::Error,
     },
+}
+
+impl MeshError {
+    /// Adds the lines that were not read to the error of something missing.
+    pub(super) fn with_suspects(self, suspects: Option<String>) -> Self {
+        match (self, suspects) {
+            (
+                error @ (MeshError::UnknownNode { .. }
+                | MeshError::NoCells { .. }
+                | MeshError::NothingSolid { .. }
+                | MeshError::Undefined { .. }),
+                Some(suspects),
+            ) => MeshError::Suspected { error: Box::new(error), suspects },
+            (error, _) => error,
+        }
+    }
 }

@@ -475,7 +475,7 @@ impl<'a> Assembly<'a> {
         };
         let unknown = || {
             let problem = format!("there is no surface \"{}\" above", row.target);
-            self.deck.malformed(
+            self.deck.undefined(
                 row.at,
                 problem,
                 "define it first, or qualify it with its instance: Instance.Surface",

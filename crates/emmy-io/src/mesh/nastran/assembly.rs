@@ -4,9 +4,9 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use emmy::mesh::CellKind;
 
-use super::super::abaqus::{Deck, Element, Of};
-use super::super::account::Account;
+use super::super::abaqus::{Element, Of};
 use super::super::{MeshError, MeshOptions, Result};
+use super::card::Card;
 use super::element::midsides;
 use super::{Raw, Reader, Sheet};
 use crate::message::counted;
@@ -31,12 +31,16 @@ impl Raw {
 }
 
 impl Reader {
-    /// Cells, and elements of lower dimension as groups of facets or nodes, by the names of their properties.
-    pub(super) fn deck(
-        mut self,
+    /// Reads all cards: cells, and elements of lower dimension as groups of facets or nodes, by the names of their
+    /// properties.
+    pub(super) fn complete(
+        &mut self,
+        cards: Vec<Card<'_>>,
         names: &HashMap<u64, String>,
         options: &MeshOptions,
-    ) -> Result<(Deck, Account)> {
+    ) -> Result<()> {
+        self.cards(cards)?;
+        self.place_grids()?;
         let mut elements = std::mem::take(&mut self.elements);
         let dimension = elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0).max(2);
         if dimension == 2 {
@@ -104,7 +108,7 @@ impl Reader {
             self.deck.notes.insert(format!("{lines} read as the nodes at the ends, not as bars"));
         }
         self.deck.notes.extend(self.account.notes());
-        Ok((self.deck, self.account))
+        Ok(())
     }
 
     /// Whether the triangles and quadrilaterals of a file without solid cells are in plane strain.

@@ -43,7 +43,8 @@ pub(super) struct Bulk<'a> {
     pub(super) stray: Option<(usize, At)>,
     /// Lines with the mark of a continuation that is not there.
     pub(super) open: Option<(usize, At)>,
-    pub(super) has_end: bool,
+    /// `ENDDATA`.
+    pub(super) end: Option<At>,
     /// Lines after the end.
     pub(super) rest: Option<(usize, At)>,
 }
@@ -109,7 +110,7 @@ pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bu
     let mut bulk = Bulk::default();
     let mut pieces: Vec<Piece<'a>> = Vec::new();
     for (text, at) in lines.skip(start).filter(|(line, _)| !line.trim().is_empty() && !is_begin(line)) {
-        if bulk.has_end {
+        if bulk.end.is_some() {
             count(&mut bulk.rest, at);
             continue;
         }
@@ -125,7 +126,7 @@ pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bu
         }
         let name = line.head.trim_end_matches('*').trim_end().to_ascii_uppercase();
         match name.as_str() {
-            "ENDDATA" => bulk.has_end = true,
+            "ENDDATA" => bulk.end = Some(at),
             _ => pieces.push(Piece::new(name, String::new(), line, at)),
         }
     }
@@ -384,9 +385,9 @@ mod tests {
         assert_eq!(bulk.cards.len(), 3);
         assert_eq!(bulk.cards[2].from(0), ["3", "", "", "", "", "", "", "", "5"]);
         assert_eq!((bulk.stray, bulk.open), (Some((2, at(1))), Some((1, at(2)))));
-        assert_eq!((bulk.has_end, bulk.rest), (true, Some((2, at(9)))));
+        assert_eq!((bulk.end, bulk.rest), (Some(at(8)), Some((2, at(9)))));
         let whole = bulk_of("GRID,1\n");
-        assert_eq!((whole.stray, whole.open, whole.has_end, whole.rest), (None, None, false, None));
+        assert_eq!((whole.stray, whole.open, whole.end, whole.rest), (None, None, None, None));
     }
 
     #[test]

@@ -36,22 +36,14 @@ const FIELDS: &str = "fields are 8 columns wide, 16 with a `*` after the name, o
 pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
     let sources = Sources::read(file, bytes)?;
     let bulk = card::bulk(sources.lines());
+    let mut names = HashMap::new();
+    sources.texts().for_each(|text| names.extend(names::properties(text)));
     let mut reader = Reader::default();
     reader.deck.files = sources.files.clone();
     reader.notes_on(&bulk);
-    reader.cards(bulk.cards)?;
-    reader.place_grids()?;
-    let mut names = HashMap::new();
-    sources.texts().for_each(|text| names.extend(names::properties(text)));
-    let (deck, account) = reader.deck(&names, options)?;
-    let left_out = account.left_out();
-    let mesh = assembled::mesh(file, &deck).map_err(|error| match (error, left_out) {
-        (MeshError::NoCells { file, .. }, Some(found)) => {
-            MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
-        }
-        (MeshError::NoCells { file, .. }, None) => MeshError::NoCells { file, advice: ADVICE },
-        (error, _) => error,
-    })?;
+    let read = reader.complete(bulk.cards, &names, options);
+    let mesh = read.and_then(|()| assembled::mesh(file, &reader.deck));
+    let mesh = mesh.map_err(|error| reader.explained(error))?;
     Ok(MeshFile { files: sources.files, ..mesh })
 }
 
@@ -80,6 +72,8 @@ enum Sheet {
 struct Reader {
     deck: Deck,
     account: Account,
+    /// Notes on lines that are not read.
+    unread: Vec<String>,
     grids: Vec<Grid>,
     systems: HashMap<u64, System>,
     /// `GRDSET`: system and constraints of grid points that name none.
@@ -105,18 +99,43 @@ impl Reader {
         };
         let [no_card, no_line] =
             ["no card, here for the first time", "that is not there, here for the first time"];
-        let notes = [
+        // An included file may have the end.
+        let of_file = match (bulk.end, bulk.rest) {
+            (Some(end), Some((_, rest))) if end.file != rest.file => {
+                format!(" of {}", self.deck.place(end))
+            }
+            _ => String::new(),
+        };
+        let [line_is, lines_are] =
+            [format!("line after ENDDATA{of_file} is"), format!("lines after ENDDATA{of_file} are")];
+        let unread = [
             counted_at(bulk.stray, "line continues", "lines continue", no_card),
+            counted_at(bulk.rest, &line_is, &lines_are, "not read"),
+        ];
+        let notes = [
             counted_at(bulk.open, "line announces a continuation", "lines announce a continuation", no_line),
-            counted_at(bulk.rest, "line after ENDDATA is", "lines after ENDDATA are", "not read"),
-            (!bulk.has_end).then(|| {
+            bulk.end.is_none().then(|| {
                 format!(
                     "{}: there is no ENDDATA at the end; is the file cut off?",
                     self.deck.files[0].display()
                 )
             }),
         ];
-        self.deck.notes.extend(notes.into_iter().flatten());
+        self.unread = unread.into_iter().flatten().collect();
+        self.deck.notes.extend(self.unread.iter().cloned().chain(notes.into_iter().flatten()));
+    }
+
+    /// An error with what is there in place of the body, and with the lines that are not read.
+    fn explained(&self, error: MeshError) -> MeshError {
+        let error = match (error, self.account.left_out()) {
+            (MeshError::NoCells { file, .. }, Some(found)) => {
+                MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
+            }
+            (MeshError::NoCells { file, .. }, None) => MeshError::NoCells { file, advice: ADVICE },
+            (error, _) => error,
+        };
+        let suspects: Vec<String> = self.unread.iter().cloned().chain(self.account.suspects(TABLE)).collect();
+        error.with_suspects((!suspects.is_empty()).then(|| suspects.join("; ")))
     }
 
     /// Reads all cards, with the copies that `=` makes of them.

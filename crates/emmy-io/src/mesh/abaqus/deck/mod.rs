@@ -106,15 +106,14 @@ const MAX_FILES: usize = 1000;
 
 impl Deck {
     /// Reads a file and its includes.
-    pub(super) fn read(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Self> {
-        let mut deck = Deck::default();
-        deck.file(file, bytes)?;
-        deck.close_section()?;
+    pub(super) fn read(&mut self, file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<()> {
+        self.file(file, bytes)?;
+        self.close_section()?;
         if options.plane_shells {
-            deck.raise_shells();
+            self.raise_shells();
         }
-        deck.lower_lines(&options.links);
-        Ok(deck)
+        self.lower_lines(&options.links);
+        Ok(())
     }
 
     /// Makes shells the cells of a body in plane strain, if no cell is solid.
@@ -255,7 +254,11 @@ impl Deck {
             Ok(number) => format!("there is no {what} {number}"),
             Err(_) => format!("there is no {what} set \"{}\" here or above", shown(name)),
         };
-        self.malformed(at, problem, "define it first, or qualify it with its instance: Instance.Set")
+        self.undefined(at, problem, "define it first, or qualify it with its instance: Instance.Set")
+    }
+
+    pub(super) fn undefined(&self, at: At, problem: String, advice: &'static str) -> MeshError {
+        MeshError::Undefined { place: self.place(at), problem, advice }
     }
 
     fn body(&self) -> &Body {
