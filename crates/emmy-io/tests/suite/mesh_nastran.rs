@@ -520,3 +520,26 @@ fn an_input_asks_for_shells_in_plane_strain() {
     assert!(read(built_in).unwrap_err().contains("`shells` is a key of mesh files"));
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn ends_of_springs_have_a_group_of_their_own() {
+    let springs = [
+        "CELAS1,5,1,1,1",
+        "CELAS1,5,1,1,1,2,1",
+        "CDAMP1,5,1,1,1",
+        "CMASS1,5,1,1,1",
+        "CBUSH,5,1,1,,,,,0",
+        "CGAP,5,1,1",
+        "CBUSH1D,5,1,1",
+    ];
+    for spring in springs {
+        let text = format!("{TET}CTETRA,1,1,1,2,3,4\nPSOLID,1,1\n{spring}\nENDDATA\n");
+        let file = parse_text("a.bdf", &text).unwrap();
+        assert_eq!(file.mesh.group_nodes("pid_1").unwrap().len(), 4, "{spring}");
+        let n_ends = if spring.ends_with(",2,1") { 2 } else { 1 };
+        assert_eq!(file.mesh.groups().nodes["pid_1-ends"].len(), n_ends, "{spring}");
+        // Without solid cells of that number it is free.
+        let file = parse_text("a.bdf", &text.replace("CTETRA,1,1,", "CTETRA,1,7,")).unwrap();
+        assert_eq!(file.mesh.groups().names(), ["pid_1", "pid_7"], "{spring}");
+    }
+}

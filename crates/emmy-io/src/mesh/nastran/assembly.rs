@@ -58,8 +58,13 @@ impl Reader {
         let name_of =
             |property: u64| names.get(&property).cloned().unwrap_or_else(|| format!("pid_{property}"));
         for (property, node) in std::mem::take(&mut self.ends) {
+            let mut name = name_of(property);
+            // The elements of the same number have a group of this name.
+            if highest.contains_key(&property) {
+                name += "-ends";
+            }
             if self.deck.root.nodes.contains_key(&node) {
-                self.deck.root.set_mut(Of::Nodes, &name_of(property)).push(None, node);
+                self.deck.root.set_mut(Of::Nodes, &name).push(None, node);
             }
         }
         let mut numbers = HashSet::new();
