@@ -84,6 +84,29 @@ fn abaqus() {
 }
 
 #[test]
+fn lines_of_three_nodes_have_their_middle_at_either_place() {
+    let nodes = "*Node\n1, 0, 0\n2, 2, 0\n3, 0, 2\n4, 1, 0\n5, 1, 1\n6, 0, 1\n*Element, type=CPE6, elset=body\n1, 1,2,3,4,5,6\n";
+    let lines = |lines: &str| {
+        let text = format!("{nodes}*Element, type=T2D3, elset=foot\n{lines}\n");
+        parse_text("a.inp", &text).unwrap()
+    };
+    for foot in ["2, 1, 4, 2", "2, 1, 2, 4", "2, 2, 4, 1"] {
+        let file = lines(foot);
+        assert_eq!(file.mesh.groups().facets("foot").unwrap(), [Facet { cell: 0, local: 0 }], "{foot}");
+    }
+    // The middle of another edge.
+    for foot in ["2, 1, 5, 2", "2, 1, 2, 6"] {
+        let file = lines(foot);
+        assert_eq!(
+            (file.mesh.groups().nodes["foot"].len(), file.mesh.groups().facets.len()),
+            (3, 0),
+            "{foot}"
+        );
+        assert_eq!(file.notes, ["left out, though it may change the motion: 1 T2D3"]);
+    }
+}
+
+#[test]
 fn frames_come_back_with_all_their_groups() {
     let mesh = parse_text("a.msh", &v2()).unwrap().mesh;
     let temp = tempfile::tempdir().unwrap();

@@ -289,9 +289,12 @@ impl<'a> Assembly<'a> {
 
     /// The facet that a surface element is, if it is one.
     fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Result<Option<Facet>> {
-        let corners = &body.nodes_of(element)[..element.kind.n_corners()];
-        let corners = self.node_indices(body, element, corners, first_node)?;
-        Ok(self.faces.as_ref().and_then(|faces| faces.facet(&corners)))
+        let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
+        let Some(faces) = &self.faces else { return Ok(None) };
+        Ok(match nodes[..] {
+            [a, b, c] if element.kind == CellKind::Line2 => faces.edge([a, b, c]),
+            _ => faces.facet(&nodes[..element.kind.n_corners()]),
+        })
     }
 
     /// Counts the elements that are left out by their types, and notes which types are read as faces, edges or links.
