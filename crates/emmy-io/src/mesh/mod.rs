@@ -6,6 +6,7 @@ mod error;
 mod gmsh;
 mod nastran;
 mod other;
+mod plane;
 pub(crate) mod vtu;
 
 use std::collections::BTreeMap;

@@ -6,6 +6,7 @@ use std::path::Path;
 use emmy::mesh::{CellKind, Facet, MeshBuilder};
 
 use super::super::account::Account;
+use super::super::plane::Surfaces;
 use super::super::{MeshError, MeshFile, Origin, Result, finished};
 use super::body::{At, Body, Combine, Element, Face, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
@@ -19,7 +20,19 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     if deck.is_of_shells() {
         return Err(no_cells(file, deck));
     }
-    let is_solid = |body: &Body| body.elements.iter().any(|element| element.kind.dimension() == 3);
+    let mut elements = deck.bodies().flat_map(|body| &body.elements);
+    let solid = elements.clone().find(|element| element.kind.dimension() == 3);
+    if let (Some(solid), Some(plane)) = (solid, elements.find(|element| element.kind.dimension() == 2)) {
+        let problem = format!(
+            "element {} ({}) is a cell in plane strain beside solid cells, such as element {} ({})",
+            plane.number,
+            deck.type_of(plane),
+            solid.number,
+            deck.type_of(solid)
+        );
+        let advice = "write the two bodies to files of their own; elements on the faces of solid cells are CPS4, M3D4 or S4";
+        return Err(deck.malformed(plane.at, problem, advice));
+    }
     let mut assembly = Assembly {
         file,
         deck,
@@ -27,7 +40,7 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         starts: Vec::new(),
         n_nodes: 0,
         root_surfaces: deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect(),
-        is_plane: !deck.bodies().any(is_solid),
+        is_plane: solid.is_none(),
         faces: None,
         surfaces: HashMap::new(),
     };
@@ -53,8 +66,43 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
+        MeshError::Mesh { reason: emmy::Error::NotInPlane { node, z, plane }, .. } => {
+            let node = node_name(deck, &starts, node as u32);
+            surfaces(deck).error(file, &node, [z, plane], [TURN, SURFACES_ALONE])
+        }
         error => error,
     })
+}
+
+const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y plane";
+
+const SURFACES_ALONE: &str = "a body in plane strain lies in the x-y plane; mesh any other with solid cells";
+
+/// The surface elements among the cells.
+fn surfaces(deck: &Deck) -> Surfaces {
+    let placements = deck.instances.iter().map(|instance| instance.placement);
+    let placements = std::iter::once(Placement::default()).chain(placements);
+    let mut surfaces = Surfaces::default();
+    for (body, placement) in deck.bodies().zip(placements) {
+        for element in body.elements.iter().filter(|element| element.kind.dimension() == 2) {
+            surfaces.has[usize::from(element.kind.n_corners() == 4)] = true;
+            let indices = body.nodes_of(element).iter().filter_map(|node| body.nodes.get(node));
+            surfaces.points.extend(indices.map(|&index| placement.place(body.points[index as usize])));
+        }
+    }
+    surfaces
+}
+
+/// `node 3`, or `node 3 of instance Arm-1`.
+fn node_name(deck: &Deck, starts: &[[u32; 2]], node: u32) -> String {
+    let names = deck.instances.iter().map(|instance| format!(" of instance {}", instance.name));
+    let bodies = deck.bodies().zip(starts).zip(std::iter::once(String::new()).chain(names));
+    let own = bodies.filter(|((_, [first, _]), _)| *first <= node).last();
+    let number = own.and_then(|((body, [first, _]), instance)| {
+        let (number, _) = body.nodes.iter().find(|(_, index)| **index == node - first)?;
+        Some(format!("node {number}{instance}"))
+    });
+    number.unwrap_or_else(|| format!("node {node}"))
 }
 
 /// `element 3`, or `element 3 of instance Arm-1`.

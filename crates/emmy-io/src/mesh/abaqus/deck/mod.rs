@@ -186,7 +186,7 @@ impl Deck {
     }
 
     /// The contents outside of parts, and those of the instances.
-    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> {
+    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> + Clone {
         std::iter::once(&self.root).chain(self.instances.iter().map(|instance| &instance.body))
     }
 
