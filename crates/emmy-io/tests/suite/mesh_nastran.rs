@@ -543,3 +543,28 @@ fn ends_of_springs_have_a_group_of_their_own() {
         assert_eq!(file.mesh.groups().names(), ["pid_1", "pid_7"], "{spring}");
     }
 }
+
+#[test]
+fn continuations_that_belong_to_nothing_have_a_note() {
+    let text = format!("{}{CELLS}ENDDATA\n", grids("", |point| point));
+    let after = |card: &str, line: &str| {
+        let text = text.replacen(card, &format!("{card}{line}"), 1);
+        let file = parse_text("a.bdf", &text).unwrap();
+        assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Hex8, 2)], "{line}");
+        assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
+        file.notes
+    };
+    let stray =
+        |line: usize| format!("a.bdf, line {line}: 1 line continues no card, here for the first time");
+    let grid = "GRID,3,,1.0,1.0,0.0\n";
+    assert_eq!(after(grid, "+Q,1,2,3\n"), [stray(4)]);
+    assert_eq!(after(",7,8\n", "+ZZ,1,2\n"), [stray(15)]);
+    // A blank mark belongs to the card above, which has no second line.
+    for line in ["+,1,2,3\n", ",1,2,3\n", "        5\n"] {
+        let note = "a.bdf, line 3: 1 card has fields after the last one of its kind, which are not read, here for the first time";
+        assert_eq!(after(grid, line), [note], "{line}");
+    }
+    for line in ["+\n", ",,\n", "*\n"] {
+        assert_eq!(after(grid, line), [""; 0], "{line}");
+    }
+}

@@ -40,6 +40,10 @@ impl Reader {
         options: &MeshOptions,
     ) -> Result<()> {
         self.cards(cards)?;
+        let [one, many] = ["card has", "cards have"];
+        let rest = "fields after the last one of its kind, which are not read, here for the first time";
+        let too_long = self.counted_at(self.too_long, one, many, rest);
+        self.deck.notes.extend(too_long);
         self.place_grids()?;
         let mut elements = std::mem::take(&mut self.elements);
         let dimension = elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0).max(2);

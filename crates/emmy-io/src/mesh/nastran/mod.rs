@@ -74,6 +74,8 @@ struct Reader {
     account: Account,
     /// Notes on lines that are not read.
     unread: Vec<String>,
+    /// Cards with more fields than they can have: their number, and the first one.
+    too_long: Option<(usize, At)>,
     grids: Vec<Grid>,
     systems: HashMap<u64, System>,
     /// `GRDSET`: system and constraints of grid points that name none.
@@ -94,9 +96,7 @@ struct Reader {
 
 impl Reader {
     fn notes_on(&mut self, bulk: &Bulk<'_>) {
-        let counted_at = |found: Option<(usize, At)>, one: &str, many: &str, rest: &str| {
-            found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
-        };
+        let counted_at = |found, one: &str, many: &str, rest: &str| self.counted_at(found, one, many, rest);
         let [no_card, no_line] =
             ["no card, here for the first time", "that is not there, here for the first time"];
         // An included file may have the end.
@@ -123,6 +123,11 @@ impl Reader {
         ];
         self.unread = unread.into_iter().flatten().collect();
         self.deck.notes.extend(self.unread.iter().cloned().chain(notes.into_iter().flatten()));
+    }
+
+    /// A note on lines with the place of the first one.
+    fn counted_at(&self, found: Option<(usize, At)>, one: &str, many: &str, rest: &str) -> Option<String> {
+        found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
     }
 
     /// An error with what is there in place of the body, and with the lines that are not read.
@@ -196,6 +201,9 @@ impl Reader {
     }
 
     fn read(&mut self, card: &Card<'_>) -> Result<()> {
+        if table::n_fields(&card.name).is_some_and(|most| card.fields.len() > most) {
+            card::count(&mut self.too_long, card.at);
+        }
         match card.name.as_str() {
             "GRID" => self.grid(card),
             "GRDSET" => self.grid_defaults(card),

@@ -166,3 +166,12 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
 
 /// Words in the names of solid cells, also of those that are in no table.
 pub(super) const SOLID: [&str; 6] = ["HEX", "TET", "PENT", "PYR", "WEDGE", "BRICK"];
+
+/// Number of fields of a card, with those that are blank up to the end of a line, if more are no part of it.
+pub(super) fn n_fields(name: &str) -> Option<usize> {
+    match name {
+        "GRID" | "GRDSET" | "CORD1R" | "CORD1C" | "CORD1S" | "SPC" => Some(8),
+        "CORD2R" | "CORD2C" | "CORD2S" => Some(16),
+        _ => None,
+    }
+}
