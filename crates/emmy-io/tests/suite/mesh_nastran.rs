@@ -196,6 +196,7 @@ fn faults_have_their_line_and_their_card() {
             "a.bdf, line 6: lines with `=` ask for more than 1000000 cards",
         ),
         (format!("{TET}=,*0\n"), "a.bdf, line 5: node 4 exists already"),
+        (format!("{TET}CTETRA_,1,3,1,2,3\n"), "element 1 (CTETRA_) has 3 nodes instead of 4 or 10"),
         (format!("{TET}CHEX8,1,1,1,2,3,4\n"), "a.bdf, line 5: solid cells of the kind CHEX8 are not read"),
         (format!("{TET}CGEN,CHEXA,1\n"), "a.bdf, line 5: CGEN makes grid points or cells, and is not read"),
         (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SU makes grid points or cells"),
@@ -567,4 +568,28 @@ fn continuations_that_belong_to_nothing_have_a_note() {
     for line in ["+\n", ",,\n", "*\n"] {
         assert_eq!(after(grid, line), [""; 0], "{line}");
     }
+}
+
+#[test]
+fn cells_of_meshio_are_those_of_the_guide() {
+    // As meshio 5.3.5 writes a cell of ten nodes, with its fields after a blank property.
+    let points: Vec<[f64; 3]> = {
+        let (_, _, corners, edges, _) = SOLIDS[2];
+        let middle = |&[a, b]: &[usize; 2]| [0, 1, 2].map(|i| (corners[a - 1][i] + corners[b - 1][i]) / 2.0);
+        corners.iter().copied().chain(edges.iter().map(middle)).collect()
+    };
+    let grid = |(index, [x, y, z]): (usize, &[f64; 3])| {
+        format!("GRID*   {:<32}{x:>16.1}{y:>16.1}\n*       {z:>16.1}\n", index + 1)
+    };
+    let grids: String = points.iter().enumerate().map(grid).collect();
+    let cell = "CTETRA_ 1               1       2       3       4       5       6       +11     \n\
+                +11     7       8       9       10      \n";
+    let file = parse_text(
+        "a.bdf",
+        &format!("$ Nastran file written by meshio v5.3.5\nBEGIN BULK\n{grids}{cell}ENDDATA\n"),
+    );
+    let file = file.unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet10, 1)]);
+    assert_straight(&file.mesh);
+    assert!((volume(&file.mesh) - 1.0 / 6.0).abs() < 1e-15 && file.notes.is_empty(), "{:?}", file.notes);
 }

@@ -24,14 +24,19 @@ const TRIANGLE: Row = (CellKind::Tri3, first(3));
 const QUADRILATERAL: Row = (CellKind::Quad4, first(4));
 const LINES: &[Row] = &[(CellKind::Line2, first(2))];
 
-/// Kinds of cells by the names of their cards; the second one has midside nodes. Shells and membranes are faces of solid
+/// Kinds of cells by the names of their cards; the second one has midside nodes. meshio writes `CTETRA_` for cells with
+/// these. Shells and membranes are faces of solid
 /// cells, or cells in a plane.
-const CARDS: [(&str, &[Row]); 24] = [
+const CARDS: [(&str, &[Row]); 28] = [
     ("CTETRA", TETRAHEDRA),
     ("CHEXA", HEXAHEDRA),
     ("CPENTA", WEDGES),
     ("CPYRAM", PYRAMIDS),
     ("CPYRA", PYRAMIDS),
+    ("CTETRA_", TETRAHEDRA),
+    ("CHEXA_", HEXAHEDRA),
+    ("CPENTA_", WEDGES),
+    ("CPYRA_", PYRAMIDS),
     ("CTRIA3", &[TRIANGLE]),
     ("CTRIAR", &[TRIANGLE]),
     ("CPLSTN3", &[TRIANGLE]),

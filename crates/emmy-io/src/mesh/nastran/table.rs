@@ -13,7 +13,11 @@ const fn entries(treatment: Treatment, what: &'static str, names: &'static [&'st
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     entries(Read, "grid points", &["GRID", "GRDSET"]),
     entries(Read, "coordinate systems", &["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"]),
-    entries(Read, "solid cells", &["CTETRA", "CPENTA", "CHEXA", "CPYRAM", "CPYRA"]),
+    entries(
+        Read,
+        "solid cells; those of meshio have a line at the end of their names",
+        &["CTETRA", "CPENTA", "CHEXA", "CPYRAM", "CPYRA", "CTETRA_", "CPENTA_", "CHEXA_", "CPYRA_"],
+    ),
     entries(
         Read,
         "faces of solid cells, or cells in plane strain",
