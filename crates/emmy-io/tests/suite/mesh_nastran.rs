@@ -127,7 +127,7 @@ fn sets_names_and_shells_become_groups() {
     assert_eq!(
         file.notes,
         [
-            "2 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups spc_5, spc_6",
+            "2 constraints (SPC, SPC1) fix nothing without a `support`: groups spc_5, spc_6",
             "left out, though it may change the motion: 1 CONM2, 1 CTRIA3, 1 FORCE, 1 RBE2"
         ]
     );
@@ -464,7 +464,7 @@ fn what_is_beside_the_cells_is_left_out_and_its_sets_are_groups() {
     let left_out = "1 CBEAM, 1 CBUSH, 1 CELAS1, 1 CONM2, 1 MPC, 1 PLOAD4, 1 TEMPD, 1 TIC";
     has_note(&file.notes, &format!("left out, though it may change the motion: 2 CQUAD4, {left_out}"));
     has_note(&file.notes, "not known, and left out: 1 FOO");
-    has_note(&file.notes, "1 constraint (SPC, SPC1, GRID) fixes nothing without a `support`: groups spc_5");
+    has_note(&file.notes, "1 constraint (SPC1) fixes nothing without a `support`: groups spc_5");
 }
 
 #[test]
@@ -475,10 +475,7 @@ fn constraints_of_grid_points_are_groups() {
     assert_eq!(file.mesh.groups().nodes["ps_3"], [0]);
     let file = parse_text("a.bdf", &format!("GRDSET,,,,,,,21456\n{nodes}{CELLS}ENDDATA\n")).unwrap();
     assert_eq!((file.mesh.groups().nodes["ps_3"].len(), file.mesh.groups().nodes["ps_12"].len()), (1, 10));
-    has_note(
-        &file.notes,
-        "11 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups ps_12, ps_3",
-    );
+    has_note(&file.notes, "11 constraints (GRID) fix nothing without a `support`: groups ps_12, ps_3");
     // In a plane, z is fixed anyway.
     let sheet = SHEET
         .replace("GRID,1,,0.,0.,0.", "GRID,1,,0.,0.,0.,,3")
@@ -592,4 +589,14 @@ fn cells_of_meshio_are_those_of_the_guide() {
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet10, 1)]);
     assert_straight(&file.mesh);
     assert!((volume(&file.mesh) - 1.0 / 6.0).abs() < 1e-15 && file.notes.is_empty(), "{:?}", file.notes);
+}
+
+#[test]
+fn a_list_of_grid_points_may_leave_some_out() {
+    let text = |spc: &str| format!("{}{CELLS}{spc}ENDDATA\n", grids("", |point| point));
+    let file = parse_text("a.bdf", &text("SPC1,5,1,5,THRU,12,EXCEPT,7\n")).unwrap();
+    assert_eq!(file.mesh.groups().nodes["spc_5"], [4, 5, 7, 8, 9, 10, 11]);
+    let file = parse_text("a.bdf", &text("SPC1,5,1,5,FOO\n")).unwrap();
+    assert_eq!(file.mesh.groups().nodes["spc_5"], [4]);
+    has_note(&file.notes, "a.bdf, line 17: the field FOO of SPC1 is not read");
 }

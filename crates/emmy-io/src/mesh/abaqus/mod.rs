@@ -11,7 +11,7 @@ mod table;
 
 use std::path::Path;
 
-pub(super) use body::{At, Element, Of};
+pub(super) use body::{At, Body, Element, Of};
 pub(super) use deck::Deck;
 pub(super) use table::TABLE;
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use emmy::mesh::CellKind;
 
-use super::super::abaqus::{Element, Of};
+use super::super::abaqus::{Body, Element, Of};
 use super::super::{MeshError, MeshOptions, Result};
 use super::card::Card;
 use super::element::midsides;
@@ -229,16 +229,21 @@ impl Reader {
     /// Groups of constrained grid points, with a note: nothing is fixed by them.
     fn name_constraints(&mut self, dimension: usize) {
         let body = &mut self.deck.root;
-        for (name, first, last) in std::mem::take(&mut self.ranges) {
-            // Numbers without a grid point are left out.
+        for (name, range) in std::mem::take(&mut self.ranges) {
+            let set = |body: &mut Body, node| body.set_mut(Of::Nodes, &name).push(None, node);
+            if range.first == range.last {
+                set(body, range.first);
+                continue;
+            }
+            // Numbers of a longer one without a grid point are left out.
             let mut known: Vec<u64> =
-                body.nodes.keys().copied().filter(|node| (first..=last).contains(node)).collect();
+                body.nodes.keys().copied().filter(|&node| range.contains(node)).collect();
             known.sort_unstable();
-            known.into_iter().for_each(|node| body.set_mut(Of::Nodes, &name).push(None, node));
+            known.into_iter().for_each(|node| set(body, node));
         }
         let mut names: BTreeSet<String> = body.node_sets.keys().cloned().collect();
         let default = self.defaults.as_ref().map_or("", |(_, components)| components);
-        let mut n = self.n_supports;
+        let mut counts = std::mem::take(&mut self.n_supports);
         for (grid, own) in self.grids.iter().zip(&self.constraints) {
             // A plane body does not move along z.
             let components = own.as_deref().unwrap_or(default);
@@ -247,12 +252,14 @@ impl Reader {
                 let name = format!("ps_{components}");
                 body.set_mut(Of::Nodes, &name).push(None, grid.number);
                 names.insert(name);
-                n += 1;
+                *counts.entry("GRID".to_string()).or_default() += 1;
             }
         }
+        let n = counts.values().sum();
         if n > 0 {
-            let constraints =
-                counted(n, "constraint (SPC, SPC1, GRID) fixes", "constraints (SPC, SPC1, GRID) fix");
+            let cards = counts.into_keys().collect::<Vec<_>>().join(", ");
+            let [one, many] = [format!("constraint ({cards}) fixes"), format!("constraints ({cards}) fix")];
+            let constraints = counted(n, &one, &many);
             let more = names.len().saturating_sub(MAX_NAMES);
             let more = if more > 0 { format!(" and {more} others") } else { String::new() };
             let names: Vec<String> = names.into_iter().take(MAX_NAMES).collect();

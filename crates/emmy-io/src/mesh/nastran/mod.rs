@@ -4,6 +4,7 @@ mod assembly;
 mod card;
 mod element;
 mod names;
+mod range;
 mod repeat;
 mod source;
 mod system;
@@ -12,16 +13,17 @@ mod table;
 #[cfg(test)]
 mod random_decks;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use emmy::mesh::CellKind;
 
-use super::abaqus::{At, Deck, Of, assembled};
+use super::abaqus::{At, Deck, assembled};
 use super::account::{self, Account, Treatment};
 use super::{MeshError, MeshFile, MeshOptions, Result};
 use crate::message::counted;
 use card::{Bulk, Card};
+use range::Range;
 use source::Sources;
 use system::{Grid, Placement, Points, Shape, System};
 
@@ -82,10 +84,10 @@ struct Reader {
     defaults: Option<(u64, String)>,
     /// Constraints of grid points by themselves; none: those of `GRDSET`.
     constraints: Vec<Option<String>>,
-    /// Number of the cards `SPC` and `SPC1`.
-    n_supports: usize,
+    /// Numbers of the cards `SPC` and `SPC1`.
+    n_supports: BTreeMap<String, usize>,
     /// Ranges of grid points of a group, which come before or after them.
-    ranges: Vec<(String, u64, u64)>,
+    ranges: Vec<(String, Range)>,
     /// Properties and grid points of springs, dampers and masses.
     ends: Vec<(u64, u64)>,
     elements: Vec<Raw>,
@@ -382,26 +384,19 @@ impl Reader {
         }
     }
 
-    /// Grid points of a set of constraints: numbers, and ranges `FIRST THRU LAST`.
+    /// Grid points of a set of constraints: numbers, and ranges `FIRST THRU LAST`, of which `EXCEPT` takes some out.
     fn constraint(&mut self, card: &Card<'_>, fields: &[&str]) -> Result<()> {
         let set = self.number(card, card.field(0), "the number of a set")?;
         let name = format!("spc_{set}");
-        self.n_supports += 1;
-        let fields: Vec<&str> = fields.iter().copied().filter(|field| !field.is_empty()).collect();
-        let mut index = 0;
-        while let Some(field) = fields.get(index) {
-            let first = self.number(card, field, "a grid point")?;
-            let is_range = fields.get(index + 1).is_some_and(|word| word.eq_ignore_ascii_case("THRU"));
-            if !is_range {
-                self.deck.root.set_mut(Of::Nodes, &name).push(None, first);
-                index += 1;
-                continue;
-            }
-            let last = fields.get(index + 2).copied().unwrap_or_default();
-            let last = self.number(card, last, "a grid point")?;
-            self.ranges.push((name.clone(), first, last));
-            index += 3;
-        }
+        *self.n_supports.entry(card.name.clone()).or_default() += 1;
+        let (ranges, others) = range::ranges(fields);
+        let not_read = |field: &str| {
+            let place = self.deck.place(card.at);
+            format!("{place}: the field {} of {} is not read", shown(field), card.name)
+        };
+        let notes: Vec<String> = others.into_iter().map(not_read).collect();
+        self.deck.notes.extend(notes);
+        self.ranges.extend(ranges.into_iter().map(|range| (name.clone(), range)));
         Ok(())
     }
 
