@@ -337,3 +337,23 @@ fn what_is_missing_may_be_on_lines_that_are_not_known() {
     let rest = format!("a.bdf, line 2: 2 lines after ENDDATA of {place}, line 5 are not read");
     assert!(message.contains(no_cells) && message.contains(&rest), "{message}");
 }
+
+#[test]
+fn elements_beside_the_cells_may_name_a_node_that_is_not_there() {
+    let tet = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=body\n1, 1,2,3,4\n";
+    for (kind, nodes) in [("T3D2", "1, 99"), ("B31", "1, 99"), ("S3", "1, 2, 99"), ("T3D3", "1, 2, 99")] {
+        let text = format!("{tet}*ELEMENT, TYPE={kind}, ELSET=other\n2, {nodes}\n");
+        let file = parse_text("a.inp", &text).unwrap();
+        assert_eq!(file.notes, [format!("left out, though it may change the motion: 1 {kind}")]);
+        assert_eq!(file.mesh.groups().nodes["other"].len(), nodes.split(',').count() - 1, "{kind}");
+    }
+    let grids =
+        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\n";
+    for (card, nodes) in [("CBAR", "1,99"), ("CTRIA3", "1,2,99")] {
+        let file = parse_text("a.bdf", &format!("{grids}{card},2,7,{nodes}\nENDDATA\n")).unwrap();
+        let left_out = format!("left out, though it may change the motion: 1 {card}");
+        let missing = "node set \"pid_7\" names 1 node that the file does not have".to_string();
+        assert_eq!(file.notes, [left_out, missing]);
+        assert_eq!(file.mesh.groups().nodes["pid_7"].len(), nodes.split(',').count() - 1, "{card}");
+    }
+}

@@ -51,12 +51,12 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     }
     assembly.find_faces()?;
     let mut account = deck.account.clone();
-    notes.extend(assembly.account_for_elements(&mut account)?);
+    notes.extend(assembly.account_for_elements(&mut account));
     notes.extend(account.notes());
     assembly.find_surfaces(&mut notes)?;
-    assembly.add_groups(None, &mut notes)?;
+    assembly.add_groups(None, &mut notes);
     for index in 0..deck.instances.len() {
-        assembly.add_groups(Some(index as u32), &mut notes)?;
+        assembly.add_groups(Some(index as u32), &mut notes);
         assembly.add_instance_group(index);
     }
     assembly.faces = None;
@@ -145,6 +145,12 @@ fn no_cells(file: &Path, deck: &Deck) -> MeshError {
         false => "the body must be in it as *Node and *Element lines",
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
+}
+
+/// Indices in the mesh of those nodes of an element that the file defines.
+fn known_nodes(body: &Body, element: &Element, first_node: u32) -> Vec<u32> {
+    let known = body.nodes_of(element).iter().filter_map(|node| body.nodes.get(node));
+    known.map(|index| first_node + index).collect()
 }
 
 /// What lines of two nodes are that are no links.
@@ -240,28 +246,20 @@ impl<'a> Assembly<'a> {
         if of == Of::Nodes { node } else { cell }
     }
 
-    fn add_groups(&mut self, instance: Option<u32>, notes: &mut Vec<String>) -> Result<()> {
+    fn add_groups(&mut self, instance: Option<u32>, notes: &mut Vec<String>) {
         let body = self.body(instance);
         for of in [Of::Nodes, Of::Elements] {
             for (key, set) in body.sets(of).iter().filter(|(_, set)| !set.internal) {
                 let is_taken = self.deck.root.sets(of).contains_key(key);
-                self.add_set(of, instance, set, is_taken, notes)?;
+                self.add_set(of, instance, set, is_taken, notes);
             }
         }
         for surface in body.surfaces.iter().filter(|surface| !surface.internal) {
             self.add_surface(instance, surface);
         }
-        Ok(())
     }
 
-    fn add_set(
-        &mut self,
-        of: Of,
-        instance: Option<u32>,
-        set: &Set,
-        is_taken: bool,
-        notes: &mut Vec<String>,
-    ) -> Result<()> {
+    fn add_set(&mut self, of: Of, instance: Option<u32>, set: &Set, is_taken: bool, notes: &mut Vec<String>) {
         let mut indices = Vec::new();
         let mut others = Others::default();
         let mut n_missing = 0_u64;
@@ -269,7 +267,7 @@ impl<'a> Assembly<'a> {
             let (found, missing) = self.indices(of, instance, member);
             indices.extend(found);
             let n_others =
-                if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+                if of == Of::Elements { self.add_others(instance, member, &mut others) } else { 0 };
             n_missing = n_missing.saturating_add(missing - n_others);
         }
         let names = self.deck.group_names(instance, &set.name, is_taken);
@@ -304,7 +302,6 @@ impl<'a> Assembly<'a> {
                 }
             }
         }
-        Ok(())
     }
 
     /// Whether elements of a kind are facets of the body's cells.
@@ -336,17 +333,17 @@ impl<'a> Assembly<'a> {
     }
 
     /// The facet that a surface element is, if it is one.
-    fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Result<Option<Facet>> {
-        let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
-        let Some(faces) = &self.faces else { return Ok(None) };
-        Ok(match nodes[..] {
+    fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Option<Facet> {
+        let nodes = known_nodes(body, element, first_node);
+        let faces = self.faces.as_ref().filter(|_| nodes.len() == element.n_nodes)?;
+        match nodes[..] {
             [a, b, c] if element.kind == CellKind::Line2 => faces.edge([a, b, c]),
             _ => faces.facet(&nodes[..element.kind.n_corners()]),
-        })
+        }
     }
 
     /// Counts the elements that are left out by their types, and notes which types are read as faces, edges or links.
-    fn account_for_elements(&self, account: &mut Account) -> Result<Vec<String>> {
+    fn account_for_elements(&self, account: &mut Account) -> Vec<String> {
         let mut read = BTreeMap::<&str, &str>::new();
         let mut links = BTreeSet::<&str>::new();
         for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
@@ -356,8 +353,10 @@ impl<'a> Assembly<'a> {
             for element in &body.lower {
                 let name = self.deck.type_of(element);
                 let is_named = element.element_type.is_some();
+                let is_whole = known_nodes(body, element, first_node).len() == element.n_nodes;
                 match self.are_facets(element.kind) {
-                    true if self.facet(body, element, first_node)?.is_none() => account.leave_out(name),
+                    _ if !is_whole => account.leave_out(name),
+                    true if self.facet(body, element, first_node).is_none() => account.leave_out(name),
                     false if element.kind.dimension() > 1 => account.leave_out(name),
                     _ if !is_named => {}
                     _ if element.kind.dimension() > 1 => {
@@ -373,11 +372,11 @@ impl<'a> Assembly<'a> {
         }
         let note = |(name, parts)| format!("elements of type {name} are read as {parts}");
         let links = links.into_iter().filter_map(|name| element::note(name, CellKind::Line2));
-        Ok(links.chain(read.into_iter().map(note)).collect())
+        links.chain(read.into_iter().map(note)).collect()
     }
 
     /// Adds the elements of a member of a set that are no cells, and returns their number.
-    fn add_others(&self, instance: Option<u32>, member: Member, others: &mut Others) -> Result<u64> {
+    fn add_others(&self, instance: Option<u32>, member: Member, others: &mut Others) -> u64 {
         let instance = member.instance.or(instance);
         let body = self.body(instance);
         let first_node = self.start(instance, Of::Nodes);
@@ -385,13 +384,13 @@ impl<'a> Assembly<'a> {
         for &index in &lower {
             let element = &body.lower[index as usize];
             if self.are_facets(element.kind)
-                && let Some(facet) = self.facet(body, element, first_node)?
+                && let Some(facet) = self.facet(body, element, first_node)
             {
                 others.facets.push(facet);
                 continue;
             }
-            let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
-            if element.kind == CellKind::Line2 && !self.is_plane {
+            let nodes = known_nodes(body, element, first_node);
+            if element.kind == CellKind::Line2 && !self.is_plane && nodes.len() == element.n_nodes {
                 others.nodes_of_edges.extend(nodes);
             } else {
                 others.n_left_out += 1;
@@ -405,7 +404,7 @@ impl<'a> Assembly<'a> {
                 others.nodes.extend(self.indices(Of::Nodes, instance, node).0);
             }
         }
-        Ok((lower.len() + left_out.len()) as u64)
+        (lower.len() + left_out.len()) as u64
     }
 
     /// Indices in the mesh of nodes of an element.
@@ -493,7 +492,7 @@ impl<'a> Assembly<'a> {
             for member in self.row_members(instance, row)? {
                 let (indices, missing) = self.indices(of, instance, member);
                 let n_others =
-                    if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+                    if of == Of::Elements { self.add_others(instance, member, &mut others) } else { 0 };
                 if missing > 0 && indices.is_empty() && n_others == 0 && !row.target.is_empty() {
                     return Err(self.deck.unknown_set(row.at, of, &row.target));
                 }

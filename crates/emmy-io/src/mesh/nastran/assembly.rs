@@ -85,7 +85,9 @@ impl Reader {
             let is_cell =
                 kind.dimension() == dimension || kind == CellKind::Line2 && options.links.contains(&name);
             let is_facet = kind.dimension() + 1 == dimension;
-            let is_alone = !is_cell && is_facet && !facets.contains(&element.corners());
+            let is_unknown = |&node: &u64| node > 0 && !self.deck.root.nodes.contains_key(&node);
+            let is_alone = !is_cell
+                && (is_facet && !facets.contains(&element.corners()) || nodes.iter().any(is_unknown));
             let has_stiffness = match kind {
                 CellKind::Line2 => self.bars.contains(&property),
                 _ => matches!(self.sheets.get(&property), Some(Sheet::Shell(_))),
