@@ -4,6 +4,7 @@ mod abaqus;
 pub(crate) mod account;
 mod error;
 mod gmsh;
+mod includes;
 mod nastran;
 mod other;
 mod plane;

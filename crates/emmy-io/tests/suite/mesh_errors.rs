@@ -240,7 +240,21 @@ fn bad_abaqus_assemblies() {
         assert_message("a.inp", &format!("{part}{text}"), parts);
     }
     let circle = emmy_io::mesh::read(&path("circle.inp")).unwrap_err().to_string();
-    assert!(circle.contains("circle.inp, line 2: more than 16 files"), "{circle}");
+    assert!(
+        circle.contains("circle.inp, line 2: the file ") && circle.contains("includes itself"),
+        "{circle}"
+    );
+    // Each file includes the next one; the last one is not there.
+    let folder = tempfile::tempdir().unwrap();
+    for (name, line) in [("inp", "*INCLUDE, INPUT=NEXT.inp\n"), ("bdf", "INCLUDE 'NEXT.bdf'\n")] {
+        for number in 0..20 {
+            let line = line.replace("NEXT", &(number + 1).to_string());
+            std::fs::write(folder.path().join(format!("{number}.{name}")), line).unwrap();
+        }
+        let message = emmy_io::mesh::read(&folder.path().join(format!("0.{name}"))).unwrap_err().to_string();
+        let expected = format!("16.{name}, line 1: more than 16 files, each included by the one before");
+        assert!(message.contains(&expected), "{message}");
+    }
 }
 
 #[test]

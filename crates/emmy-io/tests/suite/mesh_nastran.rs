@@ -381,7 +381,17 @@ fn files_include_others() {
     assert!(error.contains("wrong.bulk, line 2: expected the number of a grid point"), "{error}");
     write("main.bdf", "INCLUDE 'main.bdf'\nINCLUDE 'main.bdf'\n");
     let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
-    assert!(error.contains("does a file include itself?"), "{error}");
+    assert!(
+        error.contains("main.bdf, line 1: the file ") && error.contains("main.bdf includes itself;"),
+        "{error}"
+    );
+    write("main.bdf", "INCLUDE 'other.bulk'\n");
+    write("other.bulk", "$ one\nINCLUDE 'a long/../main.bdf'\n");
+    let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
+    assert!(
+        error.contains("other.bulk, line 2: ") && error.contains("includes itself through another file"),
+        "{error}"
+    );
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

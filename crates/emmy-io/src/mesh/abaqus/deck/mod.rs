@@ -9,6 +9,7 @@ use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
 use super::super::account::Account;
+use super::super::includes::Includes;
 use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
 use super::body::{At, Body, Element, Instance, Member, Of};
 use super::element::Role;
@@ -33,7 +34,7 @@ pub(in crate::mesh) struct Deck {
     /// Whether elements are there that can only be faces or edges of solid cells.
     has_faces: bool,
     pub(in crate::mesh) files: Vec<PathBuf>,
-    depth: usize,
+    includes: Includes,
     /// Nodes, elements and set members copied from parts by the instances.
     copied: usize,
     scope: Scope,
@@ -98,15 +99,11 @@ impl Elements {
     }
 }
 
-/// Depth of nested includes; deeper ones are taken for a cycle.
-const MAX_DEPTH: usize = 16;
-
-/// Largest number of files of one input; a few lines could request very many.
-const MAX_FILES: usize = 1000;
-
 impl Deck {
     /// Reads a file and its includes.
     pub(super) fn read(&mut self, file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<()> {
+        // The first file is never included yet.
+        _ = self.includes.open(file);
         self.file(file, bytes)?;
         self.close_section()?;
         if options.plane_shells {
@@ -334,21 +331,14 @@ impl Deck {
     fn include(&mut self, at: At, input: &str) -> Result<()> {
         let base = self.files[at.file as usize].parent().unwrap_or(Path::new(""));
         let path = base.join(input);
-        if self.depth == MAX_DEPTH {
-            let problem = format!("more than {MAX_DEPTH} files that include each other");
-            return Err(self.malformed(at, problem, "does a file include itself?"));
-        }
-        if self.files.len() == MAX_FILES {
-            let problem = format!("more than {MAX_FILES} files are included");
-            return Err(self.malformed(at, problem, "join them, or include each of them once"));
-        }
+        let opened = self.includes.open(&path);
+        opened.map_err(|(problem, advice)| self.malformed(at, problem, advice))?;
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths are relative to the file that includes")
         })?;
-        self.depth += 1;
         self.file(&path, without_mark(&bytes))?;
-        self.depth -= 1;
+        self.includes.close();
         Ok(())
     }
 }
