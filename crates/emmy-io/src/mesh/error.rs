@@ -39,6 +39,10 @@ impl fmt::Display for Place {
     }
 }
 
+/// Formats that are read.
+const FORMATS: &str =
+    "Gmsh (.msh), Abaqus (.inp), Nastran (.bdf, .nas, .fem, .dat) and VTK (.vtu, .pvtu, .vtk)";
+
 /// Error of a mesh file. Every message names the fault, its place, and something to try, with the numbers of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -53,8 +57,7 @@ pub enum MeshError {
     },
     /// A file of an unknown format.
     #[error(
-        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 1 to 4.1, ASCII or binary), \
-         Abaqus (.inp), Nastran (.bdf, .nas, .dat) and VTK (.vtu, .pvtu, .vtk)", file.display()
+        "{}: not a mesh file of a known format; Emmy reads {}", file.display(), FORMATS
     )]
     UnknownFormat {
         /// The file.
@@ -62,7 +65,7 @@ pub enum MeshError {
     },
     /// A file in an unsupported format of another program.
     #[error(
-        "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp), Nastran (.bdf) and VTK (.vtu, .vtk)", file.display()
+        "{}: {format} is not read; {command}; Emmy reads {}", file.display(), FORMATS
     )]
     OtherFormat {
         /// The file.

@@ -203,7 +203,7 @@ fn surfaces_are_combined() {
     assert_eq!(["sum", "both", "rest"].map(|group| n_facets(&file, group)), [4, 1, 6]);
     assert_plane(&file.mesh, "both", 2, 0.0);
     assert!(!file.mesh.groups().names().contains(&"_a"));
-    assert_eq!(file.notes, ["surface \"sharp\" (CROP) is neither of elements nor of nodes: left out"]);
+    assert_eq!(file.notes, ["surface \"sharp\" is cut to a box (CROP): left out"]);
     let text = format!("{BRICKS}*SURFACE, NAME=sum, COMBINE=UNION\nnone\n");
     let error = parse_text("a.inp", &text).unwrap_err().to_string();
     assert!(error.contains("line 18: there is no surface \"none\" above"), "{error}");

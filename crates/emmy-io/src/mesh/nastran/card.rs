@@ -120,7 +120,12 @@ pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bu
             count(&mut bulk.rest, at);
             continue;
         }
-        let line = split(text);
+        let line = match is_section(text) {
+            true => {
+                Line { head: Cow::Owned(words(text)), fields: Vec::new(), mark: "".into(), width: N_NARROW }
+            }
+            false => split(text),
+        };
         if line.head.is_empty() || line.head.starts_with(['+', '*']) {
             let own = key(&line.head);
             match pieces.last_mut() {
@@ -202,6 +207,15 @@ fn is_begin(line: &str) -> bool {
     let mut words = line.split_whitespace();
     let mut is_next = |wanted: &str| words.next().is_some_and(|word| word.eq_ignore_ascii_case(wanted));
     is_next("BEGIN") && is_next("BULK") && words.next().is_none()
+}
+
+/// Whether another section begins, such as `BEGIN SUPER=2`; its name is longer than that of a card.
+fn is_section(line: &str) -> bool {
+    line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("BEGIN"))
+}
+
+fn words(line: &str) -> String {
+    line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A mark without its first `+` or `*`.

@@ -197,10 +197,11 @@ impl Deck {
             "ELEMENT" if !is_cropped => Of::Elements,
             "NODE" if !is_cropped => Of::Nodes,
             _ => {
-                let how = if is_cropped { "CROP" } else { &surface_type };
-                self.notes.insert(format!(
-                    "surface \"{name}\" ({how}) is neither of elements nor of nodes: left out"
-                ));
+                let why = match is_cropped {
+                    true => "is cut to a box (CROP)".to_string(),
+                    false => format!("is neither of elements nor of nodes (TYPE={surface_type})"),
+                };
+                self.notes.insert(format!("surface \"{name}\" {why}: left out"));
                 return Ok(Section::Skipped);
             }
         };
