@@ -276,7 +276,7 @@ pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     let source = (kind.read)(item, directory)?;
     let shells = table.get("shells");
     if let Some(shells) = &shells {
-        shells.word("treatment of shells", &[PLANE_STRAIN])?;
+        shells.word("a treatment of shells", &[PLANE_STRAIN])?;
         if !matches!(source, Source::File(_)) {
             return Err(
                 shells.fault("`shells` is a key of mesh files; a built-in mesh has none", "of no use here")

@@ -7,7 +7,7 @@ const SHORTEST_BEGINNING: usize = 3;
 const MAX_WORDS: usize = 60;
 
 /// The nearest of the known words, if one is similar enough; else the first that begins with the word.
-pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = plain(word);
     let distance = |known: &&str| strsim::damerau_levenshtein(&plain, &self::plain(known));
     let length = plain.chars().count();

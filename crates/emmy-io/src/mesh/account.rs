@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::input::suggest::nearest;
+
 /// What a reader does with an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Treatment {
@@ -82,32 +84,45 @@ impl Account {
         listed(&self.left_out)
     }
 
-    /// Those entries and the unknown ones.
-    pub(crate) fn not_read(&self) -> Option<String> {
-        let all: Vec<String> = [&self.left_out, &self.unknown].into_iter().filter_map(listed).collect();
-        (!all.is_empty()).then(|| all.join(", "))
-    }
-
     /// A note on the entries that would change the motion, and one on the unknown ones.
     pub(crate) fn notes(&self) -> Vec<String> {
         let left_out = self.left_out().map(|all| format!("left out, though it may change the motion: {all}"));
-        let unknown = listed(&self.unknown).map(|all| format!("not known, and left out: {all}"));
+        let unknown = listed(&self.unknown).map(|all| format!("{UNKNOWN}{all}"));
         left_out.into_iter().chain(unknown).collect()
     }
+
+    /// The unknown entries, each with the nearest name that a table reads: one of them may be misspelt.
+    pub(crate) fn suspects(&self, table: &[Entries]) -> Option<String> {
+        let read = || {
+            let read = table.iter().filter(|entries| entries.treatment == Treatment::Read);
+            read.flat_map(|entries| entries.names).copied()
+        };
+        let suggestion = |name: &str| {
+            nearest(name, read()).map(|own| format!(" (did you mean {own}?)")).unwrap_or_default()
+        };
+        listed_with(&self.unknown, suggestion).map(|all| format!("{UNKNOWN}{all}"))
+    }
 }
+
+const UNKNOWN: &str = "not known, and left out: ";
 
 /// Names of a note at most.
 const MAX_NAMES: usize = 20;
 
 /// Counts and names, the most frequent first.
 fn listed(counts: &BTreeMap<String, usize>) -> Option<String> {
+    listed_with(counts, |_| String::new())
+}
+
+/// The same with a remark on each name.
+fn listed_with(counts: &BTreeMap<String, usize>, remark: impl Fn(&str) -> String) -> Option<String> {
     let mut all: Vec<(&String, &usize)> = counts.iter().collect();
     all.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
     let more = all.len().saturating_sub(MAX_NAMES);
     let shown: Vec<String> = all
         .iter()
         .take(MAX_NAMES)
-        .map(|(name, count)| format!("{count} {}", crate::message::name(name)))
+        .map(|(name, count)| format!("{count} {}{}", crate::message::name(name), remark(name)))
         .collect();
     let rest = if more > 0 { format!(" and {more} other names") } else { String::new() };
     (!shown.is_empty()).then(|| shown.join(", ") + &rest)
@@ -138,7 +153,6 @@ mod tests {
         }
         account.leave_out("CONM2");
         assert_eq!(account.left_out().unwrap(), "2 RBE2, 1 CONM2, 1 MPC");
-        assert_eq!(account.not_read().unwrap(), "2 RBE2, 1 CONM2, 1 MPC, 1 FOO");
         assert_eq!(
             account.notes(),
             [

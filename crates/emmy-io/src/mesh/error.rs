@@ -39,6 +39,10 @@ impl fmt::Display for Place {
     }
 }
 
+/// Formats that are read.
+const FORMATS: &str =
+    "Gmsh (.msh), Abaqus (.inp), Nastran (.bdf, .nas, .fem, .dat) and VTK (.vtu, .pvtu, .vtk)";
+
 /// Error of a mesh file. Every message names the fault, its place, and something to try, with the numbers of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -53,8 +57,7 @@ pub enum MeshError {
     },
     /// A file of an unknown format.
     #[error(
-        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 1 to 4.1, ASCII or binary), \
-         Abaqus (.inp), Nastran (.bdf, .nas, .dat) and VTK (.vtu, .pvtu, .vtk)", file.display()
+        "{}: not a mesh file of a known format; Emmy reads {}", file.display(), FORMATS
     )]
     UnknownFormat {
         /// The file.
@@ -62,7 +65,7 @@ pub enum MeshError {
     },
     /// A file in an unsupported format of another program.
     #[error(
-        "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp), Nastran (.bdf) and VTK (.vtu, .vtk)", file.display()
+        "{}: {format} is not read; {command}; Emmy reads {}", file.display(), FORMATS
     )]
     OtherFormat {
         /// The file.
@@ -219,6 +222,24 @@ pub enum MeshError {
         /// Something to try.
         advice: &'static str,
     },
+    /// A set, part, surface or coordinate system that the file does not define.
+    #[error("{place}: {problem}; {advice}")]
+    Undefined {
+        /// Place that names it.
+        place: Place,
+        /// Reason.
+        problem: String,
+        /// Something to try.
+        advice: &'static str,
+    },
+    /// An error of something missing, with the lines of the file that were not read and may be the cause.
+    #[error("{error}; {suspects}")]
+    Suspected {
+        /// The error.
+        error: Box<MeshError>,
+        /// The lines that were not read.
+        suspects: String,
+    },
     /// A fault of an unstructured grid of VTK, in a file or in memory.
     #[error("{}: {problem}; {advice}", file.display())]
     Grid {
@@ -237,4 +258,20 @@ pub enum MeshError {
         /// The error of the mesh.
         reason: emmy::Error,
     },
+}
+
+impl MeshError {
+    /// Adds the lines that were not read to the error of something missing.
+    pub(super) fn with_suspects(self, suspects: Option<String>) -> Self {
+        match (self, suspects) {
+            (
+                error @ (MeshError::UnknownNode { .. }
+                | MeshError::NoCells { .. }
+                | MeshError::NothingSolid { .. }
+                | MeshError::Undefined { .. }),
+                Some(suspects),
+            ) => MeshError::Suspected { error: Box::new(error), suspects },
+            (error, _) => error,
+        }
+    }
 }

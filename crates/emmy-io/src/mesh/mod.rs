@@ -4,8 +4,10 @@ mod abaqus;
 pub(crate) mod account;
 mod error;
 mod gmsh;
+mod includes;
 mod nastran;
 mod other;
+mod plane;
 pub(crate) mod vtu;
 
 use std::collections::BTreeMap;
@@ -67,8 +69,8 @@ pub struct MeshFile {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MeshOptions {
-    /// Groups whose lines of two nodes are cells (line2), not edges. The links of Abaqus (T3D2, T2D2, CONN3D2, SPRINGA)
-    /// are always cells.
+    /// Groups whose lines of two nodes are cells (line2), not edges. In an Abaqus file without other cells all of them
+    /// (T3D2, T2D2, CONN3D2, SPRINGA) are cells.
     pub links: Vec<String>,
     /// Whether the shells of a file without solid cells are cells in plane strain; without it they are an error.
     pub plane_shells: bool,

@@ -168,11 +168,15 @@ fn lines_beside_faces_are_edges_unless_links_are_asked_for() {
     let points: Vec<[f64; 3]> = nodes.iter().map(|&node| file.mesh.points()[node as usize]).collect();
     let constant = |axis: usize| points.iter().all(|point| point[axis] == points[0][axis]);
     assert_eq!([0, 1, 2].into_iter().filter(|&axis| constant(axis)).count(), 2, "{points:?}");
-    assert!(file.notes.iter().any(|note| note.contains("lines are read as edges")), "{:?}", file.notes);
+    let edges = "elements of type T3D2 are read as edges of the cells beside them, not as links";
+    assert!(file.notes.iter().any(|note| note.starts_with(edges)), "{:?}", file.notes);
     let links =
         emmy_io::mesh::read_with(&crate::meshes::path("gmsh-solid.inp"), &crate::meshes::links("Line1"))
             .unwrap();
-    assert!(links.mesh.counts_by_kind().iter().any(|(kind, _)| *kind == CellKind::Line2));
+    let (kind, n_links) = *links.mesh.counts_by_kind().last().unwrap();
+    // Neighbouring lines share a node.
+    assert_eq!((kind, n_links + 1), (CellKind::Line2, nodes.len()));
+    assert_eq!(links.mesh.groups().nodes["Line2"], file.mesh.groups().nodes["Line2"]);
 }
 
 #[test]
@@ -262,9 +266,24 @@ fn lines_of_three_nodes_are_edges_of_solid_cells() {
     let file = parse_text("a.inp", &deck.replacen("** Node sets", line, 1)).unwrap();
     assert_eq!(file.mesh.groups().nodes["Line1"].len(), 3);
     assert_plane(&file.mesh, "Line1", 1, 0.0);
-    let note = "elements of type T3D3 are read as edges of the solid cells beside them";
+    let note = "elements of type T3D3 are read as edges of the cells beside them";
     assert!(file.notes.iter().any(|own| own == note), "{:?}", file.notes);
     let alone = "*Node\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*Element, type=T3D3\n1, 1,2,3\n";
     let error = parse_text("a.inp", alone).unwrap_err().to_string();
     assert!(error.contains("no solid or plane cells, only 1 T3D3"), "{error}");
+}
+
+#[test]
+fn pyramids_of_thirteen_nodes_have_the_order_of_gmsh() {
+    // As Gmsh 4 writes its own reference pyramid, whose base is a square of side 2 and whose height is 1.
+    let text = "*Heading\n p.inp\n*NODE\n1, -1, -1, 0\n2, 1, -1, 0\n3, 1, 1, 0\n4, -1, 1, 0\n5, 0, 0, 1\n6, 0, -1, 0\n7, -1, 0, 0\n\
+                8, -0.5, -0.5, 0.5\n9, 1, 0, 0\n10, 0.5, -0.5, 0.5\n11, 0, 1, 0\n12, 0.5, 0.5, 0.5\n13, -0.5, 0.5, 0.5\n\
+                ******* E L E M E N T S *************\n*ELEMENT, type=C3D13, ELSET=Volume1\n\
+                1, 1, 2, 3, 4, 5, 6, 9, 11, 7, 8, 10, 12, 13\n*SURFACE, NAME=base\n1, S1\n";
+    let file = parse_text("p.inp", text).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Pyramid13, 1)]);
+    assert_straight(&file.mesh);
+    assert!((volume(&file.mesh) - 4.0 / 3.0).abs() < 1e-15 && file.notes.is_empty(), "{:?}", file.notes);
+    assert_plane(&file.mesh, "base", 2, 0.0);
+    assert_eq!(file.mesh.group_nodes("base").unwrap().len(), 8);
 }

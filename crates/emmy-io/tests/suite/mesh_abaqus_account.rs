@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::meshes::{assert_plane, parse_text, volume};
+use crate::meshes::{assert_plane, links, parse_text, volume};
 use emmy::mesh::CellKind;
 use emmy_io::mesh::{MeshFile, MeshOptions, parse_with};
 use proptest::prelude::*;
@@ -95,7 +95,8 @@ fn links_stay_links_and_sets_with_cells_keep_these_alone() {
     let text = "*ELEMENT, TYPE=SPRINGA, ELSET=springs\n3, 1, 12\n*ELEMENT, TYPE=MASS\n4, 12\n*ELSET, ELSET=both\n1, 4\n\
                 *NSET, NSET=of-mass, ELSET=lump\n";
     let text = text.replace("TYPE=MASS", "TYPE=MASS, ELSET=lump");
-    let file = parse_text("a.inp", &format!("{BRICKS}{text}")).unwrap();
+    let text = format!("{BRICKS}{text}");
+    let file = parse_with("a.inp".as_ref(), text.as_bytes(), &links("springs")).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Hex8, 2), (CellKind::Line2, 1)]);
     let groups = file.mesh.groups();
     assert_eq!((groups.cells("springs").unwrap(), groups.cells("both").unwrap()), (&[2][..], &[0][..]));
@@ -214,7 +215,7 @@ fn surfaces_are_combined() {
     assert_eq!(["sum", "both", "rest"].map(|group| n_facets(&file, group)), [4, 1, 6]);
     assert_plane(&file.mesh, "both", 2, 0.0);
     assert!(!file.mesh.groups().names().contains(&"_a"));
-    assert_eq!(file.notes, ["surface \"sharp\" (CROP) is neither of elements nor of nodes: left out"]);
+    assert_eq!(file.notes, ["surface \"sharp\" is cut to a box (CROP): left out"]);
     let text = format!("{BRICKS}*SURFACE, NAME=sum, COMBINE=UNION\nnone\n");
     let error = parse_text("a.inp", &text).unwrap_err().to_string();
     assert!(error.contains("line 18: there is no surface \"none\" above"), "{error}");

@@ -248,7 +248,21 @@ fn bad_abaqus_assemblies() {
         assert_message("a.inp", &format!("{part}{text}"), parts);
     }
     let circle = emmy_io::mesh::read(&path("circle.inp")).unwrap_err().to_string();
-    assert!(circle.contains("circle.inp, line 2: more than 16 files"), "{circle}");
+    assert!(
+        circle.contains("circle.inp, line 2: the file ") && circle.contains("includes itself"),
+        "{circle}"
+    );
+    // Each file includes the next one; the last one is not there.
+    let folder = tempfile::tempdir().unwrap();
+    for (name, line) in [("inp", "*INCLUDE, INPUT=NEXT.inp\n"), ("bdf", "INCLUDE 'NEXT.bdf'\n")] {
+        for number in 0..20 {
+            let line = line.replace("NEXT", &(number + 1).to_string());
+            std::fs::write(folder.path().join(format!("{number}.{name}")), line).unwrap();
+        }
+        let message = emmy_io::mesh::read(&folder.path().join(format!("0.{name}"))).unwrap_err().to_string();
+        let expected = format!("16.{name}, line 1: more than 16 files, each included by the one before");
+        assert!(message.contains(&expected), "{message}");
+    }
 }
 
 #[test]
@@ -283,4 +297,85 @@ fn nodes_at_one_place_are_noted() {
     let file = parse_text("a.inp", &format!("{INP}{text}")).unwrap();
     let note = "3 nodes lie where another one does, the first at [0, 0, 0]: cells on both sides are not joined there";
     assert_eq!(file.notes, [note]);
+}
+
+#[test]
+fn what_is_missing_may_be_on_lines_that_are_not_known() {
+    let tet = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=body\n1, 1,2,3,4\n";
+    let grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
+    let no_cells = "the mesh has no solid or plane cells; ";
+    let cases = [
+        ("a.inp", tet.replace("*ELEMENT", "*ELEMET"), no_cells, "1 *ELEMET (did you mean *ELEMENT?)"),
+        ("a.inp", tet.replace("*NODE", "*NODES"), "names node 1, which", "1 *NODES (did you mean *NODE?)"),
+        (
+            "a.inp",
+            tet.replace("C3D4", "MASS").replace("1, 1,2,3,4", "1, 4") + "*WARP FIELD\n1\n",
+            "only 1 MASS",
+            "1 *WARP FIELD",
+        ),
+        (
+            "a.inp",
+            format!("{tet}*ELSETS, ELSET=a\n1\n*NSET, NSET=b, ELSET=a\n"),
+            "no element set \"a\"",
+            "1 *ELSETS (did you mean *ELSET?)",
+        ),
+        (
+            "a.bdf",
+            format!("{grids}CQUAD9,1,1,1,2,3,4\nCQUAD9,2,1,1,2,3,4\n"),
+            no_cells,
+            "2 CQUAD9 (did you mean",
+        ),
+        ("a.bdf", format!("{grids}FOOEL,1,1,1,2,3,4\nCONM2,3,1,,2.5\n"), "only 1 CONM2", "1 FOOEL"),
+        (
+            "a.bdf",
+            format!("{}CTETRA,1,1,1,2,3,4\n", grids.replacen("GRID", "GRIDD9", 1)),
+            "names node 1, which",
+            "1 GRIDD9",
+        ),
+        (
+            "a.bdf",
+            format!("{}CTETRA,1,1,1,2,3,4\n", grids.replacen("GRID,1,", "GRID,1,5", 1)),
+            "no coordinate system 5",
+            "",
+        ),
+        (
+            "a.bdf",
+            format!("{grids}ENDDATA\nCTETRA,1,1,1,2,3,4\n"),
+            no_cells,
+            "a.bdf, line 6: 1 line after ENDDATA is not read",
+        ),
+    ];
+    for (name, text, error, suspects) in cases {
+        let message = parse_text(name, &text).unwrap_err().to_string();
+        assert!(message.contains(error) && message.contains(suspects), "{message}");
+        assert!(suspects.is_empty() || message.find(error) < message.find(suspects), "{message}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let main = folder.path().join("a.bdf");
+    std::fs::write(&main, "INCLUDE 'g.bdf'\nCTETRA,1,1,1,2,3,4\nENDDATA\n").unwrap();
+    std::fs::write(folder.path().join("g.bdf"), format!("{grids}ENDDATA\n")).unwrap();
+    let message = emmy_io::mesh::read(&main).unwrap_err().to_string();
+    let place = folder.path().join("g.bdf").display().to_string();
+    let rest = format!("a.bdf, line 2: 2 lines after ENDDATA of {place}, line 5 are not read");
+    assert!(message.contains(no_cells) && message.contains(&rest), "{message}");
+}
+
+#[test]
+fn elements_beside_the_cells_may_name_a_node_that_is_not_there() {
+    let tet = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=body\n1, 1,2,3,4\n";
+    for (kind, nodes) in [("T3D2", "1, 99"), ("B31", "1, 99"), ("S3", "1, 2, 99"), ("T3D3", "1, 2, 99")] {
+        let text = format!("{tet}*ELEMENT, TYPE={kind}, ELSET=other\n2, {nodes}\n");
+        let file = parse_text("a.inp", &text).unwrap();
+        assert_eq!(file.notes, [format!("left out, though it may change the motion: 1 {kind}")]);
+        assert_eq!(file.mesh.groups().nodes["other"].len(), nodes.split(',').count() - 1, "{kind}");
+    }
+    let grids =
+        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\n";
+    for (card, nodes) in [("CBAR", "1,99"), ("CTRIA3", "1,2,99")] {
+        let file = parse_text("a.bdf", &format!("{grids}{card},2,7,{nodes}\nENDDATA\n")).unwrap();
+        let left_out = format!("left out, though it may change the motion: 1 {card}");
+        let missing = "node set \"pid_7\" names 1 node that the file does not have".to_string();
+        assert_eq!(file.notes, [left_out, missing]);
+        assert_eq!(file.mesh.groups().nodes["pid_7"].len(), nodes.split(',').count() - 1, "{card}");
+    }
 }

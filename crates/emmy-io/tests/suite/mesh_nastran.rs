@@ -127,7 +127,7 @@ fn sets_names_and_shells_become_groups() {
     assert_eq!(
         file.notes,
         [
-            "2 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups spc_5, spc_6",
+            "2 constraints (SPC, SPC1) fix nothing without a `support`: groups spc_5, spc_6",
             "left out, though it may change the motion: 1 CONM2, 1 CTRIA3, 1 FORCE, 1 RBE2"
         ]
     );
@@ -196,6 +196,7 @@ fn faults_have_their_line_and_their_card() {
             "a.bdf, line 6: lines with `=` ask for more than 1000000 cards",
         ),
         (format!("{TET}=,*0\n"), "a.bdf, line 5: node 4 exists already"),
+        (format!("{TET}CTETRA_,1,3,1,2,3\n"), "element 1 (CTETRA_) has 3 nodes instead of 4 or 10"),
         (format!("{TET}CHEX8,1,1,1,2,3,4\n"), "a.bdf, line 5: solid cells of the kind CHEX8 are not read"),
         (
             format!("{TET}CTETRA_,1,1,1,2,3,4\n"),
@@ -203,7 +204,7 @@ fn faults_have_their_line_and_their_card() {
              write the mesh as .vtu with it",
         ),
         (format!("{TET}CGEN,CHEXA,1\n"), "a.bdf, line 5: CGEN makes grid points or cells, and is not read"),
-        (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SU makes grid points or cells"),
+        (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SUPER=2 makes grid points or cells"),
         (
             format!("{TET}CBAR,1,1,1,2\nCONM2,3,1,,2.5\n"),
             "a.bdf: the file has no solid or plane cells, only 1 CBAR, 1 CONM2; the body must be",
@@ -389,7 +390,17 @@ fn files_include_others() {
     assert!(error.contains("wrong.bulk, line 2: expected the number of a grid point"), "{error}");
     write("main.bdf", "INCLUDE 'main.bdf'\nINCLUDE 'main.bdf'\n");
     let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
-    assert!(error.contains("does a file include itself?"), "{error}");
+    assert!(
+        error.contains("main.bdf, line 1: the file ") && error.contains("main.bdf includes itself;"),
+        "{error}"
+    );
+    write("main.bdf", "INCLUDE 'other.bulk'\n");
+    write("other.bulk", "$ one\nINCLUDE 'a long/../main.bdf'\n");
+    let error = emmy_io::mesh::read(&folder.join("main.bdf")).unwrap_err().to_string();
+    assert!(
+        error.contains("other.bulk, line 2: ") && error.contains("includes itself through another file"),
+        "{error}"
+    );
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -480,7 +491,7 @@ fn what_is_beside_the_cells_is_left_out_and_its_sets_are_groups() {
     let left_out = "1 CBEAM, 1 CBUSH, 1 CELAS1, 1 CONM2, 1 MPC, 1 PLOAD4, 1 TEMPD, 1 TIC";
     has_note(&file.notes, &format!("left out, though it may change the motion: 2 CQUAD4, {left_out}"));
     has_note(&file.notes, "not known, and left out: 1 FOO");
-    has_note(&file.notes, "1 constraint (SPC, SPC1, GRID) fixes nothing without a `support`: groups spc_5");
+    has_note(&file.notes, "1 constraint (SPC1) fixes nothing without a `support`: groups spc_5");
 }
 
 #[test]
@@ -491,10 +502,7 @@ fn constraints_of_grid_points_are_groups() {
     assert_eq!(file.mesh.groups().nodes["ps_3"], [0]);
     let file = parse_text("a.bdf", &format!("GRDSET,,,,,,,21456\n{nodes}{CELLS}ENDDATA\n")).unwrap();
     assert_eq!((file.mesh.groups().nodes["ps_3"].len(), file.mesh.groups().nodes["ps_12"].len()), (1, 10));
-    has_note(
-        &file.notes,
-        "11 constraints (SPC, SPC1, GRID) fix nothing without a `support`: groups ps_12, ps_3",
-    );
+    has_note(&file.notes, "11 constraints (GRID) fix nothing without a `support`: groups ps_12, ps_3");
     // In a plane, z is fixed anyway.
     let sheet = SHEET
         .replace("GRID,1,,0.,0.,0.", "GRID,1,,0.,0.,0.,,3")
@@ -537,8 +545,94 @@ fn an_input_asks_for_shells_in_plane_strain() {
     let file = "file = \"sheet.bdf\"";
     assert!(read(file).unwrap_err().contains("element 1 (CQUAD4) is a shell with PSHELL 7"));
     assert_eq!(read(&format!("{file}\nshells = \"plane-strain\"")), Ok(3));
-    assert!(read(&format!("{file}\nshells = \"plane-stress\"")).unwrap_err().contains("plane-stress"));
+    let other = read(&format!("{file}\nshells = \"plane-stress\"")).unwrap_err();
+    assert!(
+        other.contains("`plane-stress` is not a treatment of shells; there is `plane-strain`"),
+        "{other}"
+    );
     let built_in = "rectangle = { size = [1, 1], cells = [1, 1] }\nshells = \"plane-strain\"";
     assert!(read(built_in).unwrap_err().contains("`shells` is a key of mesh files"));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn ends_of_springs_have_a_group_of_their_own() {
+    let springs = [
+        "CELAS1,5,1,1,1",
+        "CELAS1,5,1,1,1,2,1",
+        "CDAMP1,5,1,1,1",
+        "CMASS1,5,1,1,1",
+        "CBUSH,5,1,1,,,,,0",
+        "CGAP,5,1,1",
+        "CBUSH1D,5,1,1",
+    ];
+    for spring in springs {
+        let text = format!("{TET}CTETRA,1,1,1,2,3,4\nPSOLID,1,1\n{spring}\nENDDATA\n");
+        let file = parse_text("a.bdf", &text).unwrap();
+        assert_eq!(file.mesh.group_nodes("pid_1").unwrap().len(), 4, "{spring}");
+        let n_ends = if spring.ends_with(",2,1") { 2 } else { 1 };
+        assert_eq!(file.mesh.groups().nodes["pid_1-ends"].len(), n_ends, "{spring}");
+        // Without solid cells of that number it is free.
+        let file = parse_text("a.bdf", &text.replace("CTETRA,1,1,", "CTETRA,1,7,")).unwrap();
+        assert_eq!(file.mesh.groups().names(), ["pid_1", "pid_7"], "{spring}");
+    }
+}
+
+#[test]
+fn continuations_that_belong_to_nothing_have_a_note() {
+    let text = format!("{}{CELLS}ENDDATA\n", grids("", |point| point));
+    let after = |card: &str, line: &str| {
+        let text = text.replacen(card, &format!("{card}{line}"), 1);
+        let file = parse_text("a.bdf", &text).unwrap();
+        assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Hex8, 2)], "{line}");
+        assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
+        file.notes
+    };
+    let stray =
+        |line: usize| format!("a.bdf, line {line}: 1 line continues no card, here for the first time");
+    let grid = "GRID,3,,1.0,1.0,0.0\n";
+    assert_eq!(after(grid, "+Q,1,2,3\n"), [stray(4)]);
+    assert_eq!(after(",7,8\n", "+ZZ,1,2\n"), [stray(15)]);
+    // A blank mark belongs to the card above, which has no second line.
+    for line in ["+,1,2,3\n", ",1,2,3\n", "        5\n"] {
+        let note = "a.bdf, line 3: 1 card has fields after the last one of its kind, which are not read, here for the first time";
+        assert_eq!(after(grid, line), [note], "{line}");
+    }
+    for line in ["+\n", ",,\n", "*\n"] {
+        assert_eq!(after(grid, line), [""; 0], "{line}");
+    }
+}
+
+#[test]
+fn cells_of_meshio_are_those_of_the_guide() {
+    // As meshio 5.3.5 writes a cell of ten nodes, with its fields after a blank property.
+    let points: Vec<[f64; 3]> = {
+        let (_, _, corners, edges, _) = SOLIDS[2];
+        let middle = |&[a, b]: &[usize; 2]| [0, 1, 2].map(|i| (corners[a - 1][i] + corners[b - 1][i]) / 2.0);
+        corners.iter().copied().chain(edges.iter().map(middle)).collect()
+    };
+    let grid = |(index, [x, y, z]): (usize, &[f64; 3])| {
+        format!("GRID*   {:<32}{x:>16.1}{y:>16.1}\n*       {z:>16.1}\n", index + 1)
+    };
+    let grids: String = points.iter().enumerate().map(grid).collect();
+    let cell = "CTETRA_ 1               1       2       3       4       5       6       +11     \n\
+                +11     7       8       9       10      \n";
+    let file = parse_text(
+        "a.bdf",
+        &format!("$ Nastran file written by meshio v5.3.5\nBEGIN BULK\n{grids}{cell}ENDDATA\n"),
+    );
+    let file = file.unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet10, 1)]);
+    assert_straight(&file.mesh);
+    assert!((volume(&file.mesh) - 1.0 / 6.0).abs() < 1e-15 && file.notes.is_empty(), "{:?}", file.notes);
+}
+
+#[test]
+fn a_list_of_grid_points_may_leave_some_out() {
+    let text = |spc: &str| format!("{}{CELLS}{spc}ENDDATA\n", grids("", |point| point));
+    let file = parse_text("a.bdf", &text("SPC1,5,1,5,THRU,12,EXCEPT,7\n")).unwrap();
+    assert_eq!(file.mesh.groups().nodes["spc_5"], [4, 5, 7, 8, 9, 10, 11]);
+    let file = parse_text("a.bdf", &text("SPC1,5,1,5,FOO\n")).unwrap();
+    assert_eq!(file.mesh.groups().nodes["spc_5"], [4]);
+    has_note(&file.notes, "a.bdf, line 17: the field FOO of SPC1 is not read");
 }

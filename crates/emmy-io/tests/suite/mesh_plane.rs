@@ -84,6 +84,29 @@ fn abaqus() {
 }
 
 #[test]
+fn lines_of_three_nodes_have_their_middle_at_either_place() {
+    let nodes = "*Node\n1, 0, 0\n2, 2, 0\n3, 0, 2\n4, 1, 0\n5, 1, 1\n6, 0, 1\n*Element, type=CPE6, elset=body\n1, 1,2,3,4,5,6\n";
+    let lines = |lines: &str| {
+        let text = format!("{nodes}*Element, type=T2D3, elset=foot\n{lines}\n");
+        parse_text("a.inp", &text).unwrap()
+    };
+    for foot in ["2, 1, 4, 2", "2, 1, 2, 4", "2, 2, 4, 1"] {
+        let file = lines(foot);
+        assert_eq!(file.mesh.groups().facets("foot").unwrap(), [Facet { cell: 0, local: 0 }], "{foot}");
+    }
+    // The middle of another edge.
+    for foot in ["2, 1, 5, 2", "2, 1, 2, 6"] {
+        let file = lines(foot);
+        assert_eq!(
+            (file.mesh.groups().nodes["foot"].len(), file.mesh.groups().facets.len()),
+            (3, 0),
+            "{foot}"
+        );
+        assert_eq!(file.notes, ["left out, though it may change the motion: 1 T2D3"]);
+    }
+}
+
+#[test]
 fn frames_come_back_with_all_their_groups() {
     let mesh = parse_text("a.msh", &v2()).unwrap().mesh;
     let temp = tempfile::tempdir().unwrap();
@@ -116,4 +139,39 @@ fn triangles_of_a_solid_are_still_its_faces() {
 fn a_plane_body_lies_in_a_plane() {
     let message = parse_text("a.msh", &v2().replace("6 2 1 0.5", "6 2 1 0.7")).unwrap_err().to_string();
     assert!(message.contains("node 6 is at z = 0.7 and the first one at z = 0.5"), "{message}");
+}
+
+#[test]
+fn the_node_beside_the_plane_has_its_number() {
+    let sheet = "GRID,101,,0.,0.,0.\nGRID,102,,1.,0.,0.\nGRID,103,,1.,1.,1.\nGRID,104,,0.,1.,1.\nCQUAD4,7,3,101,102,103,104\n";
+    let error = |name: &str, text: &str| parse_text(name, text).unwrap_err().to_string();
+    let turned = "all of them lie in another plane: turn the mesh into the x-y plane";
+    let message = error("a.bdf", sheet);
+    assert!(message.starts_with("a.bdf: the file has quadrilaterals only and no solid cells"), "{message}");
+    assert!(message.contains("(node 103 is at z = 1 and the first one at z = 0)"), "{message}");
+    assert!(message.ends_with(turned), "{message}");
+    let warped = error("a.bdf", &sheet.replace("104,,0.,1.,1.", "104,,0.,1.,0."));
+    assert!(warped.contains("node 103 is at") && !warped.contains(turned), "{warped}");
+    let part =
+        "*Part, name=P\n*Node\n11, 0, 0\n12, 1, 0\n13, 0, 1\n*Element, type=CPE3\n1, 11,12,13\n*End Part\n";
+    let text = format!(
+        "{part}*Instance, name=P-1, part=P\n*End Instance\n*Instance, name=P-2, part=P\n3, 0, 0\n3, 0, 0, 4, 0, 0, 90\n*End Instance\n"
+    );
+    let message = error("a.inp", &text);
+    assert!(message.contains("node 13 of instance P-2 is at z = 1 and the first one at z = 0"), "{message}");
+    let message =
+        error("a.inp", &text.replacen("3, 0, 0\n", "0, 0, 2\n", 1).replace("3, 0, 0, 4, 0, 0, 90\n", ""));
+    assert!(
+        message.contains("triangles only") && message.contains("node 11 of instance P-2 is at z = 2"),
+        "{message}"
+    );
+}
+
+#[test]
+fn cells_in_plane_strain_are_not_beside_solid_ones() {
+    let text = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n*Element, type=C3D8\n\
+                1, 1,2,3,4,5,6,7,8\n*Element, type=CPE4\n2, 5,6,7,8\n3, 1,2,6,5\n";
+    let message = parse_text("a.inp", text).unwrap_err().to_string();
+    let expected = "a.inp, line 13: element 2 (CPE4) is a cell in plane strain beside solid cells, such as element 1 (C3D8)";
+    assert!(message.starts_with(expected), "{message}");
 }

@@ -1,11 +1,12 @@
 //! The mesh of an input file: placed bodies, sets and surfaces as groups.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 use emmy::mesh::{CellKind, Facet, MeshBuilder};
 
 use super::super::account::Account;
+use super::super::plane::Surfaces;
 use super::super::{MeshError, MeshFile, Origin, Result, finished};
 use super::body::{At, Body, Combine, Element, Face, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
@@ -19,7 +20,19 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     if deck.is_of_shells() {
         return Err(no_cells(file, deck));
     }
-    let is_solid = |body: &Body| body.elements.iter().any(|element| element.kind.dimension() == 3);
+    let mut elements = deck.bodies().flat_map(|body| &body.elements);
+    let solid = elements.clone().find(|element| element.kind.dimension() == 3);
+    if let (Some(solid), Some(plane)) = (solid, elements.find(|element| element.kind.dimension() == 2)) {
+        let problem = format!(
+            "element {} ({}) is a cell in plane strain beside solid cells, such as element {} ({})",
+            plane.number,
+            deck.type_of(plane),
+            solid.number,
+            deck.type_of(solid)
+        );
+        let advice = "write the two bodies to files of their own; elements on the faces of solid cells are CPS4, M3D4 or S4";
+        return Err(deck.malformed(plane.at, problem, advice));
+    }
     let mut assembly = Assembly {
         file,
         deck,
@@ -27,7 +40,7 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         starts: Vec::new(),
         n_nodes: 0,
         root_surfaces: deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect(),
-        is_plane: !deck.bodies().any(is_solid),
+        is_plane: solid.is_none(),
         faces: None,
         surfaces: HashMap::new(),
     };
@@ -38,12 +51,12 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     }
     assembly.find_faces()?;
     let mut account = deck.account.clone();
-    notes.extend(assembly.account_for_elements(&mut account)?);
+    notes.extend(assembly.account_for_elements(&mut account));
     notes.extend(account.notes());
     assembly.find_surfaces(&mut notes)?;
-    assembly.add_groups(None, &mut notes)?;
+    assembly.add_groups(None, &mut notes);
     for index in 0..deck.instances.len() {
-        assembly.add_groups(Some(index as u32), &mut notes)?;
+        assembly.add_groups(Some(index as u32), &mut notes);
         assembly.add_instance_group(index);
     }
     assembly.faces = None;
@@ -53,8 +66,43 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
+        MeshError::Mesh { reason: emmy::Error::NotInPlane { node, z, plane }, .. } => {
+            let node = node_name(deck, &starts, node as u32);
+            surfaces(deck).error(file, &node, [z, plane], [TURN, SURFACES_ALONE])
+        }
         error => error,
     })
+}
+
+const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y plane";
+
+const SURFACES_ALONE: &str = "a body in plane strain lies in the x-y plane; mesh any other with solid cells";
+
+/// The surface elements among the cells.
+fn surfaces(deck: &Deck) -> Surfaces {
+    let placements = deck.instances.iter().map(|instance| instance.placement);
+    let placements = std::iter::once(Placement::default()).chain(placements);
+    let mut surfaces = Surfaces::default();
+    for (body, placement) in deck.bodies().zip(placements) {
+        for element in body.elements.iter().filter(|element| element.kind.dimension() == 2) {
+            surfaces.has[usize::from(element.kind.n_corners() == 4)] = true;
+            let indices = body.nodes_of(element).iter().filter_map(|node| body.nodes.get(node));
+            surfaces.points.extend(indices.map(|&index| placement.place(body.points[index as usize])));
+        }
+    }
+    surfaces
+}
+
+/// `node 3`, or `node 3 of instance Arm-1`.
+fn node_name(deck: &Deck, starts: &[[u32; 2]], node: u32) -> String {
+    let names = deck.instances.iter().map(|instance| format!(" of instance {}", instance.name));
+    let bodies = deck.bodies().zip(starts).zip(std::iter::once(String::new()).chain(names));
+    let own = bodies.filter(|((_, [first, _]), _)| *first <= node).last();
+    let number = own.and_then(|((body, [first, _]), instance)| {
+        let (number, _) = body.nodes.iter().find(|(_, index)| **index == node - first)?;
+        Some(format!("node {number}{instance}"))
+    });
+    number.unwrap_or_else(|| format!("node {node}"))
 }
 
 /// `element 3`, or `element 3 of instance Arm-1`.
@@ -77,7 +125,7 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     let mut others = Account::default();
     for body in deck.bodies() {
-        (0..body.lower.len()).for_each(|index| others.leave_out(deck.lower_type(body, index)));
+        body.lower.iter().for_each(|element| others.leave_out(deck.type_of(element)));
         body.left_out.iter().for_each(|element| others.leave_out(&deck.types[element.element_type as usize]));
     }
     let has_parts_alone = !deck.parts.is_empty() && deck.instances.is_empty();
@@ -98,6 +146,16 @@ fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
 }
+
+/// Indices in the mesh of those nodes of an element that the file defines.
+fn known_nodes(body: &Body, element: &Element, first_node: u32) -> Vec<u32> {
+    let known = body.nodes_of(element).iter().filter_map(|node| body.nodes.get(node));
+    known.map(|index| first_node + index).collect()
+}
+
+/// What lines of two nodes are that are no links.
+const LINES: &str =
+    "edges of the cells beside them, not as links: no region with a material for links has their group";
 
 /// What the elements of a set are that are no cells.
 #[derive(Debug, Default)]
@@ -188,39 +246,20 @@ impl<'a> Assembly<'a> {
         if of == Of::Nodes { node } else { cell }
     }
 
-    fn add_groups(&mut self, instance: Option<u32>, notes: &mut Vec<String>) -> Result<()> {
+    fn add_groups(&mut self, instance: Option<u32>, notes: &mut Vec<String>) {
         let body = self.body(instance);
         for of in [Of::Nodes, Of::Elements] {
             for (key, set) in body.sets(of).iter().filter(|(_, set)| !set.internal) {
                 let is_taken = self.deck.root.sets(of).contains_key(key);
-                self.add_set(of, instance, set, is_taken, notes)?;
+                self.add_set(of, instance, set, is_taken, notes);
             }
         }
         for surface in body.surfaces.iter().filter(|surface| !surface.internal) {
             self.add_surface(instance, surface);
         }
-        Ok(())
     }
 
-    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
-    fn names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
-        match instance {
-            None => vec![name.to_string()],
-            Some(index) => {
-                let qualified = format!("{}.{name}", self.deck.instances[index as usize].name);
-                if is_taken { vec![qualified] } else { vec![qualified, name.to_string()] }
-            }
-        }
-    }
-
-    fn add_set(
-        &mut self,
-        of: Of,
-        instance: Option<u32>,
-        set: &Set,
-        is_taken: bool,
-        notes: &mut Vec<String>,
-    ) -> Result<()> {
+    fn add_set(&mut self, of: Of, instance: Option<u32>, set: &Set, is_taken: bool, notes: &mut Vec<String>) {
         let mut indices = Vec::new();
         let mut others = Others::default();
         let mut n_missing = 0_u64;
@@ -228,10 +267,10 @@ impl<'a> Assembly<'a> {
             let (found, missing) = self.indices(of, instance, member);
             indices.extend(found);
             let n_others =
-                if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+                if of == Of::Elements { self.add_others(instance, member, &mut others) } else { 0 };
             n_missing = n_missing.saturating_add(missing - n_others);
         }
-        let names = self.names(instance, &set.name, is_taken);
+        let names = self.deck.group_names(instance, &set.name, is_taken);
         if n_missing > 0 {
             let [one, what, many] = match of {
                 Of::Nodes => ["node", "node", "nodes"],
@@ -263,7 +302,6 @@ impl<'a> Assembly<'a> {
                 }
             }
         }
-        Ok(())
     }
 
     /// Whether elements of a kind are facets of the body's cells.
@@ -295,41 +333,50 @@ impl<'a> Assembly<'a> {
     }
 
     /// The facet that a surface element is, if it is one.
-    fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Result<Option<Facet>> {
-        let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
-        let find = |corners: &[u32]| self.faces.as_ref().and_then(|faces| faces.facet(corners));
-        let facet = find(&nodes[..element.kind.n_corners()]);
-        // Abaqus has the middle of a line in the second place.
-        Ok(facet.or_else(|| if let [first, _, last] = nodes[..] { find(&[first, last]) } else { None }))
+    fn facet(&self, body: &Body, element: &Element, first_node: u32) -> Option<Facet> {
+        let nodes = known_nodes(body, element, first_node);
+        let faces = self.faces.as_ref().filter(|_| nodes.len() == element.n_nodes)?;
+        match nodes[..] {
+            [a, b, c] if element.kind == CellKind::Line2 => faces.edge([a, b, c]),
+            _ => faces.facet(&nodes[..element.kind.n_corners()]),
+        }
     }
 
-    /// Counts the elements that are left out by their types, and notes which types are read as faces.
-    fn account_for_elements(&self, account: &mut Account) -> Result<Vec<String>> {
+    /// Counts the elements that are left out by their types, and notes which types are read as faces, edges or links.
+    fn account_for_elements(&self, account: &mut Account) -> Vec<String> {
         let mut read = BTreeMap::<&str, &str>::new();
+        let mut links = BTreeSet::<&str>::new();
         for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
-            for (index, element) in body.lower.iter().enumerate() {
-                let name = self.deck.lower_type(body, index);
-                let is_named = index < body.lower_types.len();
+            let lines = body.elements.iter().filter(|element| element.kind == CellKind::Line2);
+            let named = lines.filter(|element| element.element_type.is_some());
+            links.extend(named.map(|element| self.deck.type_of(element)));
+            for element in &body.lower {
+                let name = self.deck.type_of(element);
+                let is_named = element.element_type.is_some();
+                let is_whole = known_nodes(body, element, first_node).len() == element.n_nodes;
                 match self.are_facets(element.kind) {
-                    true if self.facet(body, element, first_node)?.is_none() => account.leave_out(name),
-                    true if is_named && !self.is_plane => _ = read.insert(name, "faces"),
+                    _ if !is_whole => account.leave_out(name),
+                    true if self.facet(body, element, first_node).is_none() => account.leave_out(name),
                     false if element.kind.dimension() > 1 => account.leave_out(name),
-                    _ if is_named => _ = read.insert(name, "edges"),
-                    _ => {}
+                    _ if !is_named => {}
+                    _ if element.kind.dimension() > 1 => {
+                        _ = read.insert(name, "faces of the solid cells beside them")
+                    }
+                    _ if element.n_nodes > 2 => _ = read.insert(name, "edges of the cells beside them"),
+                    _ => _ = read.insert(name, LINES),
                 }
             }
             for element in &body.left_out {
                 account.leave_out(&self.deck.types[element.element_type as usize]);
             }
         }
-        let note = |(name, parts)| {
-            format!("elements of type {name} are read as {parts} of the solid cells beside them")
-        };
-        Ok(read.into_iter().map(note).collect())
+        let note = |(name, parts)| format!("elements of type {name} are read as {parts}");
+        let links = links.into_iter().filter_map(|name| element::note(name, CellKind::Line2));
+        links.chain(read.into_iter().map(note)).collect()
     }
 
     /// Adds the elements of a member of a set that are no cells, and returns their number.
-    fn add_others(&self, instance: Option<u32>, member: Member, others: &mut Others) -> Result<u64> {
+    fn add_others(&self, instance: Option<u32>, member: Member, others: &mut Others) -> u64 {
         let instance = member.instance.or(instance);
         let body = self.body(instance);
         let first_node = self.start(instance, Of::Nodes);
@@ -337,13 +384,13 @@ impl<'a> Assembly<'a> {
         for &index in &lower {
             let element = &body.lower[index as usize];
             if self.are_facets(element.kind)
-                && let Some(facet) = self.facet(body, element, first_node)?
+                && let Some(facet) = self.facet(body, element, first_node)
             {
                 others.facets.push(facet);
                 continue;
             }
-            let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
-            if element.kind == CellKind::Line2 && !self.is_plane {
+            let nodes = known_nodes(body, element, first_node);
+            if element.kind == CellKind::Line2 && !self.is_plane && nodes.len() == element.n_nodes {
                 others.nodes_of_edges.extend(nodes);
             } else {
                 others.n_left_out += 1;
@@ -357,7 +404,7 @@ impl<'a> Assembly<'a> {
                 others.nodes.extend(self.indices(Of::Nodes, instance, node).0);
             }
         }
-        Ok((lower.len() + left_out.len()) as u64)
+        (lower.len() + left_out.len()) as u64
     }
 
     /// Indices in the mesh of nodes of an element.
@@ -406,7 +453,8 @@ impl<'a> Assembly<'a> {
 
     fn add_surface(&mut self, instance: Option<u32>, surface: &Surface) {
         let name = surface.name.to_lowercase();
-        let names = self.names(instance, &surface.name, self.root_surfaces.contains(&name));
+        let is_taken = self.root_surfaces.contains(&name);
+        let names = self.deck.group_names(instance, &surface.name, is_taken);
         let Some(contents) = self.surfaces.get(&(instance, name)) else { return };
         for name in names {
             if surface.of == Of::Elements && (contents.nodes.is_empty() || !contents.facets.is_empty()) {
@@ -444,7 +492,7 @@ impl<'a> Assembly<'a> {
             for member in self.row_members(instance, row)? {
                 let (indices, missing) = self.indices(of, instance, member);
                 let n_others =
-                    if of == Of::Elements { self.add_others(instance, member, &mut others)? } else { 0 };
+                    if of == Of::Elements { self.add_others(instance, member, &mut others) } else { 0 };
                 if missing > 0 && indices.is_empty() && n_others == 0 && !row.target.is_empty() {
                     return Err(self.deck.unknown_set(row.at, of, &row.target));
                 }
@@ -477,7 +525,7 @@ impl<'a> Assembly<'a> {
         };
         let unknown = || {
             let problem = format!("there is no surface \"{}\" above", row.target);
-            self.deck.malformed(
+            self.deck.undefined(
                 row.at,
                 problem,
                 "define it first, or qualify it with its instance: Instance.Surface",

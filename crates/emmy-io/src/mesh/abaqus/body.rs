@@ -1,6 +1,6 @@
 //! Contents of a part, an instance or the assembly.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::CellKind;
 
@@ -21,8 +21,6 @@ pub(in crate::mesh) struct Body {
     /// Faces and edges of cells that are listed as elements.
     pub(in crate::mesh) lower: Vec<Element>,
     pub(in crate::mesh) lower_index: HashMap<u64, u32>,
-    /// Indices in [`Deck::types`](super::Deck) of their types, as far as these are known.
-    pub(in crate::mesh) lower_types: Vec<u32>,
     /// Elements that are left out: masses, springs, beams, ...
     pub(super) left_out: Vec<LeftOut>,
     pub(super) left_out_index: HashMap<u64, u32>,
@@ -40,6 +38,8 @@ pub(in crate::mesh) struct Element {
     pub(in crate::mesh) n_nodes: usize,
     /// Start of the nodes in the connectivity.
     pub(in crate::mesh) nodes: usize,
+    /// Index in [`Deck::types`](super::Deck), if the format has types.
+    pub(in crate::mesh) element_type: Option<u32>,
     pub(in crate::mesh) at: At,
 }
 
@@ -172,27 +172,34 @@ impl Body {
             .any(|index| index.contains_key(&number))
     }
 
-    /// Turns the lines among the elements into edges of cells.
-    pub(super) fn lower_lines(&mut self) {
-        let (lines, cells): (Vec<Element>, _) =
-            self.elements.drain(..).partition(|element| element.kind == CellKind::Line2);
-        self.elements = cells;
-        self.lower.extend(lines);
+    /// Takes all lines but the links out of the elements: those of some types become edges of cells, the others are left
+    /// out.
+    pub(super) fn lower_lines(&mut self, links: &HashSet<u32>, are_edges: &[bool]) {
+        for (element, index) in std::mem::take(&mut self.elements).into_iter().zip(0..) {
+            match element.element_type {
+                Some(element_type) if element.kind == CellKind::Line2 && !links.contains(&index) => {
+                    if are_edges[element_type as usize] {
+                        self.lower.push(element);
+                        continue;
+                    }
+                    let nodes = self.nodes_of(&element).iter().map(|&node| Member::one(None, node));
+                    let nodes = nodes.collect();
+                    self.left_out_index.insert(element.number, self.left_out.len() as u32);
+                    self.left_out.push(LeftOut { element_type, nodes });
+                }
+                _ => self.elements.push(element),
+            }
+        }
         self.element_index = index(&self.elements);
         self.lower_index = index(&self.lower);
     }
 
     /// Turns the surface elements that are listed as faces into cells.
     pub(super) fn raise_shells(&mut self) {
-        let types = std::mem::take(&mut self.lower_types);
-        for (element, element_type) in std::mem::take(&mut self.lower).into_iter().zip(types) {
-            if element.kind.dimension() == 2 {
-                self.elements.push(element);
-            } else {
-                self.lower.push(element);
-                self.lower_types.push(element_type);
-            }
-        }
+        let (shells, others): (Vec<Element>, _) =
+            self.lower.drain(..).partition(|element| element.kind.dimension() == 2);
+        self.elements.extend(shells);
+        self.lower = others;
         self.element_index = index(&self.elements);
         self.lower_index = index(&self.lower);
     }

@@ -7,7 +7,7 @@ use emmy::internals::element::CellShape;
 use emmy::mesh::CellKind;
 
 /// Supported types, by kind of cell; the plainest first.
-const TYPES: [(CellKind, &[&str]); 12] = [
+const TYPES: [(CellKind, &[&str]); 13] = [
     (CellKind::Hex8, &["C3D8", "C3D8R", "C3D8I", "C3D8S", "C3D8H", "C3D8RH", "C3D8IH", "C3D8HS"]),
     (CellKind::Hex20, &["C3D20", "C3D20R", "C3D20H", "C3D20RH"]),
     (CellKind::Tet4, &["C3D4", "C3D4H"]),
@@ -15,6 +15,8 @@ const TYPES: [(CellKind, &[&str]); 12] = [
     (CellKind::Wedge6, &["C3D6", "C3D6R", "C3D6H"]),
     (CellKind::Wedge15, &["C3D15", "C3D15H"]),
     (CellKind::Pyramid5, &["C3D5", "C3D5H"]),
+    // Gmsh writes it.
+    (CellKind::Pyramid13, &["C3D13"]),
     (CellKind::Tri3, &["CPE3", "CPE3H"]),
     (CellKind::Tri6, &["CPE6", "CPE6H", "CPE6M", "CPE6MH"]),
     (CellKind::Quad4, &["CPE4", "CPE4R", "CPE4H", "CPE4RH", "CPE4I", "CPE4IH"]),

@@ -13,13 +13,18 @@ struct Face {
     /// In the first cell that has it.
     facet: Facet,
     is_shared: bool,
+    /// Midside node of the edge of a plane cell.
+    middle: Option<u32>,
 }
 
 impl Faces {
     /// Adds the faces of a cell.
     pub(super) fn add(&mut self, cell: u32, kind: CellKind, nodes: &[u32]) {
         for local in 0..kind.facets().len() as u8 {
-            let new = Face { facet: Facet { cell, local }, is_shared: false };
+            let shape = &kind.facets()[usize::from(local)];
+            let middle = if shape.kind.n_corners() == 2 { shape.nodes.get(2) } else { None };
+            let middle = middle.map(|&middle| nodes[middle]);
+            let new = Face { facet: Facet { cell, local }, is_shared: false, middle };
             let face = self.0.entry(corners(kind, nodes, local)).or_insert(new);
             face.is_shared |= face.facet.cell != cell;
         }
@@ -31,6 +36,15 @@ impl Faces {
         // A triangle may be a quadrilateral with a repeated corner.
         let is_triangle = corners.len() == 4 && corners[3] == corners[2];
         by(corners).or_else(|| if is_triangle { by(&corners[..3]) } else { None })
+    }
+
+    /// The edge of a plane cell with three nodes; its middle is the second or the third one.
+    pub(super) fn edge(&self, [a, b, c]: [u32; 3]) -> Option<Facet> {
+        let with = |ends: [u32; 2], middle: u32| {
+            let face = self.0.get(&key(&ends))?;
+            face.middle.is_none_or(|own| own == middle).then_some(face.facet)
+        };
+        with([a, b], c).or_else(|| with([a, c], b))
     }
 
     /// Whether no other cell has a face of a cell.

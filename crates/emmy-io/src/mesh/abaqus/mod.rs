@@ -11,9 +11,8 @@ mod table;
 
 use std::path::Path;
 
-pub(super) use body::{At, Element, Of};
+pub(super) use body::{At, Body, Element, Of};
 pub(super) use deck::Deck;
-#[cfg(test)]
 pub(super) use table::TABLE;
 
 use super::{MeshFile, MeshOptions, Result, without_mark};
@@ -26,6 +25,8 @@ pub(super) fn types(kind: emmy::mesh::CellKind) -> &'static [&'static str] {
 
 /// The mesh in the bytes of an input file.
 pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
-    let deck = Deck::read(file, without_mark(bytes), options)?;
-    Ok(MeshFile { files: deck.files.clone(), ..assembled::mesh(file, &deck)? })
+    let mut deck = Deck::default();
+    let read = deck.read(file, without_mark(bytes), options).and_then(|()| assembled::mesh(file, &deck));
+    let mesh = read.map_err(|error| error.with_suspects(deck.account.suspects(TABLE)))?;
+    Ok(MeshFile { files: deck.files, ..mesh })
 }

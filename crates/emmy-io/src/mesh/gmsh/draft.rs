@@ -1,10 +1,10 @@
 //! Contents of an MSH file, until it is complete and can be checked.
 
-use emmy::internals::number::short;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;
 
+use super::super::plane::Surfaces;
 use super::super::{MeshError, MeshFile, Origin, Result, finished, note_on_free_lines};
 use super::Version;
 use super::cursor::Cursor;
@@ -356,37 +356,12 @@ impl Draft {
         self.notes.iter().cloned().chain(ignored.map(note)).collect()
     }
 
-    /// The surface elements found, for messages.
-    fn surface_elements(&self) -> &'static str {
-        let has = |n_corners: usize| {
-            self.elements.iter().any(|element| element.shape.dim == 2 && element.shape.n_corners == n_corners)
-        };
-        match (has(3), has(4)) {
-            (true, false) => "triangles",
-            (false, _) => "quadrilaterals",
-            (true, true) => "triangles and quadrilaterals",
-        }
-    }
-
-    /// Whether all surface elements lie in one plane.
-    fn is_flat(&self) -> bool {
-        let surfaces = self.elements.iter().filter(|element| element.shape.dim == 2);
-        let nodes = surfaces.flat_map(|element| self.nodes(element));
-        let points: Vec<[f64; 3]> =
-            nodes.filter_map(|node| self.node_index.get(node).map(|&at| self.points[at as usize])).collect();
-        let Some(&origin) = points.first() else { return false };
-        let from = |point: &[f64; 3]| [0, 1, 2].map(|i| point[i] - origin[i]);
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let cross = |a: [f64; 3], b: [f64; 3]| {
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-        };
-        let longest = |vectors: &mut dyn Iterator<Item = [f64; 3]>| {
-            vectors.max_by(|&a, &b| dot(a, a).total_cmp(&dot(b, b))).unwrap_or_default()
-        };
-        let edge = longest(&mut points.iter().map(from));
-        let normal = longest(&mut points.iter().map(|point| cross(edge, from(point))));
-        let bound = 1e-9 * dot(normal, normal).sqrt() * dot(edge, edge).sqrt();
-        bound > 0.0 && points.iter().all(|point| dot(normal, from(point)).abs() <= bound)
+    fn surfaces(&self) -> Surfaces {
+        let surfaces = || self.elements.iter().filter(|element| element.shape.dim == 2);
+        let has = [3, 4].map(|n_corners| surfaces().any(|element| element.shape.n_corners == n_corners));
+        let nodes = surfaces().flat_map(|element| self.nodes(element));
+        let point = |node: &u64| self.node_index.get(node).map(|&at| self.points[at as usize]);
+        Surfaces { has, points: nodes.filter_map(point).collect() }
     }
 
     fn in_numbers_of_the_file(&self, error: MeshError) -> MeshError {
@@ -411,14 +386,8 @@ impl Draft {
                 }
             }
             MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
-                let place = format!(
-                    "node {} is at z = {} and the first one at z = {}",
-                    self.node_numbers[node],
-                    short(z),
-                    short(plane)
-                );
-                let advice = if self.is_flat() { TURN } else { SURFACE_ALONE };
-                MeshError::SurfaceAlone { file, found: self.surface_elements(), place, advice }
+                let node = format!("node {}", self.node_numbers[node]);
+                self.surfaces().error(&file, &node, [z, plane], [TURN, SURFACE_ALONE])
             }
             error => error,
         }

@@ -4,9 +4,9 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use emmy::mesh::CellKind;
 
-use super::super::abaqus::{Deck, Element, Of};
-use super::super::account::Account;
+use super::super::abaqus::{Body, Element, Of};
 use super::super::{MeshError, MeshOptions, Result};
+use super::card::Card;
 use super::element::midsides;
 use super::{Raw, Reader, Sheet};
 use crate::message::counted;
@@ -31,12 +31,20 @@ impl Raw {
 }
 
 impl Reader {
-    /// Cells, and elements of lower dimension as groups of facets or nodes, by the names of their properties.
-    pub(super) fn deck(
-        mut self,
+    /// Reads all cards: cells, and elements of lower dimension as groups of facets or nodes, by the names of their
+    /// properties.
+    pub(super) fn complete(
+        &mut self,
+        cards: Vec<Card<'_>>,
         names: &HashMap<u64, String>,
         options: &MeshOptions,
-    ) -> Result<(Deck, Account)> {
+    ) -> Result<()> {
+        self.cards(cards)?;
+        let [one, many] = ["card has", "cards have"];
+        let rest = "fields after the last one of its kind, which are not read, here for the first time";
+        let too_long = self.counted_at(self.too_long, one, many, rest);
+        self.deck.notes.extend(too_long);
+        self.place_grids()?;
         let mut elements = std::mem::take(&mut self.elements);
         let dimension = elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0).max(2);
         if dimension == 2 {
@@ -55,8 +63,13 @@ impl Reader {
         let name_of =
             |property: u64| names.get(&property).cloned().unwrap_or_else(|| format!("pid_{property}"));
         for (property, node) in std::mem::take(&mut self.ends) {
+            let mut name = name_of(property);
+            // The elements of the same number have a group of this name.
+            if highest.contains_key(&property) {
+                name += "-ends";
+            }
             if self.deck.root.nodes.contains_key(&node) {
-                self.deck.root.set_mut(Of::Nodes, &name_of(property)).push(None, node);
+                self.deck.root.set_mut(Of::Nodes, &name).push(None, node);
             }
         }
         let mut numbers = HashSet::new();
@@ -73,7 +86,9 @@ impl Reader {
             let is_cell =
                 kind.dimension() == dimension || kind == CellKind::Line2 && options.links.contains(&name);
             let is_facet = kind.dimension() + 1 == dimension;
-            let is_alone = !is_cell && is_facet && !facets.contains(&element.corners());
+            let is_unknown = |&node: &u64| node > 0 && !self.deck.root.nodes.contains_key(&node);
+            let is_alone = !is_cell
+                && (is_facet && !facets.contains(&element.corners()) || nodes.iter().any(is_unknown));
             let has_stiffness = match kind {
                 CellKind::Line2 => self.bars.contains(&property),
                 _ => matches!(self.sheets.get(&property), Some(Sheet::Shell(_))),
@@ -94,7 +109,9 @@ impl Reader {
                 false => (&mut body.lower, &mut body.lower_index),
             };
             index.insert(number, list.len() as u32);
-            list.push(Element { number, kind, n_nodes: nodes.len(), nodes: body.connectivity.len(), at });
+            let start = body.connectivity.len();
+            let element_type = None;
+            list.push(Element { number, kind, n_nodes: nodes.len(), nodes: start, element_type, at });
             body.connectivity.extend(nodes);
             body.set_mut(Of::Elements, &name).push(None, number);
         }
@@ -103,7 +120,7 @@ impl Reader {
             self.deck.notes.insert(format!("{lines} read as the nodes at the ends, not as bars"));
         }
         self.deck.notes.extend(self.account.notes());
-        Ok((self.deck, self.account))
+        Ok(())
     }
 
     /// Whether the triangles and quadrilaterals of a file without solid cells are in plane strain.
@@ -215,16 +232,21 @@ impl Reader {
     /// Groups of constrained grid points, with a note: nothing is fixed by them.
     fn name_constraints(&mut self, is_plane: bool) {
         let body = &mut self.deck.root;
-        for (name, first, last) in std::mem::take(&mut self.ranges) {
-            // Numbers without a grid point are left out.
+        for (name, range) in std::mem::take(&mut self.ranges) {
+            let set = |body: &mut Body, node| body.set_mut(Of::Nodes, &name).push(None, node);
+            if range.first == range.last {
+                set(body, range.first);
+                continue;
+            }
+            // Numbers of a longer one without a grid point are left out.
             let mut known: Vec<u64> =
-                body.nodes.keys().copied().filter(|node| (first..=last).contains(node)).collect();
+                body.nodes.keys().copied().filter(|&node| range.contains(node)).collect();
             known.sort_unstable();
-            known.into_iter().for_each(|node| body.set_mut(Of::Nodes, &name).push(None, node));
+            known.into_iter().for_each(|node| set(body, node));
         }
         let mut names: BTreeSet<String> = body.node_sets.keys().cloned().collect();
         let default = self.defaults.as_ref().map_or("", |(_, components)| components);
-        let mut n = self.n_supports;
+        let mut counts = std::mem::take(&mut self.n_supports);
         for (grid, own) in self.grids.iter().zip(&self.constraints) {
             // A plane body does not move along z.
             let components = own.as_deref().unwrap_or(default);
@@ -233,12 +255,14 @@ impl Reader {
                 let name = format!("ps_{components}");
                 body.set_mut(Of::Nodes, &name).push(None, grid.number);
                 names.insert(name);
-                n += 1;
+                *counts.entry("GRID".to_string()).or_default() += 1;
             }
         }
+        let n = counts.values().sum();
         if n > 0 {
-            let constraints =
-                counted(n, "constraint (SPC, SPC1, GRID) fixes", "constraints (SPC, SPC1, GRID) fix");
+            let cards = counts.into_keys().collect::<Vec<_>>().join(", ");
+            let [one, many] = [format!("constraint ({cards}) fixes"), format!("constraints ({cards}) fix")];
+            let constraints = counted(n, &one, &many);
             let more = names.len().saturating_sub(MAX_NAMES);
             let more = if more > 0 { format!(" and {more} others") } else { String::new() };
             let names: Vec<String> = names.into_iter().take(MAX_NAMES).collect();

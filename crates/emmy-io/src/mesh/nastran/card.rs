@@ -43,12 +43,13 @@ pub(super) struct Bulk<'a> {
     pub(super) stray: Option<(usize, At)>,
     /// Lines with the mark of a continuation that is not there.
     pub(super) open: Option<(usize, At)>,
-    pub(super) has_end: bool,
+    /// `ENDDATA`.
+    pub(super) end: Option<At>,
     /// Lines after the end.
     pub(super) rest: Option<(usize, At)>,
 }
 
-fn count(counted: &mut Option<(usize, At)>, at: At) {
+pub(super) fn count(counted: &mut Option<(usize, At)>, at: At) {
     counted.get_or_insert((0, at)).0 += 1;
 }
 
@@ -88,6 +89,11 @@ impl<'a> Piece<'a> {
         }
     }
 
+    /// Whether the last line has its last field.
+    fn is_full(&self) -> bool {
+        self.fields.get(self.last + self.widths[1] - 1).is_some_and(|field| !field.is_empty())
+    }
+
     fn line(&mut self, line: Line<'a>, at: At) {
         self.append(Piece::new(String::new(), String::new(), line, at));
     }
@@ -102,18 +108,24 @@ impl<'a> Piece<'a> {
 }
 
 /// The cards from `BEGIN BULK`, if it is there, up to `ENDDATA`, with their continuations: the next lines, if these have no
-/// mark or the mark of the line before, otherwise the lines with its mark anywhere.
+/// mark or the mark of the line before, otherwise the lines with its mark anywhere. A line with a mark after a full one
+/// without a mark continues it, too.
 pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bulk<'a> {
     let lines = lines.map(|(line, at)| (without_comment(line), at));
     let start = lines.clone().position(|(line, _)| is_begin(line)).map_or(0, |index| index + 1);
     let mut bulk = Bulk::default();
     let mut pieces: Vec<Piece<'a>> = Vec::new();
     for (text, at) in lines.skip(start).filter(|(line, _)| !line.trim().is_empty() && !is_begin(line)) {
-        if bulk.has_end {
+        if bulk.end.is_some() {
             count(&mut bulk.rest, at);
             continue;
         }
-        let line = split(text);
+        let line = match is_section(text) {
+            true => {
+                Line { head: Cow::Owned(words(text)), fields: Vec::new(), mark: "".into(), width: N_NARROW }
+            }
+            false => split(text),
+        };
         if line.head.is_empty() || line.head.starts_with(['+', '*']) {
             let own = key(&line.head);
             match pieces.last_mut() {
@@ -125,7 +137,7 @@ pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bu
         }
         let name = line.head.trim_end_matches('*').trim_end().to_ascii_uppercase();
         match name.as_str() {
-            "ENDDATA" => bulk.has_end = true,
+            "ENDDATA" => bulk.end = Some(at),
             _ => pieces.push(Piece::new(name, String::new(), line, at)),
         }
     }
@@ -141,11 +153,11 @@ fn joined<'a>(
 ) -> Vec<Card<'a>> {
     let mut loose = HashMap::<String, Piece<'a>>::new();
     let mut cards: Vec<Piece<'a>> = Vec::new();
-    // Continuations after a line without a mark, which belong to it unless another card has their mark.
+    // Continuations after a full line without a mark, which belong to it unless another card has their mark.
     let mut nearest = Vec::new();
     let mut is_after_unmarked = false;
     for piece in pieces {
-        let is_unmarked = piece.next.key.is_empty();
+        let is_unmarked = piece.next.key.is_empty() && piece.is_full();
         if !piece.name.is_empty() {
             cards.push(piece);
         } else if loose.contains_key(&piece.own) {
@@ -195,6 +207,15 @@ fn is_begin(line: &str) -> bool {
     let mut words = line.split_whitespace();
     let mut is_next = |wanted: &str| words.next().is_some_and(|word| word.eq_ignore_ascii_case(wanted));
     is_next("BEGIN") && is_next("BULK") && words.next().is_none()
+}
+
+/// Whether another section begins, such as `BEGIN SUPER=2`; its name is longer than that of a card.
+fn is_section(line: &str) -> bool {
+    line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("BEGIN"))
+}
+
+fn words(line: &str) -> String {
+    line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A mark without its first `+` or `*`.
@@ -380,13 +401,13 @@ mod tests {
         let text = "+,9\nGRID,1,,,,,,,,+A\nGRID,2,,,,,,,,7\n+X,1\nGRID,3\n+C,5\n+X,2\nENDDATA\nGRID,4\n$ end\n\nGRID,5\n";
         let bulk = bulk_of(text);
         let at = |line: u32| At { file: 0, line };
-        // `+C` follows a line without a mark, so it belongs to that.
+        // `+X` and `+C` follow lines without a mark, but these are not full.
         assert_eq!(bulk.cards.len(), 3);
-        assert_eq!(bulk.cards[2].from(0), ["3", "", "", "", "", "", "", "", "5"]);
-        assert_eq!((bulk.stray, bulk.open), (Some((2, at(1))), Some((1, at(2)))));
-        assert_eq!((bulk.has_end, bulk.rest), (true, Some((2, at(9)))));
+        assert_eq!(bulk.cards[2].from(0), ["3"]);
+        assert_eq!((bulk.stray, bulk.open), (Some((4, at(1))), Some((1, at(2)))));
+        assert_eq!((bulk.end, bulk.rest), (Some(at(8)), Some((2, at(9)))));
         let whole = bulk_of("GRID,1\n");
-        assert_eq!((whole.stray, whole.open, whole.has_end, whole.rest), (None, None, false, None));
+        assert_eq!((whole.stray, whole.open, whole.end, whole.rest), (None, None, None, None));
     }
 
     #[test]

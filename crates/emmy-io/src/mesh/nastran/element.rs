@@ -24,14 +24,18 @@ const TRIANGLE: Row = (CellKind::Tri3, first(3));
 const QUADRILATERAL: Row = (CellKind::Quad4, first(4));
 const LINES: &[Row] = &[(CellKind::Line2, first(2))];
 
-/// Kinds of cells by the names of their cards, from few nodes to many. Shells and membranes are faces of solid
-/// cells, or cells in a plane.
-const CARDS: [(&str, &[Row]); 25] = [
+/// Kinds of cells by the names of their cards, from few nodes to many. meshio writes `CTETRA_` for cells with midside
+/// nodes. Shells and membranes are faces of solid cells, or cells in a plane.
+const CARDS: [(&str, &[Row]); 29] = [
     ("CTETRA", TETRAHEDRA),
     ("CHEXA", HEXAHEDRA),
     ("CPENTA", WEDGES),
     ("CPYRAM", PYRAMIDS),
     ("CPYRA", PYRAMIDS),
+    ("CTETRA_", TETRAHEDRA),
+    ("CHEXA_", HEXAHEDRA),
+    ("CPENTA_", WEDGES),
+    ("CPYRA_", PYRAMIDS),
     ("CTRIA3", &[TRIANGLE]),
     ("CTRIAR", &[TRIANGLE]),
     ("CPLSTN3", &[TRIANGLE]),

@@ -4,6 +4,7 @@ mod assembly;
 mod card;
 mod element;
 mod names;
+mod range;
 mod repeat;
 mod source;
 mod system;
@@ -12,16 +13,17 @@ mod table;
 #[cfg(test)]
 mod random_decks;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 use emmy::mesh::CellKind;
 
-use super::abaqus::{At, Deck, Of, assembled};
+use super::abaqus::{At, Deck, assembled};
 use super::account::{self, Account, Treatment};
 use super::{MeshError, MeshFile, MeshOptions, Result};
 use crate::message::counted;
 use card::{Bulk, Card};
+use range::Range;
 use source::Sources;
 use system::{Grid, Placement, Points, Shape, System};
 
@@ -36,22 +38,14 @@ const FIELDS: &str = "fields are 8 columns wide, 16 with a `*` after the name, o
 pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<MeshFile> {
     let sources = Sources::read(file, bytes)?;
     let bulk = card::bulk(sources.lines());
+    let mut names = HashMap::new();
+    sources.texts().for_each(|text| names.extend(names::properties(text)));
     let mut reader = Reader::default();
     reader.deck.files = sources.files.clone();
     reader.notes_on(&bulk);
-    reader.cards(bulk.cards)?;
-    reader.place_grids()?;
-    let mut names = HashMap::new();
-    sources.texts().for_each(|text| names.extend(names::properties(text)));
-    let (deck, account) = reader.deck(&names, options)?;
-    let not_read = account.not_read();
-    let mesh = assembled::mesh(file, &deck).map_err(|error| match (error, not_read) {
-        (MeshError::NoCells { file, .. }, Some(found)) => {
-            MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
-        }
-        (MeshError::NoCells { file, .. }, None) => MeshError::NoCells { file, advice: ADVICE },
-        (error, _) => error,
-    })?;
+    let read = reader.complete(bulk.cards, &names, options);
+    let mesh = read.and_then(|()| assembled::mesh(file, &reader.deck));
+    let mesh = mesh.map_err(|error| reader.explained(error))?;
     Ok(MeshFile { files: sources.files, ..mesh })
 }
 
@@ -80,16 +74,20 @@ enum Sheet {
 struct Reader {
     deck: Deck,
     account: Account,
+    /// Notes on lines that are not read.
+    unread: Vec<String>,
+    /// Cards with more fields than they can have: their number, and the first one.
+    too_long: Option<(usize, At)>,
     grids: Vec<Grid>,
     systems: HashMap<u64, System>,
     /// `GRDSET`: system and constraints of grid points that name none.
     defaults: Option<(u64, String)>,
     /// Constraints of grid points by themselves; none: those of `GRDSET`.
     constraints: Vec<Option<String>>,
-    /// Number of the cards `SPC` and `SPC1`.
-    n_supports: usize,
+    /// Numbers of the cards `SPC` and `SPC1`.
+    n_supports: BTreeMap<String, usize>,
     /// Ranges of grid points of a group, which come before or after them.
-    ranges: Vec<(String, u64, u64)>,
+    ranges: Vec<(String, Range)>,
     /// Properties and grid points of springs, dampers and masses.
     ends: Vec<(u64, u64)>,
     elements: Vec<Raw>,
@@ -100,23 +98,51 @@ struct Reader {
 
 impl Reader {
     fn notes_on(&mut self, bulk: &Bulk<'_>) {
-        let counted_at = |found: Option<(usize, At)>, one: &str, many: &str, rest: &str| {
-            found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
-        };
+        let counted_at = |found, one: &str, many: &str, rest: &str| self.counted_at(found, one, many, rest);
         let [no_card, no_line] =
             ["no card, here for the first time", "that is not there, here for the first time"];
-        let notes = [
+        // An included file may have the end.
+        let of_file = match (bulk.end, bulk.rest) {
+            (Some(end), Some((_, rest))) if end.file != rest.file => {
+                format!(" of {}", self.deck.place(end))
+            }
+            _ => String::new(),
+        };
+        let [line_is, lines_are] =
+            [format!("line after ENDDATA{of_file} is"), format!("lines after ENDDATA{of_file} are")];
+        let unread = [
             counted_at(bulk.stray, "line continues", "lines continue", no_card),
+            counted_at(bulk.rest, &line_is, &lines_are, "not read"),
+        ];
+        let notes = [
             counted_at(bulk.open, "line announces a continuation", "lines announce a continuation", no_line),
-            counted_at(bulk.rest, "line after ENDDATA is", "lines after ENDDATA are", "not read"),
-            (!bulk.has_end).then(|| {
+            bulk.end.is_none().then(|| {
                 format!(
                     "{}: there is no ENDDATA at the end; is the file cut off?",
                     self.deck.files[0].display()
                 )
             }),
         ];
-        self.deck.notes.extend(notes.into_iter().flatten());
+        self.unread = unread.into_iter().flatten().collect();
+        self.deck.notes.extend(self.unread.iter().cloned().chain(notes.into_iter().flatten()));
+    }
+
+    /// A note on lines with the place of the first one.
+    fn counted_at(&self, found: Option<(usize, At)>, one: &str, many: &str, rest: &str) -> Option<String> {
+        found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
+    }
+
+    /// An error with what is there in place of the body, and with the lines that are not read.
+    fn explained(&self, error: MeshError) -> MeshError {
+        let error = match (error, self.account.left_out()) {
+            (MeshError::NoCells { file, .. }, Some(found)) => {
+                MeshError::NothingSolid { file, found, advice: ADVICE.to_string() }
+            }
+            (MeshError::NoCells { file, .. }, None) => MeshError::NoCells { file, advice: ADVICE },
+            (error, _) => error,
+        };
+        let suspects: Vec<String> = self.unread.iter().cloned().chain(self.account.suspects(TABLE)).collect();
+        error.with_suspects((!suspects.is_empty()).then(|| suspects.join("; ")))
     }
 
     /// Reads all cards, with the copies that `=` makes of them.
@@ -177,6 +203,9 @@ impl Reader {
     }
 
     fn read(&mut self, card: &Card<'_>) -> Result<()> {
+        if table::n_fields(&card.name).is_some_and(|most| card.fields.len() > most) {
+            card::count(&mut self.too_long, card.at);
+        }
         match card.name.as_str() {
             "GRID" => self.grid(card),
             "GRDSET" => self.grid_defaults(card),
@@ -359,26 +388,19 @@ impl Reader {
         }
     }
 
-    /// Grid points of a set of constraints: numbers, and ranges `FIRST THRU LAST`.
+    /// Grid points of a set of constraints: numbers, and ranges `FIRST THRU LAST`, of which `EXCEPT` takes some out.
     fn constraint(&mut self, card: &Card<'_>, fields: &[&str]) -> Result<()> {
         let set = self.number(card, card.field(0), "the number of a set")?;
         let name = format!("spc_{set}");
-        self.n_supports += 1;
-        let fields: Vec<&str> = fields.iter().copied().filter(|field| !field.is_empty()).collect();
-        let mut index = 0;
-        while let Some(field) = fields.get(index) {
-            let first = self.number(card, field, "a grid point")?;
-            let is_range = fields.get(index + 1).is_some_and(|word| word.eq_ignore_ascii_case("THRU"));
-            if !is_range {
-                self.deck.root.set_mut(Of::Nodes, &name).push(None, first);
-                index += 1;
-                continue;
-            }
-            let last = fields.get(index + 2).copied().unwrap_or_default();
-            let last = self.number(card, last, "a grid point")?;
-            self.ranges.push((name.clone(), first, last));
-            index += 3;
-        }
+        *self.n_supports.entry(card.name.clone()).or_default() += 1;
+        let (ranges, others) = range::ranges(fields);
+        let not_read = |field: &str| {
+            let place = self.deck.place(card.at);
+            format!("{place}: the field {} of {} is not read", shown(field), card.name)
+        };
+        let notes: Vec<String> = others.into_iter().map(not_read).collect();
+        self.deck.notes.extend(notes);
+        self.ranges.extend(ranges.into_iter().map(|range| (name.clone(), range)));
         Ok(())
     }
 

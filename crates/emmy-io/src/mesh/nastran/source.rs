@@ -3,13 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::super::abaqus::At;
+use super::super::includes::Includes;
 use super::super::{MeshError, Place, Result, without_mark};
-
-/// Depth of nested includes; deeper ones are taken for a cycle.
-const MAX_DEPTH: usize = 16;
-
-/// Largest number of files of one input; a few lines could request very many.
-const MAX_FILES: usize = 1000;
 
 /// Largest number of lines of a path between quotes.
 const MAX_LINES_OF_A_PATH: usize = 20;
@@ -20,6 +15,7 @@ pub(super) struct Sources {
     pub(super) files: Vec<PathBuf>,
     texts: Vec<String>,
     lines: Vec<Span>,
+    includes: Includes,
 }
 
 /// A line, as bytes of the text of its file.
@@ -33,7 +29,9 @@ struct Span {
 impl Sources {
     pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Self> {
         let mut sources = Sources::default();
-        sources.file(file, bytes, 0)?;
+        // The first file is never included yet.
+        _ = sources.includes.open(file);
+        sources.file(file, bytes)?;
         Ok(sources)
     }
 
@@ -46,7 +44,7 @@ impl Sources {
         self.texts.iter().map(String::as_str)
     }
 
-    fn file(&mut self, path: &Path, bytes: &[u8], depth: usize) -> Result<()> {
+    fn file(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         let file = self.files.len() as u32;
         self.files.push(path.to_path_buf());
         self.texts.push(String::new());
@@ -70,13 +68,13 @@ impl Sources {
                 start += line.len();
                 path += line.trim();
             }
-            self.include(at, &path, depth)?;
+            self.include(at, &path)?;
         }
         self.texts[file as usize] = text;
         Ok(())
     }
 
-    fn include(&mut self, at: At, written: &str, depth: usize) -> Result<()> {
+    fn include(&mut self, at: At, written: &str) -> Result<()> {
         let quote = written.chars().next().filter(|c| is_quote(*c));
         let name = match quote {
             Some(quote) => written[1..].split_once(quote).map(|(name, _)| name),
@@ -85,20 +83,16 @@ impl Sources {
         let name = name.map(str::trim).filter(|name| !name.is_empty()).ok_or_else(|| {
             self.malformed(at, "INCLUDE without a path, or without its second quote".into(), "INCLUDE 'FILE'")
         })?;
-        if depth == MAX_DEPTH {
-            let problem = format!("more than {MAX_DEPTH} files that include each other");
-            return Err(self.malformed(at, problem, "does a file include itself?"));
-        }
-        if self.files.len() == MAX_FILES {
-            let problem = format!("more than {MAX_FILES} files are included");
-            return Err(self.malformed(at, problem, "join them, or include each of them once"));
-        }
         let path = self.found(at, name);
+        let opened = self.includes.open(&path);
+        opened.map_err(|(problem, advice)| self.malformed(at, problem, advice))?;
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths of INCLUDE are relative to the file that includes")
         })?;
-        self.file(&path, &bytes, depth + 1)
+        self.file(&path, &bytes)?;
+        self.includes.close();
+        Ok(())
     }
 
     /// The file of a path relative to the including file, else to the main file; a backslash separates as well.

@@ -129,9 +129,12 @@ impl<'a> Placement<'a> {
         let malformed = |at, problem: String, advice| {
             Err(MeshError::Malformed { place: deck.place(at), problem, advice })
         };
+        let undefined = |at, problem: String, advice| {
+            Err(MeshError::Undefined { place: deck.place(at), problem, advice })
+        };
         let Some(&System { shape, points, at }) = self.systems.get(&number) else {
             let problem = format!("there is no coordinate system {number}");
-            return malformed(
+            return undefined(
                 by,
                 problem,
                 "systems of CORD1R, CORD1C, CORD1S, CORD2R, CORD2C and CORD2S are read",
@@ -153,7 +156,7 @@ impl<'a> Placement<'a> {
                     let Some(&index) = deck.root.nodes.get(&number) else {
                         let problem =
                             format!("there is no grid point {number}, which defines a coordinate system");
-                        return malformed(at, problem, "add it, or take another one");
+                        return undefined(at, problem, "add it, or take another one");
                     };
                     let grid = self.grids[index as usize];
                     *point = self.point(&grid, depth + 1)?;

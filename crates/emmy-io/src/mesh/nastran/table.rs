@@ -13,7 +13,11 @@ const fn entries(treatment: Treatment, what: &'static str, names: &'static [&'st
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     entries(Read, "grid points", &["GRID", "GRDSET"]),
     entries(Read, "coordinate systems", &["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"]),
-    entries(Read, "solid cells", &["CTETRA", "CPENTA", "CHEXA", "CPYRAM", "CPYRA"]),
+    entries(
+        Read,
+        "solid cells; those of meshio have a line at the end of their names",
+        &["CTETRA", "CPENTA", "CHEXA", "CPYRAM", "CPYRA", "CTETRA_", "CPENTA_", "CHEXA_", "CPYRA_"],
+    ),
     entries(
         Read,
         "faces of solid cells, or cells in plane strain",
@@ -166,3 +170,12 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
 
 /// Words in the names of solid cells, also of those that are in no table.
 pub(super) const SOLID: [&str; 6] = ["HEX", "TET", "PENT", "PYR", "WEDGE", "BRICK"];
+
+/// Number of fields of a card, with those that are blank up to the end of a line, if more are no part of it.
+pub(super) fn n_fields(name: &str) -> Option<usize> {
+    match name {
+        "GRID" | "GRDSET" | "CORD1R" | "CORD1C" | "CORD1S" | "SPC" => Some(8),
+        "CORD2R" | "CORD2C" | "CORD2S" => Some(16),
+        _ => None,
+    }
+}

@@ -91,10 +91,10 @@ impl Deck {
         }
         let before = elements.pending.len();
         let comma = line.ends_with(',');
-        let is_left_out = matches!(elements.role, Role::LeftOut(_));
+        // Beams have empty fields for nodes that they do not need; that of a connector is the ground.
+        let may_be_empty = elements.may_be_grounded() || matches!(elements.role, Role::LeftOut(_));
         for field in line.trim_end_matches(',').split(',').map(str::trim) {
-            // Beams have empty fields for nodes that they do not need.
-            if !(is_left_out && field.is_empty()) {
+            if !(may_be_empty && field.is_empty()) {
                 elements.pending.push(self.node_of_element(at, field)?);
             }
         }
@@ -110,6 +110,7 @@ impl Deck {
             Role::LeftOut(_) => return self.element(elements),
         };
         match n_numbers.cmp(&(1 + wanted)) {
+            Ordering::Less if elements.is_grounded() => self.element(elements),
             Ordering::Less if goes_on => Ok(()),
             Ordering::Equal => self.element(elements),
             _ => Err(self.wrong_node_count(elements, wanted)),
@@ -152,8 +153,8 @@ impl Deck {
                 let advice = "write solid elements into the part that they belong to";
                 return Err(self.malformed(elements.at, problem, advice));
             }
-            Role::Cell(kind) if !joins_instances => {
-                if !std::mem::replace(&mut elements.is_noted, true) {
+            Role::Cell(kind) if !joins_instances && !elements.is_grounded() => {
+                if kind != CellKind::Line2 && !std::mem::replace(&mut elements.is_noted, true) {
                     self.notes.extend(element::note(&elements.element_type, kind));
                 }
                 let element = self.new_element(elements, kind);
@@ -166,7 +167,6 @@ impl Deck {
                 let body = self.body_mut();
                 body.lower_index.insert(number, body.lower.len() as u32);
                 body.lower.push(element);
-                body.lower_types.push(elements.type_index);
             }
             _ => {
                 let nodes = elements.pending[1..].to_vec();
@@ -188,7 +188,8 @@ impl Deck {
         let body = self.body_mut();
         let start = body.connectivity.len();
         body.connectivity.extend(nodes.iter().map(|node| node.first));
-        Element { number, kind, n_nodes: nodes.len(), nodes: start, at: elements.at }
+        let element_type = Some(elements.type_index);
+        Element { number, kind, n_nodes: nodes.len(), nodes: start, element_type, at: elements.at }
     }
 
     /// A line `first, last[, step]` of a set with `generate`.

@@ -64,7 +64,7 @@ impl Deck {
         let unknown = || {
             let names = listed(self.instances.iter().map(|instance| instance.name.as_str()));
             let problem = format!("there is no instance \"{name}\" above, only: {names}");
-            self.malformed(at, problem, "correct the name, or move the line below the instance")
+            self.undefined(at, problem, "correct the name, or move the line below the instance")
         };
         self.instance_index(name).map(Some).ok_or_else(unknown)
     }
@@ -94,7 +94,7 @@ impl Deck {
         let Some((_, body)) = index.and_then(|index| self.parts.get(index)) else {
             let names = listed(self.parts.iter().map(|(name, _)| name.as_str()));
             let problem = format!("there is no part \"{part}\" above, only: {names}");
-            return Err(self.malformed(at, problem, "correct the name, or write the part to the file"));
+            return Err(self.undefined(at, problem, "correct the name, or write the part to the file"));
         };
         let size = body.size();
         if self.copied + size > MAX_COPIED {
@@ -197,10 +197,11 @@ impl Deck {
             "ELEMENT" if !is_cropped => Of::Elements,
             "NODE" if !is_cropped => Of::Nodes,
             _ => {
-                let how = if is_cropped { "CROP" } else { &surface_type };
-                self.notes.insert(format!(
-                    "surface \"{name}\" ({how}) is neither of elements nor of nodes: left out"
-                ));
+                let why = match is_cropped {
+                    true => "is cut to a box (CROP)".to_string(),
+                    false => format!("is neither of elements nor of nodes (TYPE={surface_type})"),
+                };
+                self.notes.insert(format!("surface \"{name}\" {why}: left out"));
                 return Ok(Section::Skipped);
             }
         };

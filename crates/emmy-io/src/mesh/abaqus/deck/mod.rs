@@ -4,13 +4,12 @@ mod data;
 mod keywords;
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
-use emmy::mesh::CellKind;
-
 use super::super::account::Account;
+use super::super::includes::Includes;
 use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
 use super::body::{At, Body, Element, Instance, Member, Of};
 use super::element::Role;
@@ -35,7 +34,7 @@ pub(in crate::mesh) struct Deck {
     /// Whether elements are there that can only be faces or edges of solid cells.
     has_faces: bool,
     pub(in crate::mesh) files: Vec<PathBuf>,
-    depth: usize,
+    includes: Includes,
     /// Nodes, elements and set members copied from parts by the instances.
     copied: usize,
     scope: Scope,
@@ -88,23 +87,30 @@ struct Elements {
     at: At,
 }
 
-/// Depth of nested includes; deeper ones are taken for a cycle.
-const MAX_DEPTH: usize = 16;
+impl Elements {
+    /// Whether a node may be missing: it is the ground.
+    fn may_be_grounded(&self) -> bool {
+        self.element_type.starts_with("CONN")
+    }
 
-/// Largest number of files of one input; a few lines could request very many.
-const MAX_FILES: usize = 1000;
+    /// Whether the element in the last line is a connector to the ground.
+    fn is_grounded(&self) -> bool {
+        self.may_be_grounded() && self.pending.len() == 2
+    }
+}
 
 impl Deck {
     /// Reads a file and its includes.
-    pub(super) fn read(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Self> {
-        let mut deck = Deck::default();
-        deck.file(file, bytes)?;
-        deck.close_section()?;
+    pub(super) fn read(&mut self, file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<()> {
+        // The first file is never included yet.
+        _ = self.includes.open(file);
+        self.file(file, bytes)?;
+        self.close_section()?;
         if options.plane_shells {
-            deck.raise_shells();
+            self.raise_shells();
         }
-        deck.lower_lines(&options.links);
-        Ok(deck)
+        self.lower_lines(&options.links);
+        Ok(())
     }
 
     /// Makes shells the cells of a body in plane strain, if no cell is solid.
@@ -114,8 +120,8 @@ impl Deck {
         }
         let mut types = BTreeSet::new();
         for body in self.bodies() {
-            let shells = (0..body.lower.len()).filter(|&index| body.lower[index].kind.dimension() == 2);
-            types.extend(shells.map(|index| self.lower_type(body, index)));
+            let shells = body.lower.iter().filter(|element| element.kind.dimension() == 2);
+            types.extend(shells.map(|element| self.type_of(element)));
         }
         let note = |name| {
             format!("elements of type {name} are read as cells in plane strain, without their thickness")
@@ -126,22 +132,58 @@ impl Deck {
         self.instances.iter_mut().for_each(|instance| instance.body.raise_shells());
     }
 
-    /// Turns lines into edges where meshers have written faces too, unless links are requested.
+    /// Makes edges of the trusses beside other cells, and leaves out the other lines there, but for those in some groups.
     fn lower_lines(&mut self, links: &[String]) {
-        let is_line = |element: &Element| element.kind == CellKind::Line2;
-        let has_lines = self.bodies().any(|body| body.elements.iter().any(is_line));
-        if !self.has_faces || !has_lines || !links.is_empty() || !self.has_cells() {
+        if !self.has_cells() {
             return;
         }
-        self.root.lower_lines();
-        self.instances.iter_mut().for_each(|instance| instance.body.lower_lines());
-        self.notes.insert(
-            "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
-        );
+        let are_edges: Vec<bool> = self.types.iter().map(|name| name.starts_with('T')).collect();
+        let links = self.lines_of(links);
+        let bodies = self.instances.iter_mut().map(|instance| &mut instance.body);
+        let bodies = std::iter::once(&mut self.root).chain(bodies);
+        bodies.zip(&links).for_each(|(body, links)| body.lower_lines(links, &are_edges));
+    }
+
+    /// Indices of the elements in some groups, outside of instances and in each of them.
+    fn lines_of(&self, groups: &[String]) -> Vec<HashSet<u32>> {
+        let mut found = vec![HashSet::new(); 1 + self.instances.len()];
+        if groups.is_empty() {
+            return found;
+        }
+        let mut members = Vec::new();
+        for (body, own) in self.bodies().zip(std::iter::once(None).chain((0..).map(Some))) {
+            for (key, set) in &body.element_sets {
+                let is_taken = self.root.element_sets.contains_key(key);
+                if self.group_names(own, &set.name, is_taken).iter().any(|name| groups.contains(name)) {
+                    let of_body = |member: &Member| Member { instance: member.instance.or(own), ..*member };
+                    members.extend(set.members.iter().map(of_body));
+                }
+            }
+        }
+        let instances = self.instances.iter().zip(0..);
+        let named = instances.filter(|(instance, _)| groups.contains(&instance.name));
+        members.extend(named.map(|(_, index)| Member::all(Some(index))));
+        for member in members {
+            let body = member.instance.map_or(&self.root, |index| &self.instances[index as usize].body);
+            let place = member.instance.map_or(0, |index| 1 + index as usize);
+            found[place].extend(member.indices(&body.element_index).0);
+        }
+        found
+    }
+
+    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
+    pub(super) fn group_names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
+        match instance {
+            None => vec![name.to_string()],
+            Some(index) => {
+                let qualified = format!("{}.{name}", self.instances[index as usize].name);
+                if is_taken { vec![qualified] } else { vec![qualified, name.to_string()] }
+            }
+        }
     }
 
     /// The contents outside of parts, and those of the instances.
-    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> {
+    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> + Clone {
         std::iter::once(&self.root).chain(self.instances.iter().map(|instance| &instance.body))
     }
 
@@ -155,10 +197,10 @@ impl Deck {
         self.has_faces && !self.has_cells()
     }
 
-    /// Name of the type of an element of lower dimension.
-    pub(super) fn lower_type(&self, body: &Body, index: usize) -> &str {
-        let known = body.lower_types.get(index).map(|&index| self.types[index as usize].as_str());
-        known.unwrap_or_else(|| body.lower[index].kind.name())
+    /// Name of the type of an element.
+    pub(super) fn type_of(&self, element: &Element) -> &str {
+        let known = element.element_type.map(|index| self.types[index as usize].as_str());
+        known.unwrap_or_else(|| element.kind.name())
     }
 
     pub(in crate::mesh) fn place(&self, at: At) -> Place {
@@ -209,7 +251,11 @@ impl Deck {
             Ok(number) => format!("there is no {what} {number}"),
             Err(_) => format!("there is no {what} set \"{}\" here or above", shown(name)),
         };
-        self.malformed(at, problem, "define it first, or qualify it with its instance: Instance.Set")
+        self.undefined(at, problem, "define it first, or qualify it with its instance: Instance.Set")
+    }
+
+    pub(super) fn undefined(&self, at: At, problem: String, advice: &'static str) -> MeshError {
+        MeshError::Undefined { place: self.place(at), problem, advice }
     }
 
     fn body(&self) -> &Body {
@@ -285,21 +331,14 @@ impl Deck {
     fn include(&mut self, at: At, input: &str) -> Result<()> {
         let base = self.files[at.file as usize].parent().unwrap_or(Path::new(""));
         let path = base.join(input);
-        if self.depth == MAX_DEPTH {
-            let problem = format!("more than {MAX_DEPTH} files that include each other");
-            return Err(self.malformed(at, problem, "does a file include itself?"));
-        }
-        if self.files.len() == MAX_FILES {
-            let problem = format!("more than {MAX_FILES} files are included");
-            return Err(self.malformed(at, problem, "join them, or include each of them once"));
-        }
+        let opened = self.includes.open(&path);
+        opened.map_err(|(problem, advice)| self.malformed(at, problem, advice))?;
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths are relative to the file that includes")
         })?;
-        self.depth += 1;
         self.file(&path, without_mark(&bytes))?;
-        self.depth -= 1;
+        self.includes.close();
         Ok(())
     }
 }
