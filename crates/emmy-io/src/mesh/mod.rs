@@ -40,12 +40,8 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 /// Entries of each format, and what its reader does with them.
 #[cfg(test)]
-pub(crate) const ENTRIES: [(&str, &[account::Entries]); 4] = [
-    ("Gmsh", gmsh::TABLE),
-    ("Abaqus", abaqus::TABLE),
-    ("Nastran", nastran::TABLE),
-    ("VTK", vtu::TABLE),
-];
+pub(crate) const ENTRIES: [(&str, &[account::Entries]); 4] =
+    [("Gmsh", gmsh::TABLE), ("Abaqus", abaqus::TABLE), ("Nastran", nastran::TABLE), ("VTK", vtu::TABLE)];
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -71,8 +67,8 @@ pub struct MeshFile {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MeshOptions {
-    /// Groups whose lines of two nodes are cells (line2), not edges. The links of Abaqus (T3D2, T2D2, CONN3D2, SPRINGA)
-    /// are always cells.
+    /// Groups whose lines of two nodes are cells (line2), not edges. With any of them, all links of an Abaqus file (T3D2,
+    /// T2D2, CONN3D2, SPRINGA) are cells, and so they are without other cells.
     pub links: Vec<String>,
     /// Whether the shells of a file without solid cells are cells in plane strain; without it they are an error.
     pub plane_shells: bool,

@@ -168,7 +168,8 @@ fn lines_beside_faces_are_edges_unless_links_are_asked_for() {
     let points: Vec<[f64; 3]> = nodes.iter().map(|&node| file.mesh.points()[node as usize]).collect();
     let constant = |axis: usize| points.iter().all(|point| point[axis] == points[0][axis]);
     assert_eq!([0, 1, 2].into_iter().filter(|&axis| constant(axis)).count(), 2, "{points:?}");
-    assert!(file.notes.iter().any(|note| note.contains("lines are read as edges")), "{:?}", file.notes);
+    let note = "elements of type T3D2 are read as edges of the solid cells beside them";
+    assert!(file.notes.iter().any(|own| own == note), "{:?}", file.notes);
     let links =
         emmy_io::mesh::read_with(&crate::meshes::path("gmsh-solid.inp"), &crate::meshes::links("Line1"))
             .unwrap();
@@ -267,4 +268,12 @@ fn lines_of_three_nodes_are_edges_of_solid_cells() {
     let alone = "*Node\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*Element, type=T3D3\n1, 1,2,3\n";
     let error = parse_text("a.inp", alone).unwrap_err().to_string();
     assert!(error.contains("no solid or plane cells, only 1 T3D3"), "{error}");
+}
+
+#[test]
+fn instances_of_other_analyses_and_parameters_are_named() {
+    let old = parse_text("a.inp", "*INSTANCE, LIBRARY=old, INSTANCE=Arm-1\n").unwrap_err().to_string();
+    assert!(old.starts_with("a.inp, line 1: *INSTANCE of another analysis (old) is not read; "), "{old}");
+    let number = parse_text("a.inp", "*PARAMETER\nl = 2.\n*NODE\n1, <l>, 0, 0\n").unwrap_err().to_string();
+    assert!(number.starts_with("a.inp, line 4: the parameter <l> is not evaluated; "), "{number}");
 }

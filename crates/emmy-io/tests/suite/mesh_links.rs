@@ -42,10 +42,10 @@ fn a_file_of_lines_alone_is_a_network() {
 }
 
 #[test]
-fn trusses_of_abaqus_are_links_in_any_case() {
+fn trusses_of_abaqus_are_links_on_request() {
     let deck = "*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, 3\n*Element, type=C3D4, elset=body\n\
                 1, 1,2,3,4\n*Element, type=T3D2, elset=bars\n2, 4,5\n*Element, type=SPRINGA, elset=springs\n3, 5,1\n";
-    let file = parse("a.inp".as_ref(), deck.as_bytes()).unwrap();
+    let file = parse_with("a.inp".as_ref(), deck.as_bytes(), &links("bars")).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1), (CellKind::Line2, 2)]);
     assert_eq!(file.mesh.groups().cells("bars").unwrap(), [1]);
     assert_eq!(file.mesh.groups().cells("springs").unwrap(), [2]);

@@ -23,6 +23,8 @@ pub(in crate::mesh) struct Body {
     pub(in crate::mesh) lower_index: HashMap<u64, u32>,
     /// Indices in [`Deck::types`](super::Deck) of their types, as far as these are known.
     pub(in crate::mesh) lower_types: Vec<u32>,
+    /// The same of the lines among `elements`.
+    pub(super) line_types: Vec<u32>,
     /// Elements that are left out: masses, springs, beams, ...
     pub(super) left_out: Vec<LeftOut>,
     pub(super) left_out_index: HashMap<u64, u32>,
@@ -172,12 +174,21 @@ impl Body {
             .any(|index| index.contains_key(&number))
     }
 
-    /// Turns the lines among the elements into edges of cells.
-    pub(super) fn lower_lines(&mut self) {
+    /// Takes the lines out of the elements: those of some types become edges of cells, the others are left out.
+    pub(super) fn lower_lines(&mut self, are_edges: impl Fn(u32) -> bool) {
         let (lines, cells): (Vec<Element>, _) =
             self.elements.drain(..).partition(|element| element.kind == CellKind::Line2);
         self.elements = cells;
-        self.lower.extend(lines);
+        for (line, element_type) in lines.into_iter().zip(std::mem::take(&mut self.line_types)) {
+            if are_edges(element_type) {
+                self.lower.push(line);
+                self.lower_types.push(element_type);
+            } else {
+                let nodes = self.nodes_of(&line).iter().map(|&node| Member::one(None, node)).collect();
+                self.left_out_index.insert(line.number, self.left_out.len() as u32);
+                self.left_out.push(LeftOut { element_type, nodes });
+            }
+        }
         self.element_index = index(&self.elements);
         self.lower_index = index(&self.lower);
     }

@@ -153,13 +153,16 @@ impl Deck {
                 return Err(self.malformed(elements.at, problem, advice));
             }
             Role::Cell(kind) if !joins_instances => {
-                if !std::mem::replace(&mut elements.is_noted, true) {
+                if kind != CellKind::Line2 && !std::mem::replace(&mut elements.is_noted, true) {
                     self.notes.extend(element::note(&elements.element_type, kind));
                 }
                 let element = self.new_element(elements, kind);
                 let body = self.body_mut();
                 body.element_index.insert(number, body.elements.len() as u32);
                 body.elements.push(element);
+                if kind == CellKind::Line2 {
+                    body.line_types.push(elements.type_index);
+                }
             }
             Role::Lower(kind, _) if !joins_instances => {
                 let element = self.new_element(elements, kind);
@@ -265,8 +268,7 @@ impl Deck {
     }
 
     fn number(&self, at: At, field: &str) -> Result<u64> {
-        let problem = || format!("expected a whole number, found \"{}\"", shown(field));
-        field.parse().map_err(|_| self.malformed(at, problem(), "is a comma or a line missing?"))
+        field.parse().map_err(|_| self.not_a_number(at, "a whole number", field))
     }
 
     /// A number; an empty field is zero, and Fortran's `1.D0` is valid.
@@ -275,7 +277,16 @@ impl Deck {
             return Ok(0.0);
         }
         let value = field.parse().or_else(|_| field.replace(['d', 'D'], "e").parse());
-        let problem = || format!("expected a number, found \"{}\"", shown(field));
-        value.map_err(|_| self.malformed(at, problem(), "is a comma or a line missing?"))
+        value.map_err(|_| self.not_a_number(at, "a number", field))
+    }
+
+    fn not_a_number(&self, at: At, wanted: &str, field: &str) -> MeshError {
+        let field = shown(field);
+        if field.starts_with('<') {
+            let advice = "write its value; Abaqus writes the file with all values when it checks the data";
+            return self.malformed(at, format!("the parameter {field} is not evaluated"), advice);
+        }
+        let problem = format!("expected {wanted}, found \"{field}\"");
+        self.malformed(at, problem, "is a comma or a line missing?")
     }
 }

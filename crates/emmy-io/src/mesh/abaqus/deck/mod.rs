@@ -12,8 +12,8 @@ use emmy::mesh::CellKind;
 
 use super::super::account::Account;
 use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
-use super::body::{At, Body, Element, Instance, Member, Of};
-use super::element::Role;
+use super::body::{At, Body, Instance, Member, Of};
+use super::element::{self, Role};
 use super::keyword::Keyword;
 use crate::message;
 
@@ -126,18 +126,27 @@ impl Deck {
         self.instances.iter_mut().for_each(|instance| instance.body.raise_shells());
     }
 
-    /// Turns lines into edges where meshers have written faces too, unless links are requested.
+    /// Leaves out lines beside other cells, unless links are requested; where meshers have written faces, trusses are edges.
     fn lower_lines(&mut self, links: &[String]) {
-        let is_line = |element: &Element| element.kind == CellKind::Line2;
-        let has_lines = self.bodies().any(|body| body.elements.iter().any(is_line));
-        if !self.has_faces || !has_lines || !links.is_empty() || !self.has_cells() {
+        let lines = self.bodies().flat_map(|body| &body.line_types);
+        let lines: BTreeSet<&str> = lines.map(|&index| &*self.types[index as usize]).collect();
+        if !links.is_empty() || !self.has_cells() {
+            let notes: Vec<String> =
+                lines.into_iter().filter_map(|name| element::note(name, CellKind::Line2)).collect();
+            self.notes.extend(notes);
             return;
         }
-        self.root.lower_lines();
-        self.instances.iter_mut().for_each(|instance| instance.body.lower_lines());
-        self.notes.insert(
-            "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
+        let is_edge = |name: &str| self.has_faces && name.starts_with('T');
+        let left_out: Vec<&str> = lines.into_iter().filter(|name| !is_edge(name)).collect();
+        let note = format!(
+            "{} beside other cells would be links, if a region had a material for links",
+            left_out.join(", ")
         );
+        let are_edges: Vec<bool> = self.types.iter().map(|name| is_edge(name)).collect();
+        self.notes.extend((!left_out.is_empty()).then_some(note));
+        let lower = |body: &mut Body| body.lower_lines(|index| are_edges[index as usize]);
+        lower(&mut self.root);
+        self.instances.iter_mut().for_each(|instance| lower(&mut instance.body));
     }
 
     /// The contents outside of parts, and those of the instances.
