@@ -6,6 +6,8 @@ mod error;
 mod gmsh;
 mod nastran;
 mod other;
+#[cfg(test)]
+mod random_decks;
 pub(crate) mod vtu;
 
 use std::collections::BTreeMap;

@@ -9,9 +9,6 @@ mod source;
 mod system;
 mod table;
 
-#[cfg(test)]
-mod random_decks;
-
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
