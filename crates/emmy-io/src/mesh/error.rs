@@ -153,19 +153,6 @@ pub enum MeshError {
         /// Number of the node.
         node: u64,
     },
-    /// A facet of a group that is not a face of any cell.
-    #[error(
-        "{}: group \"{group}\": the facet with corner nodes {nodes:?} is not a face of any cell; \
-         save the volume behind it too, with elements of the same mesh", file.display()
-    )]
-    FacetWithoutCell {
-        /// The file.
-        file: PathBuf,
-        /// Name of the group.
-        group: String,
-        /// Corner nodes of the facet, as numbered in the file.
-        nodes: Vec<u64>,
-    },
     /// A repeated cell, with its nodes in the same or in another order.
     #[error(
         "{}: {repeated} has the nodes of {first}; remove one of the two, or their stiffness and mass would add up",

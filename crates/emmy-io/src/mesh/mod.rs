@@ -8,6 +8,8 @@ mod includes;
 mod nastran;
 mod other;
 mod plane;
+#[cfg(test)]
+mod random_decks;
 pub(crate) mod vtu;
 
 use std::collections::BTreeMap;

@@ -287,3 +287,11 @@ fn pyramids_of_thirteen_nodes_have_the_order_of_gmsh() {
     assert_plane(&file.mesh, "base", 2, 0.0);
     assert_eq!(file.mesh.group_nodes("base").unwrap().len(), 8);
 }
+
+#[test]
+fn instances_of_other_analyses_and_parameters_are_named() {
+    let old = parse_text("a.inp", "*INSTANCE, LIBRARY=old, INSTANCE=Arm-1\n").unwrap_err().to_string();
+    assert!(old.starts_with("a.inp, line 1: *INSTANCE of another analysis (old) is not read; "), "{old}");
+    let number = parse_text("a.inp", "*PARAMETER\nl = 2.\n*NODE\n1, <l>, 0, 0\n").unwrap_err().to_string();
+    assert!(number.starts_with("a.inp, line 4: the parameter <l> is not evaluated; "), "{number}");
+}

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crate::meshes::{assert_plane, links, parse_text, volume};
 use emmy::mesh::CellKind;
 use emmy_io::mesh::{MeshFile, MeshOptions, parse_with};
-use proptest::prelude::*;
 
 /// Two bricks from x = 0 to x = 2.
 const BRICKS: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,2,0,0\n10,2,1,0\n\
@@ -103,6 +102,30 @@ fn links_stay_links_and_sets_with_cells_keep_these_alone() {
     assert!(!groups.nodes.contains_key("both"));
     assert_eq!(groups.nodes["of-mass"], groups.nodes["lump"]);
     assert_eq!(file.notes, ["SPRINGA is read as line2".to_string(), format!("{LEFT_OUT}1 MASS")]);
+}
+
+#[test]
+fn lines_beside_solid_cells_are_left_out_unless_a_region_wants_links() {
+    let lines = "*ELEMENT, TYPE=SPRINGA, ELSET=springs\n3, 1, 12\n*ELEMENT, TYPE=CONN3D2\n4, 2, 12\n\
+                 *ELEMENT, TYPE=T3D2, ELSET=bars\n5, 1, 7\n6, 2, 7\n*ELEMENT, TYPE=SPRINGA\n7, 4, 9\n";
+    let note = "would be links, if a region had a material for links";
+    let file = bricks(lines);
+    let left_out = format!("{LEFT_OUT}2 SPRINGA, 2 T3D2, 1 CONN3D2");
+    assert_eq!(file.notes, [format!("CONN3D2, SPRINGA, T3D2 beside other cells {note}"), left_out]);
+    let nodes = |file: &MeshFile| ["springs", "bars"].map(|group| file.mesh.groups().nodes[group].clone());
+    assert_eq!(nodes(&file), [vec![0, 11], vec![0, 1, 6]]);
+    // A mesher that writes faces writes edges, too.
+    let file = bricks(&format!("{lines}*ELEMENT, TYPE=CPS4, ELSET=foot\n8, 1, 2, 3, 4\n"));
+    assert_eq!(
+        file.notes,
+        [
+            format!("CONN3D2, SPRINGA beside other cells {note}"),
+            "elements of type CPS4 are read as faces of the solid cells beside them".to_string(),
+            "elements of type T3D2 are read as edges of the solid cells beside them".to_string(),
+            format!("{LEFT_OUT}2 SPRINGA, 1 CONN3D2"),
+        ]
+    );
+    assert_eq!(nodes(&file), [vec![0, 11], vec![0, 1, 6]]);
 }
 
 #[test]
@@ -250,89 +273,4 @@ fn names_have_no_blanks_at_their_ends() {
         "*ELSET, ELSET=\"first \"\n1\n*NSET, NSET= tip  , UNSORTED\n12 ,\n*SURFACE, NAME=\"all of it  \"\nfirst ,\n",
     );
     assert_eq!(file.mesh.groups().names(), ["all of it", "beam", "first", "tip"]);
-}
-
-/// Keywords without effect, with data lines.
-const NO_EFFECT: [&str; 8] = [
-    "*Material, name=Steel\n*Density\n7850.\n*Elastic\n2.1e11, 0.3\n",
-    "*Solid Section, elset=beam, material=Steel\n,\n",
-    "*Step, nlgeom=YES, inc=1000\n*Dynamic\n0.1, 1.\n*End Step\n",
-    "*Output, field\n*Node Output\nU, V\n*Element Output\nS\n",
-    "*Preprint, echo=NO, model=NO\n*Restart, write, frequency=0\n",
-    "*Amplitude, name=Ramp\n0., 0., 1., 1.\n",
-    "*Node file\nU\n*El print, elset=beam\nS\n*Transform, nset=tip\n1., 0., 0., 0., 1., 0.\n",
-    "** a comment\n*Orientation, name=Ori\n1., 0., 0., 0., 1., 0.\n",
-];
-
-/// Keywords and elements that would change the motion, by the name in the note; `#` is the number of an element.
-const CHANGING: [(&str, &str); 13] = [
-    ("*TIE", "*Tie, name=a, adjust=yes\nup, down\n"),
-    ("*MPC", "*MPC\nBEAM, 1, 2\n"),
-    ("*COUPLING", "*Coupling, constraint name=a, ref node=12, surface=skin\n"),
-    ("*CONTACT PAIR", "*Contact  Pair, interaction=a\nup, down\n"),
-    ("*INITIAL CONDITIONS", "*Initial Conditions, type=VELOCITY\n1, 1, 5.\n"),
-    ("*DSLOAD", "*Dsload\nskin, P, 1.\n"),
-    ("*CONNECTOR BEHAVIOR", "*Connector Behavior, name=a\n"),
-    ("*EMBEDDED ELEMENT", "*Embedded Element\nbeam\n"),
-    ("MASS", "*Element, type=MASS\n#, 12\n"),
-    ("SPRING2", "*Element, type=SPRING2\n#, 1, 12\n"),
-    ("B31", "*Element, type=B31\n#, 1, 12\n"),
-    ("S4R", "*Element, type=S4R\n#, 1, 2, 12, 4\n"),
-    ("U7", "*Element, type=U7\n#, 1, 2, 3, 4,\n 5, 6\n"),
-];
-
-const NEW: [(&str, &str); 3] = [
-    ("*ZEBRA CROSSING", "*Zebra Crossing, type=STRIPED\n1, 2, 3\n"),
-    ("*PHASE", "*Phase\n"),
-    ("*LAYER", "*LAYER, NAME=a\nsome text, and more\n"),
-];
-
-#[derive(Debug, Clone)]
-enum Lines {
-    Set,
-    NoEffect(usize),
-    Changing(usize),
-    New(usize),
-}
-
-fn lines() -> impl Strategy<Value = Lines> {
-    prop_oneof![
-        Just(Lines::Set),
-        (0..NO_EFFECT.len()).prop_map(Lines::NoEffect),
-        (0..CHANGING.len()).prop_map(Lines::Changing),
-        (0..NEW.len()).prop_map(Lines::New),
-    ]
-}
-
-proptest! {
-    #[test]
-    fn every_line_of_a_random_deck_is_accounted_for(all in prop::collection::vec((lines(), any::<bool>()), 0..60)) {
-        let (mut text, mut left_out, mut unknown) = (String::new(), BTreeMap::new(), BTreeMap::new());
-        let mut n_sets = 0;
-        for (number, (lines, is_upper)) in (100..).zip(&all) {
-            let own = match lines {
-                Lines::Set => {
-                    n_sets += 1;
-                    format!("*Nset, nset=set-{number}\n1, 12\n")
-                }
-                Lines::NoEffect(index) => NO_EFFECT[*index].to_string(),
-                Lines::Changing(index) => {
-                    let (name, own) = CHANGING[*index];
-                    *left_out.entry(name.to_string()).or_insert(0) += 1;
-                    own.replace('#', &number.to_string())
-                }
-                Lines::New(index) => {
-                    let (name, own) = NEW[*index];
-                    *unknown.entry(name.to_string()).or_insert(0) += 1;
-                    own.to_string()
-                }
-            };
-            text += &if *is_upper { own.to_uppercase() } else { own };
-        }
-        let file = bricks(&text);
-        prop_assert_eq!(counts(&file, LEFT_OUT), left_out);
-        prop_assert_eq!(counts(&file, UNKNOWN), unknown);
-        prop_assert_eq!(file.mesh.groups().names().len(), 1 + n_sets);
-        prop_assert!(file.notes.len() <= 2, "{:?}", file.notes);
-    }
 }

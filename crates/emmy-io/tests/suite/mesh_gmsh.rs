@@ -51,6 +51,17 @@ fn assert_groups(mesh: &Mesh, n_end: usize, n_skin: usize, n_edge: usize) {
 }
 
 #[test]
+fn entities_may_stand_behind_the_elements() {
+    for name in ["mixed-41-ascii.msh", "mixed-41-binary.msh"] {
+        let bytes = crate::meshes::bytes(name);
+        let place = |text: &[u8]| bytes.windows(text.len()).position(|own| own == text).unwrap();
+        let (begin, end) = (place(b"$Entities"), place(b"$Nodes"));
+        let moved = [&bytes[..begin], &bytes[end..], &bytes[begin..end]].concat();
+        assert_eq!(parse("a.msh".as_ref(), &moved).unwrap().mesh, read(name).mesh);
+    }
+}
+
+#[test]
 fn one_mesh_is_the_same_in_all_formats() {
     for (kind, ..) in MESHES {
         let first = read(&format!("{kind}-41-binary.msh")).mesh;

@@ -1,9 +1,6 @@
 //! Grids of VTK: what becomes of their arrays and of their cells.
 
-use std::collections::BTreeSet;
-
 use emmy_io::mesh::{Grid, GridArray, MeshFile, Numbers, from_grid};
-use proptest::prelude::*;
 
 use crate::meshes::volume;
 
@@ -173,90 +170,5 @@ fn lists_that_do_not_fit_are_errors() {
         damage(&mut grid);
         let message = message(grid);
         assert!(message.contains(part), "{message}");
-    }
-}
-
-/// An array of a random kind on a number of cells or points, and what it must give.
-fn array(n: usize) -> impl Strategy<Value = (Vec<f64>, u8)> {
-    let few = prop::collection::vec((-9..9_i32).prop_map(f64::from), n);
-    let many = Just((0..n).map(|i| (i / 2) as f64).collect::<Vec<f64>>());
-    let halves = prop::collection::vec((0..9_i32).prop_map(|i| f64::from(i) + 0.5), n);
-    let numbering = Just((0..n).map(|i| i as f64).collect::<Vec<f64>>());
-    prop_oneof![
-        few.clone().prop_map(|numbers| (numbers, 0)),
-        few.prop_map(|numbers| (numbers, 1)),
-        many.prop_map(|numbers| (numbers, 2)),
-        halves.prop_map(|numbers| (numbers, 3)),
-        numbering.prop_map(|numbers| (numbers, 4)),
-        Just((Vec::new(), 5)),
-        Just((vec![0.5; n], 6)),
-    ]
-}
-
-/// Names in the note on arrays.
-fn left_out(file: &MeshFile) -> BTreeSet<String> {
-    let note = file.notes.iter().find_map(|note| note.strip_prefix("arrays that are left out, "));
-    let names = note.and_then(|note| note.split_once(": ")).map_or("", |(_, names)| names);
-    names.split(", ").filter(|name| !name.is_empty()).map(str::to_string).collect()
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..Default::default() })]
-
-    /// Every array gives its groups, or is in the note, or is known to have no effect; every cell is one of the body, or
-    /// counted in a note. The body stays the same.
-    #[test]
-    fn every_array_and_cell_is_accounted_for(
-        on_cells in prop::collection::vec(array(6 * 6 * 6 + 3), 0..5),
-        on_points in prop::collection::vec(array(7 * 7 * 7), 0..5),
-        n_apart in prop::collection::vec(0..4_usize, 3),
-    ) {
-        let mut grid = block(6);
-        add(&mut grid, 8, &[0, 1, 7, 8]);
-        add(&mut grid, 3, &[0, 1]);
-        add(&mut grid, 1, &[0]);
-        let (n_cells, n_points) = (grid.types.len(), grid.points.len());
-        for (&n, (id, n_nodes)) in n_apart.iter().zip([(9, 4), (4, 5), (7, 6)]) {
-            (0..n).for_each(|_| add_apart(&mut grid, id, n_nodes));
-        }
-        let (n_more_cells, n_more_points) = (grid.types.len() - n_cells, grid.points.len() - n_points);
-        let (mut wanted_groups, mut wanted_note) = (BTreeSet::new(), BTreeSet::new());
-        let parts = [(&on_cells, "c", n_more_cells), (&on_points, "p", n_more_points)];
-        for (arrays, prefix, n_more) in parts {
-            let mut all = Vec::new();
-            for (index, (numbers, kind)) in arrays.iter().enumerate() {
-                let name = if *kind == 6 { format!("vtk{prefix}{index}") } else { format!("{prefix}{index}") };
-                // The cells and points apart have no value.
-                let with_rest = [numbers.clone(), vec![f64::NAN; n_more]].concat();
-                let array = match kind {
-                    0 if n_more == 0 => whole(&name, numbers.iter().map(|&x| x as i64).collect()),
-                    5 => GridArray { name: name.clone(), numbers: None },
-                    _ => real(&name, with_rest),
-                };
-                all.push(array);
-                match kind {
-                    0 | 1 => wanted_groups.extend(numbers.iter().map(|x| format!("{name}={x}"))),
-                    2 | 3 | 5 if prefix == "c" => drop(wanted_note.insert(name.clone())),
-                    2 | 3 | 5 => drop(wanted_note.insert(format!("{name} (points)"))),
-                    _ => {}
-                }
-                // The values of the few other cells are in range in any case.
-                if *kind == 2 || *kind == 4 {
-                    wanted_groups.extend(numbers.iter().skip(216).map(|x| format!("{name}={x}")).filter(|_| prefix == "c"));
-                }
-            }
-            if prefix == "c" { grid.cell_arrays = all } else { grid.point_arrays = all }
-        }
-        let file = mesh(grid);
-        let found: BTreeSet<String> = file.mesh.groups().names().iter().map(|name| name.to_string()).collect();
-        prop_assert_eq!(found, wanted_groups);
-        prop_assert_eq!(left_out(&file), wanted_note);
-        prop_assert_eq!((file.mesh.n_cells(), file.mesh.n_nodes()), (216, 343));
-        prop_assert!((volume(&file.mesh) - 216.0).abs() < 1e-10);
-        let note = file.notes.iter().find(|note| note.starts_with("left out, though")).cloned().unwrap_or_default();
-        for (n, name) in n_apart.iter().zip(["9 (quadrilateral)", "4 (polyline)", "7 (polygon)"]) {
-            let part = format!("{n} VTK type {name}");
-            prop_assert_eq!(note.contains(&part), *n > 0, "{} in {}", part, note);
-        }
     }
 }

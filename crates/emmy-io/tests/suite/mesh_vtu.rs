@@ -25,7 +25,7 @@ const WAYS: [&str; 11] = [
 const LEFT_OUT: &str =
     "arrays that are left out, because they have other values than up to 64 whole numbers: quality";
 
-const MIRRORED: &str = "1 wedge has its base numbered the other way round, as in older VTK, and read so";
+const MIRRORED: &str = "1 cell was numbered the other way round (negative volume) and turned";
 
 fn kinds(mesh: &Mesh) -> Vec<CellKind> {
     mesh.cells().map(|cell| cell.kind).collect()
@@ -58,7 +58,7 @@ fn one_mesh_is_the_same_in_every_way_of_writing() {
         assert_groups(&file.mesh);
         assert_eq!(file.mesh, read("vtk-ascii.vtu").mesh, "{way}");
         // meshio reverses the wedges of VTK.
-        let notes: &[&str] = if way.starts_with("meshio") { &[MIRRORED, LEFT_OUT] } else { &[LEFT_OUT] };
+        let notes: &[&str] = if way.starts_with("meshio") { &[LEFT_OUT, MIRRORED] } else { &[LEFT_OUT] };
         assert_eq!(file.notes, notes, "{way}");
     }
 }
@@ -67,7 +67,7 @@ fn one_mesh_is_the_same_in_every_way_of_writing() {
 fn a_wedge_may_have_its_base_the_other_way_round() {
     let file = read("mirrored.vtu");
     assert_eq!(file.mesh.cell(2).nodes, [1, 9, 2, 5, 10, 6]);
-    assert_eq!(file.notes, [MIRRORED, LEFT_OUT]);
+    assert_eq!(file.notes, [LEFT_OUT, MIRRORED]);
     assert_groups(&file.mesh);
 }
 
@@ -238,4 +238,23 @@ fn bad_files_are_told_with_their_line() {
     }
     let html = parse_text("a.vtu", "<html></html>").unwrap_err().to_string();
     assert!(html.contains("a.vtu, line 1: no unstructured grid of VTK"), "{html}");
+    for (kind, part) in [("ImageData", "legacy file of VTK (.vtk)"), ("PolyData", "UnstructuredGrid file")] {
+        let text = format!("<VTKFile type=\"{kind}\" version=\"1.0\"><{kind}/></VTKFile>");
+        let message = parse_text("a.vti", &text).unwrap_err().to_string();
+        assert!(
+            message.starts_with(&format!("a.vti, line 1: no unstructured grid of VTK, but {kind}; ")),
+            "{message}"
+        );
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn texts_of_legacy_files_follow_their_head_and_need_no_line_after_them() {
+    let ascii = std::fs::read_to_string(path("legacy-51-ascii.vtk")).unwrap();
+    let texts = "CELL_DATA 5\nFIELD FieldData 1\nnames 1 5 string\na%20b\n\nc\nd\ne\n";
+    let with_texts = parse_text("a.vtk", &ascii.replacen("CELL_DATA 5\n", texts, 1)).unwrap();
+    let without = read("legacy-51-ascii.vtk");
+    assert_eq!(with_texts.mesh, without.mesh);
+    assert!(with_texts.notes.iter().any(|note| note.contains("names")), "{:?}", with_texts.notes);
 }

@@ -71,6 +71,12 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// Whether one of some texts comes later.
+    pub(super) fn has_ahead(&self, texts: [&str; 2]) -> bool {
+        let rest = &self.bytes[self.offset..];
+        texts.iter().any(|text| rest.windows(text.len()).any(|window| window == text.as_bytes()))
+    }
+
     /// Goes back to an offset.
     pub(super) fn back_to(&mut self, offset: usize) {
         self.offset = offset;

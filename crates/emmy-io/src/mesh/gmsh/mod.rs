@@ -66,6 +66,9 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries { treatment: Treatment::LeftOut, what: "nodes that move together", names: &["Periodic"] },
 ];
 
+/// Beginnings of the sections with entities.
+const ENTITIES: [&str; 2] = ["$Entities", "$PartitionedEntities"];
+
 /// Number of a kind of cell.
 #[cfg(test)]
 pub(super) fn number(kind: emmy::mesh::CellKind) -> Option<i64> {
@@ -79,6 +82,8 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
     let mut draft = Draft::new(version);
     let mut entities = v4::Entities::new();
     let mut account = Account::default();
+    // Elements before the entities that have their physical groups.
+    let mut postponed = Vec::new();
     while let Some(section) = cursor.section()? {
         use Version::{V1, V2, V20, V40, V41};
         match (section, version) {
@@ -88,6 +93,10 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
             ("Nodes", V40 | V41) => v4::nodes(&mut cursor, version, &mut draft)?,
             ("ELM", V1) => v1::elements(&mut cursor, &mut draft)?,
             ("Elements", V2 | V20) => v2::elements(&mut cursor, &mut draft)?,
+            ("Elements", V40 | V41) if entities.is_empty() && cursor.has_ahead(ENTITIES) => {
+                postponed.push(cursor.offset());
+                cursor.skip_section(section)?;
+            }
             ("Elements", V40 | V41) => v4::elements(&mut cursor, version, &mut draft, &entities)?,
             ("Entities", V40 | V41) => v4::entities(&mut cursor, version, &mut entities)?,
             ("PartitionedEntities", V40 | V41) => {
@@ -100,6 +109,11 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
             }
         }
         cursor.end(section)?;
+    }
+    for start in postponed {
+        cursor.back_to(start);
+        v4::elements(&mut cursor, version, &mut draft, &entities)?;
+        cursor.end("Elements")?;
     }
     draft.notes.extend(account.notes());
     draft.mesh(&cursor, links)

@@ -53,19 +53,17 @@ pub(super) fn count(counted: &mut Option<(usize, At)>, at: At) {
     counted.get_or_insert((0, at)).0 += 1;
 }
 
-/// Fields of a card, or of continuations whose card is elsewhere; those have no name.
+/// Lines of a card, or of continuations whose card is elsewhere; those have no name.
 #[derive(Debug)]
 struct Piece<'a> {
     name: String,
-    fields: Vec<Cow<'a, str>>,
+    /// Fields of each line, and their number in a full one.
+    lines: Vec<(usize, Vec<Cow<'a, str>>)>,
     at: At,
     /// Mark of the first line, if it is a continuation.
     own: String,
     /// Mark of the last line.
     next: Mark,
-    /// Fields of a full first and last line, and the index of the first field in the last line.
-    widths: [usize; 2],
-    last: usize,
 }
 
 #[derive(Debug)]
@@ -78,15 +76,7 @@ struct Mark {
 
 impl<'a> Piece<'a> {
     fn new(name: String, own: String, line: Line<'a>, at: At) -> Self {
-        Piece {
-            name,
-            at,
-            own,
-            next: mark(&line.mark, at),
-            widths: [line.width; 2],
-            fields: line.fields,
-            last: 0,
-        }
+        Piece { name, at, own, next: mark(&line.mark, at), lines: vec![(line.width, line.fields)] }
     }
 
     /// Whether the last line has its last field.
@@ -98,12 +88,9 @@ impl<'a> Piece<'a> {
         self.append(Piece::new(String::new(), String::new(), line, at));
     }
 
-    /// Adds continuations; the line before them counts as full.
     fn append(&mut self, more: Piece<'a>) {
-        let full = self.fields.len().max(self.last + self.widths[1]).next_multiple_of(more.widths[0]);
-        self.fields.resize(full, Cow::Borrowed(""));
-        self.fields.extend(more.fields);
-        (self.last, self.widths[1], self.next) = (full + more.last, more.widths[1], more.next);
+        self.lines.extend(more.lines);
+        self.next = more.next;
     }
 }
 
@@ -193,7 +180,15 @@ fn joined<'a>(
 }
 
 fn card(piece: Piece<'_>) -> Card<'_> {
-    let Piece { name, mut fields, at, .. } = piece;
+    let Piece { name, lines, at, .. } = piece;
+    let (mut fields, mut full) = (Vec::new(), 0_usize);
+    for (width, line) in lines {
+        // A line with a continuation counts as full.
+        full = fields.len().max(full).next_multiple_of(width);
+        fields.resize(full, Cow::Borrowed(""));
+        fields.extend(line);
+        full += width;
+    }
     let length = fields.iter().rposition(|field| !field.is_empty()).map_or(0, |last| last + 1);
     fields.truncate(length);
     Card { name, fields, at }
@@ -394,6 +389,11 @@ mod tests {
         let joined =
             [&["5", "3", "1", "2"], &blank[..], &["3", "4", "5", "6"], &blank, &["7", "8", "9", "10"]];
         assert_eq!(cards(&chain), [of("CTETRA", &joined.concat(), 1), of("GRID", &["7"], 2)]);
+        // A narrow line after the second half of a wide one, both elsewhere.
+        let (first, second) = (format!("{:<72}*A", "CTETRA* 5               3"), format!("{:<72}+B", "*A"));
+        let mixed = format!("{first}\nGRID,7\n{second}\n+B,9\n");
+        let joined = [&["5", "3"], &[""; 6][..], &["9"]].concat();
+        assert_eq!(cards(&mixed), [of("CTETRA", &joined, 1), of("GRID", &["7"], 2)]);
     }
 
     #[test]

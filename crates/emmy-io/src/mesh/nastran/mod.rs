@@ -10,9 +10,6 @@ mod source;
 mod system;
 mod table;
 
-#[cfg(test)]
-mod random_decks;
-
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 

@@ -1,7 +1,5 @@
 //! Cell types of VTK (`vtkCellType.h`) and their node order.
 
-use emmy::internals::element::{element, jacobian};
-use emmy::internals::tensor::det;
 use emmy::mesh::CellKind;
 
 /// A cell type of VTK. Corners come first in the node order.
@@ -171,20 +169,6 @@ pub(super) fn renumber_old_hexahedra(types: &[i64], ends: &[i64], connectivity: 
     }
 }
 
-/// Wedge whose base is clockwise as seen from the top, as in older documentation of VTK and some programs: index in the
-/// file's node list of each node.
-pub(super) const MIRRORED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
-
-/// Whether det(dX/dxi) of the cell with the same corners and straight edges is negative in the middle.
-pub(super) fn is_mirrored(kind: CellKind, corners: &[[f64; 3]]) -> bool {
-    let linear = element(kind.linear());
-    let n = linear.nodes().len();
-    let middle = [0, 1, 2].map(|i| linear.nodes().iter().map(|xi| xi[i]).sum::<f64>() / n as f64);
-    let mut gradients = vec![[0.0; 3]; n];
-    linear.gradient(middle, &mut gradients);
-    det(&jacobian(kind, &corners[..n], &gradients)) < 0.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,18 +183,5 @@ mod tests {
         assert_eq!(Type::of(11).unwrap().described(8), "VTK type 11 (voxel)");
         assert_eq!(Type::of(72).unwrap().described(64), "VTK type 72 (Lagrange hexahedron of 64 nodes)");
         assert_eq!(Type::of(17), None);
-    }
-
-    #[test]
-    fn a_mirrored_wedge_put_right_is_the_wedge() {
-        for kind in [CellKind::Wedge6, CellKind::Wedge15] {
-            let nodes = element(kind).nodes();
-            // Exchanging the first two coordinates mirrors the wedge and maps its nodes onto each other.
-            let mirrored: Vec<[f64; 3]> = nodes.iter().map(|&[x, y, z]| [y, x, z]).collect();
-            assert!(is_mirrored(kind, &mirrored) && !is_mirrored(kind, nodes));
-            let right: Vec<[f64; 3]> =
-                MIRRORED_WEDGE[..kind.n_nodes()].iter().map(|&i| mirrored[i]).collect();
-            assert_eq!(right, nodes);
-        }
     }
 }

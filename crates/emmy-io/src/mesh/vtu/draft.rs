@@ -6,7 +6,7 @@ use std::path::Path;
 use emmy::mesh::{CellKind, MeshBuilder};
 
 use super::super::account::Account;
-use super::cell::{MIRRORED_WEDGE, Type, is_mirrored};
+use super::cell::Type;
 use super::{Grid, MeshError, Result, kinds};
 use crate::message::counted;
 
@@ -151,7 +151,6 @@ impl<'a> Draft<'a> {
 
     /// Adds the cells of the body, and finds the roles of all cells of the file.
     pub(super) fn add_cells(&mut self, is_link: &[bool]) -> Result<()> {
-        let mut n_mirrored = 0;
         for index in 0..self.shapes.len() {
             let Shape { of, kind } = self.shapes[index];
             let role = match kind {
@@ -160,12 +159,6 @@ impl<'a> Draft<'a> {
                     let mut nodes = self.nodes(index).to_vec();
                     if let Some(order) = of.order() {
                         nodes = order.iter().map(|&local| nodes[local]).collect();
-                    }
-                    let corner = |&node: &u32| self.points[node as usize];
-                    let corners: Vec<[f64; 3]> = nodes[..kind.n_corners()].iter().map(corner).collect();
-                    if kind.n_corners() == 6 && is_mirrored(kind, &corners) {
-                        nodes = MIRRORED_WEDGE[..nodes.len()].iter().map(|&local| nodes[local]).collect();
-                        n_mirrored += 1;
                     }
                     let cell = self.builder.cell(kind, &nodes);
                     let mesh_error = |reason| MeshError::Mesh { file: self.file.to_path_buf(), reason };
@@ -179,10 +172,6 @@ impl<'a> Draft<'a> {
                 _ => Role::LeftOut,
             };
             self.roles.push(role);
-        }
-        if n_mirrored > 0 {
-            let wedges = counted(n_mirrored, "wedge has its base", "wedges have their bases");
-            self.notes.push(format!("{wedges} numbered the other way round, as in older VTK, and read so"));
         }
         self.find_other_roles();
         Ok(())

@@ -11,10 +11,13 @@ use super::cell::renumber_old_hexahedra;
 use super::grid::is_needed;
 use super::{Grid, GridArray, Numbers};
 use crate::input::suggest::did_you_mean;
+use crate::message;
 
 /// Largest number of points and cells of a file: more do not fit into memory, and compressed ones may need only a few
 /// bytes.
 const MOST: usize = 100_000_000;
+
+const UNSTRUCTURED: &str = "in ParaView, save it as VTK UnstructuredGrid file (.vtu)";
 
 const DAMAGED: &str = "the file is damaged or cut off, write it again";
 
@@ -100,10 +103,20 @@ impl<'a, 'input> Piece<'a, 'input> {
     ) -> Result<Vec<Self>> {
         let root = document.root_element();
         let grid = child(root, "UnstructuredGrid").filter(|_| root.has_tag_name("VTKFile"));
-        let grid = grid.ok_or_else(|| MeshError::Malformed {
-            place: place(file, document, root),
-            problem: "no unstructured grid of VTK".to_string(),
-            advice: "in ParaView, save it as VTK UnstructuredGrid file (.vtu)",
+        let grid = grid.ok_or_else(|| {
+            let other = root.attribute("type").filter(|_| root.has_tag_name("VTKFile"));
+            let (found, advice) = match other {
+                Some(kind @ ("ImageData" | "RectilinearGrid" | "StructuredGrid")) => {
+                    (format!(", but {kind}"), "save it as a legacy file of VTK (.vtk), which is read")
+                }
+                Some(kind) => (format!(", but {}", message::name(kind)), UNSTRUCTURED),
+                None => (String::new(), UNSTRUCTURED),
+            };
+            MeshError::Malformed {
+                place: place(file, document, root),
+                problem: format!("no unstructured grid of VTK{found}"),
+                advice,
+            }
         })?;
         let encoding = encoding(root, place(file, document, root))?;
         let pieces = grid.children().filter(|node| node.has_tag_name("Piece"));

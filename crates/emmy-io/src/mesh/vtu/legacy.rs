@@ -278,7 +278,6 @@ impl Reader<'_> {
             "string" | "utf8_string" if self.is_binary => (0..n).try_for_each(|_| self.skip_text())?,
             // One on each line, percent-encoded.
             "string" | "utf8_string" => {
-                self.raw_line();
                 (0..n).try_for_each(|_| self.raw_line().map(drop).ok_or("the file ends inside of texts"))?;
             }
             kind => {

@@ -266,8 +266,7 @@ impl Deck {
     }
 
     fn number(&self, at: At, field: &str) -> Result<u64> {
-        let problem = || format!("expected a whole number, found \"{}\"", shown(field));
-        field.parse().map_err(|_| self.malformed(at, problem(), "is a comma or a line missing?"))
+        field.parse().map_err(|_| self.not_a_number(at, "a whole number", field))
     }
 
     /// A number; an empty field is zero, and Fortran's `1.D0` is valid.
@@ -276,7 +275,16 @@ impl Deck {
             return Ok(0.0);
         }
         let value = field.parse().or_else(|_| field.replace(['d', 'D'], "e").parse());
-        let problem = || format!("expected a number, found \"{}\"", shown(field));
-        value.map_err(|_| self.malformed(at, problem(), "is a comma or a line missing?"))
+        value.map_err(|_| self.not_a_number(at, "a number", field))
+    }
+
+    fn not_a_number(&self, at: At, wanted: &str, field: &str) -> MeshError {
+        let field = shown(field);
+        if field.starts_with('<') {
+            let advice = "write its value; Abaqus writes the file with all values when it checks the data";
+            return self.malformed(at, format!("the parameter {field} is not evaluated"), advice);
+        }
+        let problem = format!("expected {wanted}, found \"{field}\"");
+        self.malformed(at, problem, "is a comma or a line missing?")
     }
 }

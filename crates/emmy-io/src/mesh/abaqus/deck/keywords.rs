@@ -7,7 +7,7 @@ use super::super::element::{self, Role};
 use super::super::keyword::Keyword;
 use super::super::placement::Placement;
 use super::super::table::{TABLE, spelled};
-use super::{Deck, Elements, Scope, Section};
+use super::{Deck, Elements, Scope, Section, shown};
 
 /// Largest number of nodes, elements and members of sets in all instances together: each instance copies its part.
 const MAX_COPIED: usize = 50_000_000;
@@ -84,6 +84,10 @@ impl Deck {
     }
 
     fn instance(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        if let Some(library) = keyword.value("LIBRARY") {
+            let problem = format!("*INSTANCE of another analysis ({}) is not read", shown(library));
+            return Err(self.malformed(at, problem, "write its part and its *Instance to the file"));
+        }
         let name = self.required(keyword, at, "NAME")?;
         let part = self.required(keyword, at, "PART")?;
         if self.instance_index(name).is_some() {
