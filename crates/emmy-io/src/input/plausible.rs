@@ -328,7 +328,10 @@ mod tests {
             let pull = |stress: f64| Load::acceleration([0.0, 0.0, stress / 7.85e-9 / edge]);
             assert_eq!(notes(pull(3e6)).len(), 1);
             assert_eq!(notes(pull(1e6)), [""; 0]);
-            let force = |stress: f64| Load::body_force(Field::new(move |_, _| [0.0, stress / edge, 0.0]));
+            let force = |stress: f64| {
+                let field = Field::new(move |_, _| [0.0, stress / edge, 0.0]);
+                Load::new(LoadKind::BodyForceField { group: None, field })
+            };
             assert_eq!(notes(force(3e6)).len(), 1);
             assert_eq!(notes(force(1e6)), [""; 0]);
         }

@@ -68,7 +68,10 @@ fn masses_and_attractions_say_what_a_name_of_two_kinds_means() {
     {
         let problem = problem(&format!("[[mass]]\ngroup = \"{group}\"\ntotal = 2.0")).unwrap();
         // The bar of mass 2 has its centre at x = 1.
-        let centre = problem.body.masses().centre[0];
+        let masses = problem.body.lumped_mass();
+        let moment: f64 =
+            masses.iter().zip(problem.body.mesh().points()).map(|(mass, point)| mass * point[0]).sum();
+        let centre = moment / masses.iter().sum::<f64>();
         assert!((centre - (2.0 + 2.0 * x) / 4.0).abs() < 1e-14, "{group} {centre}");
         let note = "`left` is a group of facets and of cells: spread mass means the facets; `cells:left` would be the cells";
         assert_eq!(problem.notes.contains(&note.to_string()), has_note, "{:?}", problem.notes);

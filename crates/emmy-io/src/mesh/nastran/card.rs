@@ -81,7 +81,8 @@ impl<'a> Piece<'a> {
 
     /// Whether the last line has its last field.
     fn is_full(&self) -> bool {
-        self.fields.get(self.last + self.widths[1] - 1).is_some_and(|field| !field.is_empty())
+        let last = |(width, fields): &(usize, Vec<Cow<'a, str>>)| fields.get(width - 1).cloned();
+        self.lines.last().and_then(last).is_some_and(|field| !field.is_empty())
     }
 
     fn line(&mut self, line: Line<'a>, at: At) {

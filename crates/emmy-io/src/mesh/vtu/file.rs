@@ -290,7 +290,7 @@ fn check_name(node: Node<'_, '_>, known: &[&str]) -> Result<(), String> {
     }
     let near = did_you_mean(name, known.iter().copied());
     let near = near.unwrap_or_else(|| format!("there is {}", known.join(", ")));
-    Err(format!("the element <{}> is not known; {near}", crate::message::name(name)))
+    Err(format!("the element <{}> is not known; {near}", message::name(name)))
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
