@@ -117,6 +117,7 @@ fn a_region_of_links_needs_no_group_of_edges() {
     assert_eq!(read(""), Ok(1));
     let springs = "[[region]]\ngroup = \"springs\"\nmaterial.spring = { stiffness = 5.0 }\n";
     assert_eq!(read(springs), Ok(2));
+    assert_eq!(read(&springs.replace("springs", "cells:springs")), Ok(2));
 }
 
 #[test]
