@@ -310,7 +310,13 @@ fn with_groups(
 /// Groups of the regions of links: lines of a mesh file that are cells.
 fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
     let links = regions.iter().filter(|region| region.value.link().is_some());
-    links.map(|region| region.value.group.clone().unwrap_or_else(|| LINKS.to_string())).collect()
+    let names = links.map(|region| region.value.group.clone().unwrap_or_else(|| LINKS.to_string()));
+    // `cells:NAME` means the cells of a group, unless a group itself has such a name.
+    let with_own = |name: String| {
+        let own = name.strip_prefix("cells:").map(str::to_string);
+        std::iter::once(name).chain(own)
+    };
+    names.flat_map(with_own).collect()
 }
 
 /// Group of all links of a mesh in memory.

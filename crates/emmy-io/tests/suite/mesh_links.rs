@@ -61,7 +61,8 @@ fn trusses_of_abaqus_beside_cells_are_links_on_request() {
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1)]);
     let nodes = ["edge", "springs", "pins"].map(|group| file.mesh.groups().nodes[group].clone());
     assert_eq!(nodes, [vec![0, 1], vec![0, 3], vec![1, 2, 3]]);
-    let left_out = "left out, though it may change the motion: 2 CONN3D2, 1 SPRINGA";
+    // A bar from the tip is no edge.
+    let left_out = "left out, though it may change the motion: 2 CONN3D2, 1 SPRINGA, 1 T3D2";
     assert_eq!(file.notes, [EDGES, left_out, "1 node belongs to no cell and is left out"]);
     let file = read(&["bars", "pins"]);
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1), (CellKind::Line2, 2)]);
@@ -117,6 +118,7 @@ fn a_region_of_links_needs_no_group_of_edges() {
     assert_eq!(read(""), Ok(1));
     let springs = "[[region]]\ngroup = \"springs\"\nmaterial.spring = { stiffness = 5.0 }\n";
     assert_eq!(read(springs), Ok(2));
+    assert_eq!(read(&springs.replace("springs", "cells:springs")), Ok(2));
 }
 
 #[test]

@@ -636,3 +636,21 @@ fn a_list_of_grid_points_may_leave_some_out() {
     assert_eq!(file.mesh.groups().nodes["spc_5"], [4]);
     has_note(&file.notes, "a.bdf, line 17: the field FOO of SPC1 is not read");
 }
+
+#[test]
+fn pyramids_of_gmsh_have_its_own_order() {
+    // As Gmsh 4 writes its own reference pyramid, whose base is a square of side 2 and whose height is 1.
+    let points = "-1.00000-1.000000.00E+00 1.000000-1.000000.00E+00 1.0000001.0000000.00E+00 -1.000001.0000000.00E+00 \
+                  0.00E+000.00E+001.000000 0.00E+00-1.000000.00E+00 -1.000000.00E+000.00E+00 -0.50000-0.500000.500000 \
+                  1.0000000.00E+000.00E+00 0.500000-0.500000.500000 0.00E+001.0000000.00E+00 0.5000000.5000000.500000 \
+                  -0.500000.5000000.500000";
+    let grids =
+        points.split(' ').zip(1..).map(|(point, number)| format!("GRID    {number:<8}0       {point}\n"));
+    let cell = "CPYRAM  1       1       1       2       3       4       5       6       +E1     \n\
+                +E1     7       8       9       10      11      12      13      \n";
+    let text = format!("$ Created by Gmsh\n{}{cell}ENDDATA\n", grids.collect::<String>());
+    let file = parse_text("a.bdf", &text).unwrap();
+    assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Pyramid13, 1)]);
+    assert_straight(&file.mesh);
+    assert!((volume(&file.mesh) - 4.0 / 3.0).abs() < 1e-15 && file.notes.is_empty(), "{:?}", file.notes);
+}

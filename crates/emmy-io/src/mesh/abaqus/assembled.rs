@@ -346,6 +346,7 @@ impl<'a> Assembly<'a> {
     fn account_for_elements(&self, account: &mut Account) -> Vec<String> {
         let mut read = BTreeMap::<&str, &str>::new();
         let mut links = BTreeSet::<&str>::new();
+        let edges = self.edges_at_lines();
         for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
             let lines = body.elements.iter().filter(|element| element.kind == CellKind::Line2);
             let named = lines.filter(|element| element.element_type.is_some());
@@ -353,12 +354,15 @@ impl<'a> Assembly<'a> {
             for element in &body.lower {
                 let name = self.deck.type_of(element);
                 let is_named = element.element_type.is_some();
-                let is_whole = known_nodes(body, element, first_node).len() == element.n_nodes;
+                let nodes = known_nodes(body, element, first_node);
+                let is_whole = nodes.len() == element.n_nodes;
+                let is_edge = || nodes.iter().any(|&a| nodes.iter().any(|&b| edges.contains(&[a, b])));
                 match self.are_facets(element.kind) {
                     _ if !is_whole => account.leave_out(name),
                     true if self.facet(body, element, first_node).is_none() => account.leave_out(name),
                     false if element.kind.dimension() > 1 => account.leave_out(name),
                     _ if !is_named => {}
+                    false if !is_edge() => account.leave_out(name),
                     _ if element.kind.dimension() > 1 => {
                         _ = read.insert(name, "faces of the solid cells beside them")
                     }
@@ -373,6 +377,35 @@ impl<'a> Assembly<'a> {
         let note = |(name, parts)| format!("elements of type {name} are read as {parts}");
         let links = links.into_iter().filter_map(|name| element::note(name, CellKind::Line2));
         links.chain(read.into_iter().map(note)).collect()
+    }
+
+    /// Edges of solid cells, with the smaller node first, between nodes of lines with a type.
+    fn edges_at_lines(&self) -> HashSet<[u32; 2]> {
+        let mut is_at_line = vec![false; self.n_nodes];
+        let mut edges = HashSet::new();
+        for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
+            let is_line =
+                |element: &&Element| element.kind == CellKind::Line2 && element.element_type.is_some();
+            let lines = body.lower.iter().filter(is_line);
+            let nodes = lines.flat_map(|line| known_nodes(body, line, first_node));
+            nodes.for_each(|node| is_at_line[node as usize] = true);
+        }
+        if self.is_plane || !is_at_line.contains(&true) {
+            return edges;
+        }
+        for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
+            for element in body.elements.iter().filter(|element| element.kind.dimension() == 3) {
+                let nodes = known_nodes(body, element, first_node);
+                for facet in element.kind.facets() {
+                    let n = facet.kind.n_corners();
+                    let ends = |i: usize| [i, (i + 1) % n].map(|i| nodes[facet.nodes[i]]);
+                    let at_lines =
+                        (0..n).map(ends).filter(|ends| ends.iter().all(|&end| is_at_line[end as usize]));
+                    edges.extend(at_lines.map(|[a, b]| [a.min(b), a.max(b)]));
+                }
+            }
+        }
+        edges
     }
 
     /// Adds the elements of a member of a set that are no cells, and returns their number.

@@ -12,6 +12,9 @@ const IN_ORDER: [usize; 13] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
 const HEX20: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15];
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11];
 
+/// Gmsh does not write the order of Nastran here, but its own: the edges in the order of their nodes.
+const PYRAMID13_OF_GMSH: [usize; 13] = [0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12];
+
 const fn first(count: usize) -> &'static [usize] {
     IN_ORDER.split_at(count).0
 }
@@ -20,6 +23,7 @@ const TETRAHEDRA: &[Row] = &[(CellKind::Tet4, first(4)), (CellKind::Tet10, first
 const HEXAHEDRA: &[Row] = &[(CellKind::Hex8, first(8)), (CellKind::Hex20, &HEX20)];
 const WEDGES: &[Row] = &[(CellKind::Wedge6, first(6)), (CellKind::Wedge15, &WEDGE15)];
 const PYRAMIDS: &[Row] = &[(CellKind::Pyramid5, first(5)), (CellKind::Pyramid13, first(13))];
+const PYRAMIDS_OF_GMSH: &[Row] = &[(CellKind::Pyramid5, first(5)), (CellKind::Pyramid13, &PYRAMID13_OF_GMSH)];
 const TRIANGLE: Row = (CellKind::Tri3, first(3));
 const QUADRILATERAL: Row = (CellKind::Quad4, first(4));
 const LINES: &[Row] = &[(CellKind::Line2, first(2))];
@@ -59,9 +63,11 @@ const CARDS: [(&str, &[Row]); 29] = [
     ("CGAP", LINES),
 ];
 
-/// The name and the kinds of cells of a card.
-pub(super) fn rows(name: &str) -> Option<(&'static str, &'static [Row])> {
-    CARDS.iter().find(|(known, _)| *known == name).copied()
+/// The name and the kinds of cells of a card, in a file of Gmsh or of another program.
+pub(super) fn rows(name: &str, is_of_gmsh: bool) -> Option<(&'static str, &'static [Row])> {
+    let pyramids = ("CPYRAM", PYRAMIDS_OF_GMSH);
+    let own = (is_of_gmsh && name == pyramids.0).then_some(pyramids);
+    own.or_else(|| CARDS.iter().find(|(known, _)| *known == name).copied())
 }
 
 /// Whether a field names no node.
@@ -118,14 +124,14 @@ mod tests {
 
     #[test]
     fn fields_decide_on_the_kind() {
-        let [_, tets] = [rows("CBAR"), rows("CTETRA")].map(|rows| rows.unwrap().1);
+        let [_, tets] = ["CBAR", "CTETRA"].map(|name| rows(name, false).unwrap().1);
         let kind = |fields: &[&str]| row(tets, fields).map(|(kind, _)| kind);
         assert_eq!(kind(&["1", "2", "3", "4"]), Ok(CellKind::Tet4));
         assert_eq!(kind(&["1", "2", "3", "4", "", "0"]), Ok(CellKind::Tet4));
         assert_eq!(kind(&["1", "2", "3", "4", "", "6"]), Ok(CellKind::Tet10));
         assert_eq!(kind(&["1", "", "3", "4", "5"]), Err(4));
         assert_eq!(kind(&["1"; 11]), Err(11));
-        let quads = rows("CQUAD8").unwrap().1;
+        let quads = rows("CQUAD8", false).unwrap().1;
         let fields = ["1", "2", "3", "4", "5", "", "7", "8", "", "", "", "", "90."];
         assert_eq!(row(quads, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
         let nines = rows("CQUAD9").unwrap().1;

@@ -39,6 +39,7 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<M
     sources.texts().for_each(|text| names.extend(names::properties(text)));
     let mut reader = Reader::default();
     reader.deck.files = sources.files.clone();
+    reader.is_of_gmsh = sources.texts().any(|text| text.starts_with("$ Created by Gmsh"));
     reader.notes_on(&bulk);
     let read = reader.complete(bulk.cards, &names, options);
     let mesh = read.and_then(|()| assembled::mesh(file, &reader.deck));
@@ -71,6 +72,7 @@ enum Sheet {
 struct Reader {
     deck: Deck,
     account: Account,
+    is_of_gmsh: bool,
     /// Notes on lines that are not read.
     unread: Vec<String>,
     /// Cards with more fields than they can have: their number, and the first one.
@@ -219,7 +221,7 @@ impl Reader {
             // MID2 = -1 is plane strain.
             "PSHELL" if card.field(3) == "-1" => self.property(card, Sheet::PlaneStrain),
             "PSHELL" | "PCOMP" | "PCOMPG" => self.property(card, Sheet::Shell(card.name.clone())),
-            name => match element::rows(name) {
+            name => match element::rows(name, self.is_of_gmsh) {
                 Some((known, rows)) => self.element(card, known, rows),
                 // A property of lines.
                 None => {
