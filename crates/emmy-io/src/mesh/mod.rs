@@ -221,6 +221,15 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
+/// The path of an include relative to the including file, else to the first one; a backslash separates as well.
+fn included(files: &[PathBuf], by: u32, name: &str) -> PathBuf {
+    let base = |file: usize| files[file].parent().unwrap_or(Path::new(""));
+    let (here, main) = (base(by as usize), base(0));
+    let slashes = name.replace('\\', "/");
+    let all = [here.join(name), here.join(&slashes), main.join(name), main.join(&slashes)];
+    all.iter().find(|path| path.exists()).unwrap_or(&all[1]).clone()
+}
+
 /// Data of the file for the check of a mesh.
 struct Origin<'a> {
     file: &'a Path,

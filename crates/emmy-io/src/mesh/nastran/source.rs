@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::abaqus::At;
-use super::super::{MeshError, Place, Result, without_mark};
+use super::super::{MeshError, Place, Result, included, without_mark};
 
 /// Depth of nested includes; deeper ones are taken for a cycle.
 const MAX_DEPTH: usize = 16;
@@ -93,21 +93,12 @@ impl Sources {
             let problem = format!("more than {MAX_FILES} files are included");
             return Err(self.malformed(at, problem, "join them, or include each of them once"));
         }
-        let path = self.found(at, name);
+        let path = included(&self.files, at.file, name);
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths of INCLUDE are relative to the file that includes")
         })?;
         self.file(&path, &bytes, depth + 1)
-    }
-
-    /// The file of a path relative to the including file, else to the main file; a backslash separates as well.
-    fn found(&self, at: At, name: &str) -> PathBuf {
-        let base = |file: u32| self.files[file as usize].parent().unwrap_or(Path::new(""));
-        let (here, main) = (base(at.file), base(0));
-        let slashes = name.replace('\\', "/");
-        let all = [here.join(name), here.join(&slashes), main.join(name), main.join(&slashes)];
-        all.iter().find(|path| path.exists()).unwrap_or(&all[1]).clone()
     }
 
     fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {

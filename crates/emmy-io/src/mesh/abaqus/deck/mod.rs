@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use emmy::mesh::CellKind;
 
 use super::super::account::Account;
-use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
+use super::super::{MeshError, MeshOptions, Place, Result, included, without_mark};
 use super::body::{At, Body, Instance, Member, Of};
 use super::element::{self, Role};
 use super::keyword::Keyword;
@@ -292,8 +292,7 @@ impl Deck {
     }
 
     fn include(&mut self, at: At, input: &str) -> Result<()> {
-        let base = self.files[at.file as usize].parent().unwrap_or(Path::new(""));
-        let path = base.join(input);
+        let path = included(&self.files, at.file, input);
         if self.depth == MAX_DEPTH {
             let problem = format!("more than {MAX_DEPTH} files that include each other");
             return Err(self.malformed(at, problem, "does a file include itself?"));
@@ -304,7 +303,7 @@ impl Deck {
         }
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
-            self.malformed(at, problem, "paths are relative to the file that includes")
+            self.malformed(at, problem, "paths are relative to the file that includes, or to the first one")
         })?;
         self.depth += 1;
         self.file(&path, without_mark(&bytes))?;
