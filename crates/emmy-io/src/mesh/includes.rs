@@ -44,3 +44,12 @@ impl Includes {
         self.open.pop();
     }
 }
+
+/// The path of an include relative to the including file, else to the first one; a backslash separates as well.
+pub(super) fn included(files: &[PathBuf], by: u32, name: &str) -> PathBuf {
+    let base = |file: usize| files[file].parent().unwrap_or(Path::new(""));
+    let (here, main) = (base(by as usize), base(0));
+    let slashes = name.replace('\\', "/");
+    let all = [here.join(name), here.join(&slashes), main.join(name), main.join(&slashes)];
+    all.iter().find(|path| path.exists()).unwrap_or(&all[1]).clone()
+}

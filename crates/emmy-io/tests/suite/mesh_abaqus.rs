@@ -295,3 +295,16 @@ fn instances_of_other_analyses_and_parameters_are_named() {
     let number = parse_text("a.inp", "*PARAMETER\nl = 2.\n*NODE\n1, <l>, 0, 0\n").unwrap_err().to_string();
     assert!(number.starts_with("a.inp, line 4: the parameter <l> is not evaluated; "), "{number}");
 }
+
+/// Programs on Windows write backslashes, and solvers look into the folder in which they run.
+#[test]
+fn included_files_are_found_from_the_first_file_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    write("main.inp", "*INCLUDE, INPUT=parts\\nodes.inp\n*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n");
+    write("parts/nodes.inp", "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*INCLUDE, INPUT=parts/last.inp\n");
+    write("parts/last.inp", "4,0,0,1\n");
+    let file = emmy_io::mesh::read(&folder.path().join("main.inp")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((file.mesh.n_nodes(), file.files.len()), (4, 3));
+}

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::abaqus::At;
-use super::super::includes::Includes;
+use super::super::includes::{Includes, included};
 use super::super::{MeshError, Place, Result, without_mark};
 
 /// Largest number of lines of a path between quotes.
@@ -83,7 +83,7 @@ impl Sources {
         let name = name.map(str::trim).filter(|name| !name.is_empty()).ok_or_else(|| {
             self.malformed(at, "INCLUDE without a path, or without its second quote".into(), "INCLUDE 'FILE'")
         })?;
-        let path = self.found(at, name);
+        let path = included(&self.files, at.file, name);
         let opened = self.includes.open(&path);
         opened.map_err(|(problem, advice)| self.malformed(at, problem, advice))?;
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
@@ -93,15 +93,6 @@ impl Sources {
         self.file(&path, &bytes)?;
         self.includes.close();
         Ok(())
-    }
-
-    /// The file of a path relative to the including file, else to the main file; a backslash separates as well.
-    fn found(&self, at: At, name: &str) -> PathBuf {
-        let base = |file: u32| self.files[file as usize].parent().unwrap_or(Path::new(""));
-        let (here, main) = (base(at.file), base(0));
-        let slashes = name.replace('\\', "/");
-        let all = [here.join(name), here.join(&slashes), main.join(name), main.join(&slashes)];
-        all.iter().find(|path| path.exists()).unwrap_or(&all[1]).clone()
     }
 
     fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {

@@ -9,7 +9,7 @@ use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
 use super::super::account::Account;
-use super::super::includes::Includes;
+use super::super::includes::{Includes, included};
 use super::super::{MeshError, MeshOptions, Place, Result, without_mark};
 use super::body::{At, Body, Element, Instance, Member, Of};
 use super::element::Role;
@@ -329,13 +329,12 @@ impl Deck {
     }
 
     fn include(&mut self, at: At, input: &str) -> Result<()> {
-        let base = self.files[at.file as usize].parent().unwrap_or(Path::new(""));
-        let path = base.join(input);
+        let path = included(&self.files, at.file, input);
         let opened = self.includes.open(&path);
         opened.map_err(|(problem, advice)| self.malformed(at, problem, advice))?;
         let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
-            self.malformed(at, problem, "paths are relative to the file that includes")
+            self.malformed(at, problem, "paths are relative to the file that includes, or to the first one")
         })?;
         self.file(&path, without_mark(&bytes))?;
         self.includes.close();
