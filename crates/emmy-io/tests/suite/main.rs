@@ -20,6 +20,7 @@ mod mesh_limits;
 mod mesh_links;
 mod mesh_mirrored;
 mod mesh_nastran;
+mod mesh_partitions;
 mod mesh_plane;
 mod mesh_round_trip;
 mod mesh_vtk_arrays;

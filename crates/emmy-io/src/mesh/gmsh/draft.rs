@@ -8,6 +8,7 @@ use emmy::mesh::MeshBuilder;
 use super::super::{MeshError, MeshFile, Origin, Result, finished};
 use super::Version;
 use super::cursor::Cursor;
+use super::partition::Partitions;
 use super::shape::Shape;
 use crate::message::counted;
 
@@ -19,6 +20,7 @@ pub(super) struct Draft {
     pub(super) names: HashMap<(u8, u64), String>,
     /// Remarks on the names.
     pub(super) notes: Vec<String>,
+    pub(super) partitions: Partitions,
     version: Version,
     points: Vec<[f64; 3]>,
     node_numbers: Vec<u64>,
@@ -34,12 +36,23 @@ pub(super) struct Draft {
     is_link: Vec<bool>,
 }
 
+/// What an element belongs to.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Tags<'a> {
+    /// Its physical groups.
+    pub(super) groups: &'a [u64],
+    /// Its partition; 0: none, or several.
+    pub(super) partition: u64,
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Element {
     number: u64,
     shape: &'static Shape,
     /// The physical group up to MSH 2.2, which repeats the element for each group; 0: none.
     group: u64,
+    /// Its partition; 0: none, or several.
+    partition: u64,
     /// Offset in the file.
     start: usize,
     /// Start of the nodes in the connectivity.
@@ -51,6 +64,7 @@ impl Draft {
         Draft {
             names: HashMap::new(),
             notes: Vec::new(),
+            partitions: Partitions::default(),
             version,
             points: Vec::new(),
             node_numbers: Vec::new(),
@@ -85,9 +99,10 @@ impl Draft {
         start: usize,
         number: u64,
         shape: &'static Shape,
-        groups: &[u64],
+        tags: Tags<'_>,
         nodes: &[u64],
     ) -> Result<()> {
+        let Tags { groups, partition } = tags;
         self.dim = self.dim.max(shape.dim);
         if shape.dim < self.dim && groups.is_empty() {
             self.n_ignored[shape.dim as usize] += 1;
@@ -105,7 +120,14 @@ impl Draft {
             self.groups.entry((shape.dim, group)).or_default().push(index);
         }
         let group = groups.first().copied().unwrap_or(0);
-        self.elements.push(Element { number, shape, group, start, nodes: self.connectivity.len() });
+        self.elements.push(Element {
+            number,
+            shape,
+            group,
+            partition,
+            start,
+            nodes: self.connectivity.len(),
+        });
         self.connectivity.extend_from_slice(nodes);
         Ok(())
     }
@@ -149,14 +171,20 @@ impl Draft {
         self.elements[index].shape.dim == self.dim || self.is_link[index]
     }
 
-    /// Leaves out faces without a group that were read before the first solid element.
-    fn ignore_faces(&mut self) {
+    /// Leaves out copies of elements of other partitions, and faces without a group that were read before the first
+    /// solid element.
+    fn choose_elements(&mut self) {
+        let cells = self.elements.iter().filter(|element| element.shape.dim == self.dim);
+        let home = self.partitions.home(cells.map(|element| (element.number, element.partition)));
+        let mut n_ghosts = 0;
         let mut in_group = vec![false; self.elements.len()];
         self.groups.values().flatten().for_each(|&member| in_group[member as usize] = true);
         let mut kept = Vec::with_capacity(self.elements.len());
         let mut new_index = vec![NONE; self.elements.len()];
         for (index, element) in self.elements.iter().enumerate() {
-            if element.shape.dim == self.dim || in_group[index] {
+            if home.is_some_and(|home| self.partitions.is_ghost(element.number, home)) {
+                n_ghosts += 1;
+            } else if element.shape.dim == self.dim || in_group[index] {
                 new_index[index] = kept.len() as u32;
                 kept.push(*element);
             } else {
@@ -164,13 +192,16 @@ impl Draft {
             }
         }
         self.elements = kept;
-        let members = self.groups.values_mut().flatten();
-        members.for_each(|member| *member = new_index[*member as usize]);
+        for members in self.groups.values_mut() {
+            members.iter_mut().for_each(|member| *member = new_index[*member as usize]);
+            members.retain(|&member| member != NONE);
+        }
+        self.notes.extend(home.into_iter().flat_map(|home| self.partitions.notes(home, n_ghosts)));
     }
 
     /// The mesh of all elements read.
     pub(super) fn mesh(mut self, cursor: &Cursor, links: &[String]) -> Result<MeshFile> {
-        self.ignore_faces();
+        self.choose_elements();
         self.find_links(links);
         let mut builder = MeshBuilder::new();
         for &point in &self.points {

@@ -2,6 +2,7 @@
 
 mod cursor;
 mod draft;
+mod partition;
 mod shape;
 mod v1;
 mod v2;
@@ -46,8 +47,13 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
         ],
     },
     Entries {
+        treatment: Treatment::Read,
+        what: "copies of cells of other partitions: left out of the file of one partition",
+        names: &["GhostElements"],
+    },
+    Entries {
         treatment: Treatment::NoEffect,
-        what: "remarks, fields of results, parametrizations, cells of other partitions",
+        what: "remarks, fields of results, parametrizations",
         names: &[
             "Comments",
             "NodeData",
@@ -55,7 +61,6 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "ElementNodeData",
             "InterpolationScheme",
             "Parametrizations",
-            "GhostElements",
         ],
     },
     Entries { treatment: Treatment::LeftOut, what: "nodes that move together", names: &["Periodic"] },
@@ -86,8 +91,9 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
             ("Elements", V40 | V41) => v4::elements(&mut cursor, version, &mut draft, &entities)?,
             ("Entities", V40 | V41) => v4::entities(&mut cursor, version, &mut entities)?,
             ("PartitionedEntities", V40 | V41) => {
-                v4::partitioned_entities(&mut cursor, version, &mut entities)?;
+                v4::partitioned_entities(&mut cursor, version, &mut draft, &mut entities)?;
             }
+            ("GhostElements", V40 | V41) => v4::ghosts(&mut cursor, version, &mut draft)?,
             _ => {
                 account.add(TABLE, section);
                 cursor.skip_section(section)?;

@@ -2,7 +2,7 @@
 
 use super::super::Result;
 use super::cursor::Cursor;
-use super::draft::Draft;
+use super::draft::{Draft, Tags};
 use super::shape::Shape;
 
 /// `$ELM`: number, type, physical group (0: none), geometry, number of nodes, and nodes of each element.
@@ -26,7 +26,8 @@ pub(super) fn elements(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
             *node = cursor.whole()?;
         }
         let groups: &[u64] = if physical == 0 { &[] } else { &[physical] };
-        draft.element(cursor, start, number, shape, groups, &nodes[..shape.n_nodes])?;
+        let tags = Tags { groups, ..Tags::default() };
+        draft.element(cursor, start, number, shape, tags, &nodes[..shape.n_nodes])?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::super::Result;
 use super::cursor::{Cursor, Encoding};
-use super::draft::Draft;
+use super::draft::{Draft, Tags};
 use super::shape::Shape;
 
 /// `$Nodes`: the count as text, then number and coordinates of each node.
@@ -76,7 +76,8 @@ fn block(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
     Ok(count)
 }
 
-/// Tags and nodes of an element. The first tag is the physical group (0: none), the others are ignored.
+/// Tags and nodes of an element. The first tag is the physical group (0: none); the third one is the number of
+/// partitions, which follow: the element's own, and as negative numbers those with a copy.
 fn element(
     cursor: &mut Cursor,
     draft: &mut Draft,
@@ -85,15 +86,24 @@ fn element(
     shape: &'static Shape,
     n_tags: u64,
 ) -> Result<()> {
-    let mut physical = 0;
+    let (mut physical, mut partitions) = (0, Vec::new());
     for tag in 0..n_tags {
         let value = cursor.int()?;
-        physical = if tag == 0 { value.unsigned_abs() } else { physical };
+        match tag {
+            0 => physical = value.unsigned_abs(),
+            1 | 2 => {}
+            _ => partitions.push(value),
+        }
     }
     let mut nodes = [0; Shape::MAX_NODES];
     for node in &mut nodes[..shape.n_nodes] {
         *node = cursor.whole()?;
     }
+    let copies = partitions.iter().filter(|partition| **partition < 0);
+    copies.for_each(|partition| draft.partitions.add_ghost(number, partition.unsigned_abs()));
+    partitions.retain(|partition| *partition > 0);
+    let partition = if let [partition] = partitions[..] { partition.unsigned_abs() } else { 0 };
     let groups: &[u64] = if physical == 0 { &[] } else { &[physical] };
-    draft.element(cursor, start, number, shape, groups, &nodes[..shape.n_nodes])
+    let tags = Tags { groups, partition };
+    draft.element(cursor, start, number, shape, tags, &nodes[..shape.n_nodes])
 }

@@ -8,11 +8,18 @@ use std::collections::HashMap;
 use super::super::Result;
 use super::Version;
 use super::cursor::Cursor;
-use super::draft::Draft;
+use super::draft::{Draft, Tags};
 use super::shape::Shape;
 
-/// Physical groups of the entities, by dimension and number of the entity.
-pub(super) type Entities = HashMap<(u8, i64), Vec<u64>>;
+/// Physical groups and partition of an entity; 0: no partition, or several.
+#[derive(Default)]
+pub(super) struct Entity {
+    groups: Vec<u64>,
+    partition: u64,
+}
+
+/// Entities by dimension and number.
+pub(super) type Entities = HashMap<(u8, i64), Entity>;
 
 /// `$Entities`: only the physical groups of each entity are used.
 pub(super) fn entities(cursor: &mut Cursor, version: Version, entities: &mut Entities) -> Result<()> {
@@ -20,7 +27,7 @@ pub(super) fn entities(cursor: &mut Cursor, version: Version, entities: &mut Ent
         for _ in 0..count {
             let number = cursor.int()?;
             let groups = entity_groups(cursor, version, dim)?;
-            entities.insert((dim, number), groups);
+            entities.insert((dim, number), Entity { groups, partition: 0 });
         }
     }
     Ok(())
@@ -30,9 +37,10 @@ pub(super) fn entities(cursor: &mut Cursor, version: Version, entities: &mut Ent
 pub(super) fn partitioned_entities(
     cursor: &mut Cursor,
     version: Version,
+    draft: &mut Draft,
     entities: &mut Entities,
 ) -> Result<()> {
-    cursor.size()?; // number of partitions
+    draft.partitions.count = Some(cursor.size()?);
     let n_ghosts = cursor.count("ghost entities", 4)?;
     for _ in 0..2 * n_ghosts {
         cursor.int()?;
@@ -41,9 +49,24 @@ pub(super) fn partitioned_entities(
         for _ in 0..count {
             let number = cursor.int()?;
             let _parent = [cursor.int()?, cursor.int()?];
-            cursor.skip_ints()?; // partitions
+            let n_partitions = cursor.count("partitions", 2)?;
+            let partitions = (0..n_partitions).map(|_| cursor.int()).collect::<Result<Vec<i64>>>()?;
+            let partition = if let [partition] = partitions[..] { partition.unsigned_abs() } else { 0 };
             let groups = entity_groups(cursor, version, dim)?;
-            entities.insert((dim, number), groups);
+            entities.insert((dim, number), Entity { groups, partition });
+        }
+    }
+    Ok(())
+}
+
+/// `$GhostElements`: number and partition of each element that others have a copy of, with their partitions.
+pub(super) fn ghosts(cursor: &mut Cursor, version: Version, draft: &mut Draft) -> Result<()> {
+    let count = cursor.count("ghost elements", 8)?;
+    for _ in 0..count {
+        let element = if version == Version::V41 { cursor.size()? } else { cursor.whole()? };
+        let _partition = cursor.int()?;
+        for _ in 0..cursor.count("partitions", 2)? {
+            draft.partitions.add_ghost(element, cursor.int()?.unsigned_abs());
         }
     }
     Ok(())
@@ -144,7 +167,9 @@ fn element_block(
     let [_dim, entity] = dimension_and_entity(cursor, version)?;
     let id = cursor.int()?;
     let shape = super::shape(cursor, start, id)?;
-    let groups = entities.get(&(shape.dim, entity)).map(Vec::as_slice).unwrap_or_default();
+    let tags = entities
+        .get(&(shape.dim, entity))
+        .map_or(Tags::default(), |entity| Tags { groups: &entity.groups, partition: entity.partition });
     let count = cursor.count("elements", 4)?;
     let mut nodes = [0; Shape::MAX_NODES];
     for _ in 0..count {
@@ -154,7 +179,7 @@ fn element_block(
         for node in &mut nodes[..shape.n_nodes] {
             *node = next()?;
         }
-        draft.element(cursor, start, number, shape, groups, &nodes[..shape.n_nodes])?;
+        draft.element(cursor, start, number, shape, tags, &nodes[..shape.n_nodes])?;
     }
     Ok(())
 }
