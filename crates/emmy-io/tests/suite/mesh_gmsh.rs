@@ -137,6 +137,7 @@ fn versions_2_differ_in_their_names_alone_which_lose_trailing_blanks() {
     for (version, name) in [
         ("2", "1 \"body\""),
         ("2.0", "1 \"body  \""),
+        ("2.0", "3 1 \"body\""),
         ("2.1", "3 1 \"body\""),
         ("2.2", "3 1 \"body          \""),
     ] {

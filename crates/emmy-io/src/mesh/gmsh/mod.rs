@@ -21,7 +21,7 @@ use shape::Shape;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
     V1,
-    /// 2.0, whose physical names have no dimension.
+    /// 2.0, whose physical names may have no dimension.
     V20,
     /// 2.1 and 2.2.
     V2,
@@ -191,19 +191,17 @@ fn physical_names(cursor: &mut Cursor, version: Version, draft: &mut Draft) -> R
     Ok(())
 }
 
-/// Dimensions, number and name of a physical group; in MSH 2.0 it has no dimension.
+/// Dimensions, number and name of a physical group; in MSH 2.0 some programs write no dimension.
 fn physical_name(line: &str, version: Version) -> Option<(RangeInclusive<u8>, u64, &str)> {
     let (numbers, name) = line.split_once('"')?;
     let (name, _) = name.rsplit_once('"')?;
-    let mut numbers = numbers.split_whitespace();
-    let dims = match version {
-        Version::V20 => 0..=3,
-        _ => {
-            let dim = numbers.next()?.parse().ok()?;
-            dim..=dim
-        }
+    let numbers =
+        numbers.split_whitespace().map(|number| number.parse().ok()).collect::<Option<Vec<i64>>>()?;
+    let (dims, tag) = match numbers[..] {
+        [tag] if version == Version::V20 => (0..=3, tag),
+        [dim, tag, ..] => u8::try_from(dim).ok().map(|dim| (dim..=dim, tag))?,
+        _ => return None,
     };
-    let tag = numbers.next()?.parse::<i64>().ok()?;
     Some((dims, tag.unsigned_abs(), name))
 }
 
