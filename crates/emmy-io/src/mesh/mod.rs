@@ -272,13 +272,22 @@ pub fn note_on_turned_cells(mesh: &Mesh, turned: usize) -> Option<String> {
 
 /// A note on surface elements (in a plane: lines) that are no face of a cell.
 fn note_on_free_facets(dropped: &BTreeMap<String, usize>) -> Option<String> {
+    note_on_free(dropped, ["facet is no face", "facets are no faces"], "a shell")
+}
+
+/// A note on lines that are no edge of a solid cell, counted by their groups.
+fn note_on_free_lines(dropped: &BTreeMap<String, usize>) -> Option<String> {
+    note_on_free(dropped, ["line is no edge", "lines are no edges"], "a beam")
+}
+
+fn note_on_free(dropped: &BTreeMap<String, usize>, [one, many]: [&str; 2], such: &str) -> Option<String> {
     const MAX_NAMES: usize = 10;
     let n: usize = dropped.values().sum();
     let names: Vec<String> = dropped.keys().take(MAX_NAMES).map(|name| format!("\"{name}\"")).collect();
     let more = dropped.len().saturating_sub(MAX_NAMES);
     let rest = if more > 0 { format!(" and {more} others") } else { String::new() };
-    let [one, many] = ["facet is no face", "facets are no faces"];
-    let left_out = "of a cell, such as a shell, and left out; their nodes stay in the groups of nodes";
+    let left_out =
+        format!("of a cell, such as {such}, and left out; their nodes stay in the groups of nodes");
     (n > 0).then(|| format!("{} {left_out} {}{rest}", counted(n, one, many), names.join(", ")))
 }
 

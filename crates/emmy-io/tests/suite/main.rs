@@ -12,6 +12,7 @@ mod input_round_trip;
 mod inputs_in_memory;
 mod mesh_abaqus;
 mod mesh_abaqus_account;
+mod mesh_beams;
 mod mesh_damage;
 mod mesh_errors;
 mod mesh_gmsh;

@@ -1,5 +1,6 @@
 //! Construction of a mesh: the one place where nodes, cells and groups are checked against each other.
 
+mod edges;
 mod orientation;
 
 use std::collections::{BTreeMap, HashMap};

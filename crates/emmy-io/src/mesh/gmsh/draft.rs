@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;
 
-use super::super::{MeshError, MeshFile, Origin, Result, finished};
+use super::super::{MeshError, MeshFile, Origin, Result, finished, note_on_free_lines};
 use super::Version;
 use super::cursor::Cursor;
 use super::partition::Partitions;
@@ -211,6 +211,8 @@ impl Draft {
         for (&(dim, tag), members) in &self.groups {
             self.add_group(cursor, &mut builder, dim, &self.name(dim, tag), members, &cells)?;
         }
+        let free_lines = self.free_lines(cursor, &builder)?;
+        self.notes.extend(note_on_free_lines(&free_lines));
         let elements = self.elements_of_cells(&cells);
         let name = |cell: usize| format!("element {}", self.elements[elements[cell] as usize].number);
         let origin = Origin { file: cursor.file(), n_nodes: self.points.len(), name: &name };
@@ -324,6 +326,24 @@ impl Draft {
             }
         }
         Ok(())
+    }
+
+    /// Number of the lines in each group that are no edge of a solid cell.
+    fn free_lines(&self, cursor: &Cursor, builder: &MeshBuilder) -> Result<BTreeMap<String, usize>> {
+        let (mut names, mut lines) = (Vec::new(), Vec::new());
+        for (&(dim, tag), members) in self.groups.iter().filter(|((dim, _), _)| self.dim == 3 && *dim == 1) {
+            for &member in members.iter().filter(|member| !self.is_link[**member as usize]) {
+                let ends = self.node_indices(cursor, &self.elements[member as usize], 2)?;
+                lines.push([ends[0], ends[1]]);
+                names.push((dim, tag));
+            }
+        }
+        let mut free: BTreeMap<String, usize> = BTreeMap::new();
+        let are_edges = builder.are_edges(&lines);
+        for ((dim, tag), _) in names.into_iter().zip(are_edges).filter(|(_, is_edge)| !is_edge) {
+            *free.entry(self.name(dim, tag)).or_default() += 1;
+        }
+        Ok(free)
     }
 
     fn notes(&self) -> Vec<String> {

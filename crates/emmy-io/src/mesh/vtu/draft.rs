@@ -220,17 +220,34 @@ impl<'a> Draft<'a> {
                 faces.insert(key(corners.iter().map(|&corner| nodes[order(corner)])));
             }
         }
-        for index in others {
+        let on_edges = self.are_on_edges(&others);
+        for (index, is_on_edges) in others.into_iter().zip(on_edges) {
             let (dim, corners) = (self.shapes[index].of.dim, self.corners(index));
             let is_facet = dim + 1 == self.dim && (2..=4).contains(&corners.len());
             if is_facet && faces.contains(&key(corners.iter().copied())) {
                 self.roles[index] = Role::Facet;
             } else if dim == 0
-                || dim + 1 < self.dim && self.nodes(index).iter().all(|&node| is_of_body[node as usize])
+                || is_on_edges && self.nodes(index).iter().all(|&node| is_of_body[node as usize])
             {
                 self.roles[index] = Role::Nodes;
             }
         }
+    }
+
+    /// For each cell of the file whether it is a line along edges of cells of a solid body.
+    fn are_on_edges(&self, others: &[usize]) -> Vec<bool> {
+        let ends = |index: usize| {
+            let is_line = self.shapes[index].of.dim == 1 && self.dim == 3;
+            if is_line { self.corners(index) } else { &[] }
+        };
+        let segments = others.iter().flat_map(|&index| ends(index).windows(2));
+        let lines: Vec<[u32; 2]> = segments.map(|ends| [ends[0], ends[1]]).collect();
+        let mut are_edges = self.builder.are_edges(&lines).into_iter();
+        let on_edges = |&index: &usize| {
+            let n = ends(index).len().saturating_sub(1);
+            n > 0 && are_edges.by_ref().take(n).filter(|is_edge| *is_edge).count() == n
+        };
+        others.iter().map(on_edges).collect()
     }
 
     /// Notes on the cells that are in no group or left out.

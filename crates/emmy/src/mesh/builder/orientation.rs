@@ -117,7 +117,7 @@ impl MeshBuilder {
         }
     }
 
-    fn nodes_of(&self, cell: usize) -> &[u32] {
+    pub(super) fn nodes_of(&self, cell: usize) -> &[u32] {
         &self.connectivity[self.offsets[cell] as usize..self.offsets[cell + 1] as usize]
     }
 }
