@@ -24,7 +24,7 @@ class Mesh(Sources):
         Nodes.
     cells : dict of str to array of int (m, nodes)
         Nodes of the cells of each kind, in the order of VTK; `elements` lists the kinds. Cells are numbered in the
-        order of the dict.
+        order of the dict. Triangles and quadrilaterals beside solid cells are their faces for `cell_groups`.
     cell_groups : dict of str to array of int, optional
         Numbers of the cells of each group.
     facet_groups : dict of str to array of int, optional
@@ -36,7 +36,7 @@ class Mesh(Sources):
     Raises
     ------
     MeshError
-        If a cell is inverted.
+        If a cell is inverted, or occurs twice.
     InputError
         If an array has the wrong shape, or names a node or cell that is not there.
     TypeError

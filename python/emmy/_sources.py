@@ -359,7 +359,9 @@ class Sources:
         pairs = words.integers(links, "links")
         if pairs.ndim != 2 or pairs.shape[1] != 2:
             raise fault("links", f"expected an array of shape (m, 2), found {pairs.shape}")
-        return cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
+        mesh = cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
+        warn(mesh._native.notes)
+        return mesh
 
 
 # `Mesh` alone is public: messages about wrong arguments name it.

@@ -4,6 +4,7 @@
 //! them. All work of more than a microsecond releases the lock of the interpreter and runs in Emmy's own thread pool.
 
 mod adjoint;
+mod arrays;
 mod body;
 mod errors;
 mod function;

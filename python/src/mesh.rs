@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::mesh::{self, CellKind, Facet, MeshBuilder};
+use emmy::mesh::{self, CellKind};
 use emmy_io::mesh::{Grid, GridArray, MeshOptions, Numbers};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use crate::arrays::{self, Cells, FacetGroups, Groups};
 use crate::{errors, pool};
 
 /// A mesh; immutable.
@@ -19,15 +20,6 @@ pub(crate) struct Mesh {
     pub(crate) mesh: Arc<mesh::Mesh>,
     notes: Vec<String>,
 }
-
-/// Numbers of the members of groups by name.
-type Groups<'py> = BTreeMap<String, PyReadonlyArrayDyn<'py, i64>>;
-
-/// Facets of groups by name: `nodes`, by their nodes, or `faces`, as cells with the numbers of their faces.
-type FacetGroups<'py> = BTreeMap<String, Vec<(String, PyReadonlyArray2<'py, i64>)>>;
-
-/// Group of all links of a mesh.
-const LINKS: &str = "links";
 
 impl Mesh {
     fn new(mesh: mesh::Mesh, notes: Vec<String>) -> Self {
@@ -68,83 +60,13 @@ impl Mesh {
     fn from_arrays(
         py: Python<'_>,
         points: PyReadonlyArray2<'_, f64>,
-        cells: Vec<(String, PyReadonlyArray2<'_, i64>)>,
+        cells: Cells<'_>,
         cell_groups: Groups<'_>,
         facet_groups: FacetGroups<'_>,
         node_groups: Groups<'_>,
     ) -> PyResult<Self> {
-        let mut builder = MeshBuilder::new();
-        for row in points.as_array().rows() {
-            builder.point([row[0], row[1], row[2]]);
-        }
-        let fail = |error: emmy::Error| errors::library(py, &error);
-        let mut kinds = Vec::new();
-        for (name, nodes) in &cells {
-            let kind = CellKind::ALL.into_iter().find(|kind| kind.name() == name);
-            let kind = kind.ok_or_else(|| {
-                let known: Vec<&str> = CellKind::ALL.iter().map(|kind| kind.name()).collect();
-                let message = format!("{name:?} is not a kind of cell; there is {}", known.join(", "));
-                errors::argument(py, "mesh.cells", &message)
-            })?;
-            for row in nodes.as_array().rows() {
-                let cell = builder.cell(kind, &whole(row.iter())).map_err(fail)?;
-                kinds.push(kind);
-                if kind.dimension() == 1 {
-                    builder.cell_group(LINKS, [cell]);
-                }
-            }
-        }
-        for (name, members) in &cell_groups {
-            let members = whole(members.as_array().iter());
-            if let Some(cell) = members.iter().find(|&&cell| cell as usize >= kinds.len()) {
-                let message = format!("there is no cell {cell} among {}, counted from 0", kinds.len());
-                return Err(errors::argument(py, &format!("mesh.cell_groups.{name}"), &message));
-            }
-            builder.cell_group(name, members);
-        }
-        let n_nodes = points.as_array().nrows();
-        for (name, members) in &node_groups {
-            let members = whole(members.as_array().iter());
-            if let Some(node) = members.iter().find(|&&node| node as usize >= n_nodes) {
-                let message = format!("there is no node {node} among {n_nodes}, counted from 0");
-                return Err(errors::argument(py, &format!("mesh.node_groups.{name}"), &message));
-            }
-            builder.node_group(name, members);
-        }
-        for (name, parts) in &facet_groups {
-            for (how, rows) in parts {
-                let rows = rows.as_array();
-                let mut rows = rows.rows().into_iter().map(|row| whole(row.iter()));
-                if how == "nodes" {
-                    builder.facet_group_by_nodes(name, rows.collect());
-                    continue;
-                }
-                let facet = |row: Vec<u32>| {
-                    let [cell, face] = row[..] else { return None };
-                    let kind: &CellKind = kinds.get(cell as usize)?;
-                    ((face as usize) < kind.facets().len()).then_some(Facet { cell, local: face as u8 })
-                };
-                let facets: Option<Vec<Facet>> = rows.try_fold(Vec::new(), |mut all, row| {
-                    all.push(facet(row)?);
-                    Some(all)
-                });
-                let facets = facets.ok_or_else(|| {
-                    let message =
-                        "a row must be the number of a cell and of one of its faces, counted from 0";
-                    errors::argument(py, &format!("mesh.facet_groups.{name}"), message)
-                })?;
-                builder.facet_group(name, facets);
-            }
-        }
-        let built = pool::interruptible(py, move || {
-            let turned = builder.orient_cells();
-            let mesh = builder.build()?;
-            mesh::check(&mesh)?;
-            let note = emmy_io::mesh::note_on_turned_cells(&mesh, turned);
-            Ok((mesh, note))
-        })?;
-        let (mesh, note) = built.map_err(fail)?;
-        Ok(Mesh::new(mesh, note.into_iter().collect()))
+        let file = arrays::mesh(py, &points, &cells, &cell_groups, &facet_groups, &node_groups)?;
+        Ok(Mesh::new(file.mesh, file.notes))
     }
 
     /// A mesh from a grid of VTK with a name for messages; lines in the groups `links` are cells.
@@ -369,11 +291,6 @@ impl Mesh {
         table.set_item("inverted", quality.inverted)?;
         Ok(table)
     }
-}
-
-fn whole<'a>(row: impl Iterator<Item = &'a i64>) -> Vec<u32> {
-    // A number out of range belongs to no node: the builder says so.
-    row.map(|&node| u32::try_from(node).unwrap_or(u32::MAX)).collect()
 }
 
 fn numbers<'py>(py: Python<'py>, members: emmy::Result<&[u32]>) -> PyResult<Bound<'py, PyArray1<i64>>> {

@@ -256,7 +256,8 @@ MESSAGES = [
     (
         lambda: emmy.Mesh(TET, {"tet4": [[0, 2, 1, 3], [0, 2, 3, 3]]}),
         emmy.MeshError,
-        "mesh: cell 1 (tet4) is inverted or degenerate: det(dX/dxi) = 0 at one of its points",
+        "mesh: the arrays: cell 1 (tet4) is inverted or degenerate: det(dX/dxi) = 0 at one of its points, and the "
+        "mirrored order of its nodes does not help; check its shape in the mesher",
     ),
     (
         lambda: emmy.Motion(free_block(), steps=(1.0, 2.0, 3.0)),

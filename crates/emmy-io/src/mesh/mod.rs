@@ -171,6 +171,39 @@ pub fn from_grid(name: &Path, grid: Grid, links: &[String]) -> Result<MeshFile> 
     vtu::of_grid(name, grid, links)
 }
 
+/// Mesh of arrays in memory, with the checks and the notes of [`read`] after those that are given; `name` stands for the
+/// arrays in messages. Nodes that no cell uses are left out; a note says which node is the first with another number.
+///
+/// ```
+/// let mut builder = emmy::mesh::MeshBuilder::new();
+/// for point in [[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+///     builder.point(point);
+/// }
+/// builder.cell(emmy::mesh::CellKind::Tet4, &[1, 2, 3, 4])?;
+/// builder.node_group("tip", [4]);
+/// let file = emmy_io::mesh::from_builder("the arrays".as_ref(), builder, Vec::new())?;
+/// assert_eq!(file.mesh.groups().nodes["tip"], [3]);
+/// assert!(file.notes[0].starts_with("1 node belongs to no cell"));
+/// assert!(file.notes[1].starts_with("node 1 is now node 0"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`read`].
+pub fn from_builder(name: &Path, builder: MeshBuilder, notes: Vec<String>) -> Result<MeshFile> {
+    let is_used = builder.used_points();
+    let cell = |cell: usize| format!("cell {cell}");
+    let origin = Origin { file: name, n_nodes: is_used.len(), name: &cell };
+    let mut file = finished(builder, &origin, notes)?;
+    let next_to = |unused: usize| Some(unused + is_used[unused..].iter().position(|is_used| *is_used)?);
+    let unused = is_used.iter().position(|is_used| !is_used);
+    if let Some((next, unused)) = unused.and_then(|unused| Some((next_to(unused)?, unused))) {
+        let rest = "without the nodes that are left out the later ones have other numbers; groups follow";
+        file.notes.push(format!("node {next} is now node {unused}: {rest}"));
+    }
+    Ok(file)
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Gmsh,
@@ -251,13 +284,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
 }
 
 /// A note on cells that [`MeshBuilder::orient_cells`] has turned, if there are any.
-///
-/// ```
-/// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
-/// assert!(emmy_io::mesh::note_on_turned_cells(&mesh, 2).unwrap().starts_with("all 2 cells"));
-/// # Ok::<(), emmy::Error>(())
-/// ```
-pub fn note_on_turned_cells(mesh: &Mesh, turned: usize) -> Option<String> {
+fn note_on_turned_cells(mesh: &Mesh, turned: usize) -> Option<String> {
     let how =
         if mesh.cells().all(|cell| cell.kind.dimension() < 3) { "clockwise" } else { "negative volume" };
     let order = format!("numbered the other way round ({how})");

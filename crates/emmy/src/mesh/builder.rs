@@ -128,7 +128,7 @@ impl MeshBuilder {
     /// [`Error::NotInPlane`].
     pub fn build(mut self) -> Result<Mesh> {
         self.check()?;
-        self.resolve_facets()?;
+        self.find_facets()?;
         self.drop_unused_nodes();
         let MeshBuilder { points, kinds, offsets, connectivity, mut groups, .. } = self;
         groups.cells.values_mut().for_each(sort_unique);
@@ -170,8 +170,21 @@ impl MeshBuilder {
         }
     }
 
-    /// Finds the face of a cell for every facet given by its nodes.
-    fn resolve_facets(&mut self) -> Result<()> {
+    /// Whether each point is a node of a cell; [`MeshBuilder::build`] leaves out the others.
+    pub fn used_points(&self) -> Vec<bool> {
+        let mut is_used = vec![false; self.points.len()];
+        // `build` reports nodes that are not there.
+        let nodes =
+            self.connectivity.iter().map(|&node| node as usize).filter(|&node| node < self.points.len());
+        nodes.for_each(|node| is_used[node] = true);
+        is_used
+    }
+
+    /// Finds the face of a cell for every facet given by its nodes so far, as [`MeshBuilder::build`] does.
+    ///
+    /// # Errors
+    /// [`Error::FacetWithoutCell`].
+    pub fn find_facets(&mut self) -> Result<()> {
         let wanted = std::mem::take(&mut self.facets_by_nodes);
         if wanted.is_empty() {
             return Ok(());
@@ -206,8 +219,8 @@ impl MeshBuilder {
     }
 
     fn drop_unused_nodes(&mut self) {
-        let mut new_index = vec![u32::MAX; self.points.len()];
-        self.connectivity.iter().for_each(|&node| new_index[node as usize] = 0);
+        let mut new_index: Vec<u32> =
+            self.used_points().into_iter().map(|is_used| if is_used { 0 } else { u32::MAX }).collect();
         for (next, index) in new_index.iter_mut().filter(|index| **index == 0).enumerate() {
             *index = next as u32;
         }
