@@ -98,6 +98,12 @@ def from_gmsh(read: Callable[[str, Sequence[str]], M], model: str | None, links:
         raise missing("from_gmsh", "Gmsh", "gmsh") from None
     if not gmsh.isInitialized():
         raise RuntimeError("Gmsh has no model: call gmsh.initialize() and make a mesh first")
+    if model is not None and not isinstance(model, str):
+        raise TypeError(
+            f"model: {type(model).__name__} is not the name of a model of Gmsh; without a name it is the current model"
+        )
+    if model is not None and model not in gmsh.model.list():
+        raise fault("model", f"Gmsh has no model {model!r}, only {', '.join(map(repr, gmsh.model.list()))}")
     before = gmsh.model.getCurrent()
     options = {"Mesh.Binary": 1.0, "Mesh.MshFileVersion": 4.1}
     kept = {name: gmsh.option.getNumber(name) for name in options}
@@ -117,7 +123,10 @@ def from_gmsh(read: Callable[[str, Sequence[str]], M], model: str | None, links:
 
 
 def from_meshio(mesh: Any) -> Grid:
-    """The grid of a mesh of meshio; its sets are arrays ``group:NAME``."""
+    """The grid of a mesh of meshio; its sets are arrays ``group:NAME``, without the blanks that fill names in files."""
+    if not all(hasattr(mesh, part) for part in ("points", "cells", "cell_sets", "field_data")):
+        help = "; Mesh.read reads files" if isinstance(mesh, (str, os.PathLike)) else ""
+        raise TypeError(f"mesh: {type(mesh).__name__} is not a meshio.Mesh{help}")
     types, sizes, connectivity = [], [], [np.zeros(0, dtype=np.int64)]
     for cells in mesh.cells:
         rows = _rows(cells)
@@ -142,13 +151,13 @@ def from_meshio(mesh: Any) -> Grid:
             for start, members in zip(starts, blocks, strict=False):
                 if members is not None and len(members):
                     inside[start + np.asarray(members, dtype=np.int64)] = 1
-            cell_arrays.append((f"group:{name}", inside))
+            cell_arrays.append((f"group:{name.rstrip()}", inside))
     points = _in_space(mesh.points)
     point_arrays = [(name, _numbers(values)) for name, values in mesh.point_data.items()]
     for name, members in mesh.point_sets.items():
         inside = np.zeros(len(points), dtype=np.int64)
         inside[np.asarray(members, dtype=np.int64)] = 1
-        point_arrays.append((f"group:{name}", inside))
+        point_arrays.append((f"group:{name.rstrip()}", inside))
     ends = np.cumsum(np.concatenate([np.zeros(0, dtype=np.int64), *sizes]), dtype=np.int64)
     all_types = np.concatenate([np.zeros(0, dtype=np.int64), *types])
     nodes = np.concatenate([np.asarray(rows, dtype=np.int64) for rows in connectivity])
@@ -177,7 +186,7 @@ def _vtk_type(name: str) -> int:
 
 def _physical(mesh: Any, tags: Array, dimensions: Array) -> Arrays:
     """The physical groups of Gmsh; the name of an unnamed one is its number."""
-    names = {(int(tag), int(dim)): name for name, (tag, dim) in mesh.field_data.items()}
+    names = {(int(tag), int(dim)): name.rstrip() for name, (tag, dim) in mesh.field_data.items()}
     groups: dict[str, Array] = {}
     for tag, dim in np.unique(np.column_stack([tags, dimensions]), axis=0).astype(np.int64).tolist():
         if tag:
@@ -188,6 +197,14 @@ def _physical(mesh: Any, tags: Array, dimensions: Array) -> Arrays:
 
 def from_pyvista(grid: Any) -> Grid:
     """The grid of a data set of PyVista."""
+    if not hasattr(grid, "cast_to_unstructured_grid"):
+        if isinstance(grid, (str, os.PathLike)):
+            help = "Mesh.read reads files"
+        elif hasattr(grid, "combine"):
+            help = "take one of its blocks, or join them with its method combine()"
+        else:
+            help = "pyvista.wrap makes one of a data set of VTK"
+        raise TypeError(f"grid: {type(grid).__name__} is not a data set of PyVista; {help}")
     grid = grid.cast_to_unstructured_grid()
     return Grid(
         np.asarray(grid.points, dtype=np.float64),

@@ -170,3 +170,45 @@ def test_ghost_cells_are_left_out():
     mesh = quiet(lambda: emmy.Mesh.from_pyvista(given))
     assert (mesh.n_cells, mesh.n_nodes) == (1, 8)
     assert "1 ghost or hidden cell is left out" in mesh.notes
+
+
+def test_names_lose_the_blanks_that_fill_them():
+    box = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    given = meshio.Mesh(
+        box.points,
+        [("hexahedron", box.cells["hex8"])],
+        cell_sets={"body  ": [np.array([0])]},
+        point_sets={"tip ": np.array([7])},
+    )
+    assert emmy.Mesh.from_meshio(given).groups == {"body": ("cells",), "tip": ("nodes",)}
+    tagged = meshio.Mesh(
+        box.points,
+        [("hexahedron", box.cells["hex8"])],
+        cell_data={"gmsh:physical": [np.array([5])]},
+        field_data={"left part   ": np.array([5, 3])},
+    )
+    assert emmy.Mesh.from_meshio(tagged).groups == {"left part": ("cells",)}
+
+
+def test_what_is_no_data_set_of_pyvista_is_told():
+    image = pyvista.ImageData(dimensions=(3, 2, 2))
+    blocks = pyvista.MultiBlock([image])
+    with pytest.raises(TypeError, match=r"^grid: MultiBlock is not .*; take one of its blocks, or join .* combine"):
+        emmy.Mesh.from_pyvista(blocks)
+    assert emmy.Mesh.from_pyvista(blocks.combine()).n_cells == 2
+    raw = pyvista._vtk.vtkUnstructuredGrid()
+    with pytest.raises(TypeError, match=r"^grid: vtkUnstructuredGrid is not .*; pyvista.wrap makes one"):
+        emmy.Mesh.from_pyvista(raw)
+
+
+def test_what_is_no_name_of_a_model_is_told():
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.model.add("block")
+        with pytest.raises(TypeError, match=r"^model: type is not the name of a model of Gmsh"):
+            emmy.Mesh.from_gmsh(gmsh.model)
+        with pytest.raises(emmy.InputError, match=r"^model: Gmsh has no model 'blok', only .*'block'"):
+            emmy.Mesh.from_gmsh("blok")
+    finally:
+        gmsh.finalize()

@@ -214,6 +214,17 @@ MESSAGES = [
         "node_groups.tip: there is no node 4 among 4, counted from 0",
     ),
     (
+        lambda: emmy.Mesh.from_pyvista("grid.vtu"),
+        TypeError,
+        "grid: str is not a data set of PyVista; Mesh.read reads files",
+    ),
+    (
+        lambda: emmy.Mesh.from_meshio("mesh.msh"),
+        TypeError,
+        "mesh: str is not a meshio.Mesh; Mesh.read reads files",
+    ),
+    (lambda: emmy.Mesh.from_meshio(None), TypeError, "mesh: NoneType is not a meshio.Mesh"),
+    (
         lambda: emmy.Mesh.network(TET, [0, 1]),
         emmy.InputError,
         "links: expected an array of shape (m, 2), found (2,)",
