@@ -112,7 +112,8 @@ class Mesh(Sources):
         kind, _, plain = name.partition(":")
         if name not in self._native.group_names and kind not in self._native.group_names.get(plain, ()):
             available = tuple(self._native.group_names)
-            near = difflib.get_close_matches(name, available, n=1)
+            chosen = [f"{kind}:{own}" for own, kinds in self.groups.items() for kind in kinds if ":" in name]
+            near = difflib.get_close_matches(name, [*available, *chosen], n=1)
             groups = "groups: " + ", ".join(f"`{own}`" for own in available)
             help = f"did you mean `{near[0]}`?" if near else groups
             raise UnknownGroupError([Fault("name", f"the mesh has no group `{name}`", help, name, available)])

@@ -85,6 +85,22 @@ fn symmetry_fixes_the_normal_component_of_its_plane() {
     assert!(report.contains("floor: z fixed, 3 degrees of freedom"), "{report}");
 }
 
+#[test]
+fn a_group_of_nodes_is_counted_by_its_own_nodes() {
+    let input = BOX
+        .replacen("box = { size = [1, 2, 1], cells = [1, 2, 1] }", "file = \"tet.inp\"", 1)
+        .replacen("y-min", "left", 1);
+    let place = Place::with(&input);
+    // The set `left` has the tetrahedron, its first face, and two nodes.
+    let deck = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n9,9,9,9\n*Element, type=C3D4, elset=left\n1, 1,2,3,4\n\
+                *Elset, elset=body\n1\n*Surface, name=left\n1, S1\n*Nset, nset=left\n1,2\n*Nset, nset=far\n9\n";
+    place.write("tet.inp", deck);
+    let report = place.succeed(&["check", "box.toml", "--set", "load="]).stdout;
+    for line in ["left: 1 cell, 1 facet, 2 nodes\n", "far: no nodes of cells\n"] {
+        assert!(report.contains(line), "{line}\n{report}");
+    }
+}
+
 /// Two unit cubes side by side without a common node, and one node without a cell.
 const CUBES: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                      11,1,0,0\n12,2,0,0\n13,2,1,0\n14,1,1,0\n15,1,0,1\n16,2,0,1\n17,2,1,1\n18,1,1,1\n99,9,9,9\n\

@@ -72,11 +72,27 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
         Members::Nodes => ("nodes, facets or cells", groups.names()),
     };
     let other = is_there.then(|| format!("`{name}` exists, but has no {what}"));
-    let label =
-        other.or_else(|| did_you_mean(name, known.iter().copied())).unwrap_or_else(|| "not there".into());
+    let label = other.or_else(|| near(mesh, name, members)).unwrap_or_else(|| "not there".into());
     let message = format!("the mesh has no group `{name}` of {what}");
     let help = format!("groups of {what}: {}", listed(known.iter().copied()));
     Err(Fault::at(place, message, label).help(help).of_group(name, &known))
+}
+
+/// "did you mean ...?" with the group nearest to a name, which may choose a kind of members (`facets:left`).
+pub(super) fn near(mesh: &Mesh, name: &str, members: Members) -> Option<String> {
+    let groups = mesh.groups();
+    let fits = |kind: &&str| match members {
+        Members::Cells => *kind == "cells",
+        Members::Facets => *kind == "facets",
+        Members::Nodes => true,
+    };
+    let mut known: Vec<String> = Vec::new();
+    for own in groups.names() {
+        let mut kinds = groups.kinds(own).into_iter().filter(fits).peekable();
+        known.extend(kinds.peek().map(|_| own.to_string()));
+        known.extend(kinds.filter(|_| name.contains(':')).map(|kind| format!("{kind}:{own}")));
+    }
+    did_you_mean(name, known.iter().map(String::as_str))
 }
 
 /// Where the nodes of a group are taken, and the kinds of its members in the order in which they are.

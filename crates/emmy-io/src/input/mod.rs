@@ -36,7 +36,7 @@ mod settings;
 mod shape;
 mod source;
 mod start;
-mod suggest;
+pub(crate) mod suggest;
 mod support;
 mod syntax;
 mod table;

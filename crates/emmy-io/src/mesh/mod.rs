@@ -151,14 +151,20 @@ pub fn parse_with(path: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Me
             advice: "write the mesh again",
         });
     }
-    match format(path, bytes) {
+    let format = format(path, bytes);
+    let mut file = match format {
         Some(Format::Gmsh) => gmsh::mesh(path, bytes, &options.links),
         Some(Format::Abaqus) => abaqus::mesh(path, bytes, options),
         Some(Format::Vtu) => vtu::mesh(path, bytes, &options.links),
         Some(Format::Vtk) => vtu::legacy(path, bytes, &options.links),
         Some(Format::Nastran) => nastran::mesh(path, bytes, options),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
+    }?;
+    if options.plane_shells && matches!(format, Some(Format::Gmsh | Format::Vtu | Format::Vtk)) {
+        let note = "`shells` has no effect on files of Gmsh and VTK: without solid cells, their surfaces are cells in plane strain";
+        file.notes.push(note.to_string());
     }
+    Ok(file)
 }
 
 /// Mesh of an unstructured grid, with the groups that [`read`] takes from the arrays of a file of VTK; `name` stands for

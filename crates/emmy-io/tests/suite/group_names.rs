@@ -18,7 +18,10 @@ fn problem(more: &str) -> Result<Problem, String> {
     );
     let path = directory.path().join("input.toml");
     std::fs::write(&path, text).unwrap();
-    input::read(&path, &Overrides::default()).map_err(|error| error.to_string())
+    input::read(&path, &Overrides::default()).map_err(|error| {
+        let near: Vec<&str> = error.faults().iter().filter_map(|fault| fault.suggestion()).collect();
+        format!("{error}; {}", near.join("; "))
+    })
 }
 
 fn fixed(group: &str) -> (usize, Vec<String>) {
@@ -42,6 +45,13 @@ fn a_support_means_the_facets_and_says_how_to_choose() {
     }
     let absent = problem("[[support]]\ngroup = \"nodes:left\"\nfix = [\"x\"]").unwrap_err();
     assert!(absent.contains("has no group `nodes:left`"), "{absent}");
+    for (wrong, near) in
+        [("facets:lefft", "facets:left"), ("facet:left", "facets:left"), ("betwen", "between")]
+    {
+        let error =
+            problem(&format!("[[load]]\ngroup = \"{wrong}\"\ntraction = [1.0, 0.0, 0.0]")).unwrap_err();
+        assert!(error.contains(&format!("did you mean `{near}`?")), "{error}");
+    }
 }
 
 #[test]

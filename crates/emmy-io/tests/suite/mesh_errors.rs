@@ -92,7 +92,7 @@ fn bad_gmsh_sections() {
 
 #[test]
 fn bad_gmsh_elements() {
-    let v2: [(&str, &[&str]); 7] = [
+    let v2: [(&str, &[&str]); 8] = [
         ("1\n1 4 2 0 1 1 2 3 5\n", &["line 13: element 1 names node 5, which the file does not define"]),
         (
             "1\n1 13 2 0 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n",
@@ -111,7 +111,15 @@ fn bad_gmsh_elements() {
             "2\n1 4 2 7 1 1 2 3 4\n2 4 2 7 1 1 2 3 4\n",
             &["line 14: element 2 has the nodes and the group of element 1"],
         ),
-        ("1\n1 1 2 7 1 1 2\n", &["a.msh: the mesh has no solid or plane cells; mesh the volume"]),
+        (
+            "1\n1 1 2 7 1 1 2\n",
+            &["a.msh: the file has no solid or plane cells, only 1 line; mesh the volume"],
+        ),
+        (
+            // Two lines, of which one is in no group, and a point.
+            "3\n1 1 2 7 1 1 2\n2 1 2 0 1 2 3\n3 15 2 7 1 1\n",
+            &["a.msh: the file has no solid or plane cells, only 2 lines and 1 point; mesh the volume"],
+        ),
     ];
     for (text, parts) in v2 {
         assert_message("a.msh", &format!("{V2}$Elements\n{text}$EndElements\n"), parts);

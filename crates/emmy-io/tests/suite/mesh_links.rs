@@ -27,7 +27,8 @@ fn lines_are_no_cells_unless_they_are_asked_for() {
     let file = parse("a.msh".as_ref(), GMSH.as_bytes()).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Tet4, 1)]);
     assert_eq!(file.mesh.groups().nodes["springs"].len(), 1);
-    assert_eq!(file.notes, ["2 nodes belong to no cell and are left out"]);
+    let beams = "2 lines are no edges of a cell, such as a beam, and left out; their nodes stay in the groups of nodes \"springs\"";
+    assert_eq!(file.notes, [beams, "2 nodes belong to no cell and are left out"]);
 }
 
 #[test]
@@ -38,7 +39,7 @@ fn a_file_of_lines_alone_is_a_network() {
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Line2, 2)]);
     assert!((emmy::mesh::quality(&file.mesh).volume - 2.0).abs() < 1e-15);
     let none = parse("a.msh".as_ref(), text.as_bytes()).unwrap_err().to_string();
-    assert!(none.contains("the mesh has no solid or plane cells"), "{none}");
+    assert!(none.contains("the file has no solid or plane cells, only 2 lines"), "{none}");
 }
 
 #[test]

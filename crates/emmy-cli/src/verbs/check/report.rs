@@ -57,7 +57,13 @@ impl Report {
         for name in groups.names() {
             let cells = groups.cells.get(name).map(|cells| counted(cells.len(), "cell", "cells"));
             let facets = groups.facets.get(name).map(|facets| counted(facets.len(), "facet", "facets"));
-            let nodes = mesh.group_nodes(name).map(|nodes| counted(nodes.len(), "node", "nodes")).ok();
+            // Nodes of its own, which `nodes:NAME` chooses, else those of its members.
+            let own = groups.nodes.get(name).map(Vec::len);
+            let n_nodes = own.or_else(|| mesh.group_nodes(name).map(|nodes| nodes.len()).ok());
+            let nodes = match n_nodes {
+                Some(0) if cells.is_none() && facets.is_none() => Some("no nodes of cells".to_string()),
+                n_nodes => n_nodes.map(|n| counted(n, "node", "nodes")),
+            };
             let sizes: Vec<String> = [cells, facets, nodes].into_iter().flatten().collect();
             self.line("group", &format!("{name}: {}", sizes.join(", ")));
         }

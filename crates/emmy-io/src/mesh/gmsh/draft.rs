@@ -392,7 +392,23 @@ impl Draft {
     fn in_numbers_of_the_file(&self, error: MeshError) -> MeshError {
         match error {
             MeshError::Mesh { file, reason: emmy::Error::EmptyMesh } => {
-                MeshError::NoCells { file, advice: NO_CELLS }
+                let of_dim = |dim: usize| {
+                    let read = self.elements.iter().filter(|element| usize::from(element.shape.dim) == dim);
+                    self.n_ignored[dim] + read.count()
+                };
+                let found: Vec<String> = [(1, "line", "lines"), (0, "point", "points")]
+                    .into_iter()
+                    .filter(|(dim, ..)| of_dim(*dim) > 0)
+                    .map(|(dim, one, many)| counted(of_dim(dim), one, many))
+                    .collect();
+                match found.is_empty() {
+                    true => MeshError::NoCells { file, advice: NO_CELLS },
+                    false => MeshError::NothingSolid {
+                        file,
+                        found: found.join(" and "),
+                        advice: NO_CELLS.to_string(),
+                    },
+                }
             }
             MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
                 let place = format!(

@@ -120,6 +120,18 @@ impl Type {
         }
     }
 
+    /// Something to try where a solid cell is of no kind that Emmy has.
+    pub(super) fn cure(&self, n_nodes: usize) -> &'static str {
+        match (self.id, n_nodes) {
+            // Wedges of 18 and pyramids of 14 nodes.
+            (32, _) | (73, 18) | (74, 14) => {
+                "in Gmsh, `Mesh.SecondOrderIncomplete = 1` before meshing makes hex20, wedge15 and pyramid13; in ParaView \
+                 and VTK, the filter Tetrahedralize makes tetrahedra"
+            }
+            _ => "in ParaView and VTK, the filter Tetrahedralize makes tetrahedra of other cells",
+        }
+    }
+
     /// Index in the file's node list of each node of the kind; `None`: the same order.
     pub(super) fn order(&self) -> Option<&'static [usize]> {
         match self.id {

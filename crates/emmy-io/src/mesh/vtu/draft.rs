@@ -196,7 +196,7 @@ impl<'a> Draft<'a> {
                 "cell {index} (counted from 0) is of {}, which is not supported; make the body of {supported}",
                 self.described(index)
             ),
-            advice: "in ParaView and VTK, the filter Tetrahedralize makes tetrahedra of other cells",
+            advice: self.shapes[index].of.cure(self.nodes(index).len()),
         }
     }
 

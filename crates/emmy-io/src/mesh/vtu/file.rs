@@ -10,6 +10,7 @@ use super::array::{Encoding, from_base64, from_bits, from_bytes, from_text, payl
 use super::cell::renumber_old_hexahedra;
 use super::grid::is_needed;
 use super::{Grid, GridArray, Numbers};
+use crate::input::suggest::did_you_mean;
 
 /// Largest number of points and cells of a file: more do not fit into memory, and compressed ones may need only a few
 /// bytes.
@@ -128,6 +129,10 @@ impl<'a, 'input> Piece<'a, 'input> {
                 return Err(malformed(at(piece), format!("{n} {what}, more than the {MOST} that are read")));
             }
         }
+        for section in elements(piece) {
+            check_name(section, &SECTIONS, at)?;
+            elements(section).try_for_each(|array| check_name(array, &ARRAYS, at))?;
+        }
         Ok(Piece { file, parts, document, encoding, piece, n_points, n_cells })
     }
 
@@ -178,8 +183,7 @@ impl<'a, 'input> Piece<'a, 'input> {
             numeric_type: node.attribute("type").unwrap_or_default(),
             node,
         };
-        let is_array = |node: &Node<'_, '_>| node.has_tag_name("DataArray") || node.has_tag_name("Array");
-        arrays.filter(is_array).map(array).collect()
+        arrays.filter(Node::is_element).map(array).collect()
     }
 
     /// Numbers of a required array: the only one of its section if `name` is empty.
@@ -253,6 +257,29 @@ pub(super) fn no_cells(file: &Path) -> MeshError {
 
 fn place(file: &Path, document: &Document<'_>, node: Node<'_, '_>) -> Place {
     Place::line(file, document.text_pos_at(node.range().start).row as usize)
+}
+
+/// Elements of a piece, and those of each of them.
+const SECTIONS: [&str; 5] = ["PointData", "CellData", "Points", "Cells", "FieldData"];
+const ARRAYS: [&str; 2] = ["DataArray", "Array"];
+
+fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.children().filter(Node::is_element)
+}
+
+/// What an element is called must be known: a misspelt one would be left out.
+fn check_name(node: Node<'_, '_>, known: &[&str], at: impl Fn(Node<'_, '_>) -> Place) -> Result<()> {
+    let name = node.tag_name().name();
+    if known.contains(&name) {
+        return Ok(());
+    }
+    let near = did_you_mean(name, known.iter().copied());
+    let near = near.unwrap_or_else(|| format!("there is {}", known.join(", ")));
+    Err(MeshError::Malformed {
+        place: at(node),
+        problem: format!("the element <{}> is not known ({near})", crate::message::name(name)),
+        advice: "correct its name, or remove it",
+    })
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {

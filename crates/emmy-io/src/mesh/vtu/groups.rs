@@ -48,20 +48,19 @@ fn use_of(array: &GridArray) -> Use<'_> {
 
 /// Adds the groups from the arrays, and notes those that give none.
 pub(super) fn add(grid: &Grid, draft: &mut Draft<'_>) -> Result<()> {
-    let mut left_out = Vec::new();
+    let (mut left_out, mut hidden, mut misplaced) = (Vec::new(), Vec::new(), Vec::new());
     let names: HashSet<&str> = grid.cell_arrays.iter().map(|array| &*array.name).collect();
     for array in &grid.point_arrays {
-        let is_read = match use_of(array) {
+        let name = || message::name(&array.name).to_string();
+        match use_of(array) {
             Use::Group(name, labels) => {
                 draft.builder.node_group(name, members(&labels).map(|node| node as u32));
-                true
             }
-            Use::NoEffect => true,
-            Use::Values(labels) if !names.contains(&*array.name) => draft.add_nodes(&array.name, &labels),
-            Use::Facets(..) | Use::Values(_) | Use::LeftOut => false,
-        };
-        if !is_read {
-            left_out.push(format!("{} (points)", message::name(&array.name)));
+            Use::NoEffect => {}
+            Use::Facets(..) => misplaced.push(name()),
+            Use::Values(_) if names.contains(&*array.name) => hidden.push(name()),
+            Use::Values(labels) if draft.add_nodes(&array.name, &labels) => {}
+            Use::Values(_) | Use::LeftOut => left_out.push(format!("{} (points)", name())),
         }
     }
     let mut is_used = vec![false; grid.types.len()];
@@ -84,7 +83,10 @@ pub(super) fn add(grid: &Grid, draft: &mut Draft<'_>) -> Result<()> {
         }
     }
     draft.note_on_others(&is_used);
-    draft.note_on_arrays(&left_out);
+    let values = format!("they have other values than up to {MAX_VALUES} whole numbers");
+    draft.note_on_arrays(&left_out, &values);
+    draft.note_on_arrays(&hidden, "they are on points, and cells have arrays of the same names");
+    draft.note_on_arrays(&misplaced, "they are on points, and facets are told by arrays on cells");
     Ok(())
 }
 
@@ -206,7 +208,7 @@ impl Draft<'_> {
         true
     }
 
-    fn note_on_arrays(&mut self, left_out: &[String]) {
+    fn note_on_arrays(&mut self, left_out: &[String], reason: &str) {
         const MAX_NAMES: usize = 20;
         if left_out.is_empty() {
             return;
@@ -214,8 +216,6 @@ impl Draft<'_> {
         let more = left_out.len().saturating_sub(MAX_NAMES);
         let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
         let names = left_out[..left_out.len() - more].join(", ");
-        self.notes.push(format!(
-            "arrays that are left out, because they have other values than up to {MAX_VALUES} whole numbers: {names}{rest}"
-        ));
+        self.notes.push(format!("arrays that are left out, because {reason}: {names}{rest}"));
     }
 }
