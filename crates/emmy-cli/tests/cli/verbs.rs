@@ -93,7 +93,7 @@ fn a_group_of_nodes_is_counted_by_its_own_nodes() {
     let place = Place::with(&input);
     // The set `left` has the tetrahedron, its first face, and two nodes.
     let deck = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n9,9,9,9\n*Element, type=C3D4, elset=left\n1, 1,2,3,4\n\
-                *Surface, name=left\n1, S1\n*Nset, nset=left\n1,2\n*Nset, nset=far\n9\n";
+                *Elset, elset=body\n1\n*Surface, name=left\n1, S1\n*Nset, nset=left\n1,2\n*Nset, nset=far\n9\n";
     place.write("tet.inp", deck);
     let report = place.succeed(&["check", "box.toml", "--set", "load="]).stdout;
     for line in ["left: 1 cell, 1 facet, 2 nodes\n", "far: no nodes of cells\n"] {

@@ -18,7 +18,10 @@ fn problem(more: &str) -> Result<Problem, String> {
     );
     let path = directory.path().join("input.toml");
     std::fs::write(&path, text).unwrap();
-    input::read(&path, &Overrides::default()).map_err(|error| error.to_string())
+    input::read(&path, &Overrides::default()).map_err(|error| {
+        let near: Vec<&str> = error.faults().iter().filter_map(|fault| fault.suggestion()).collect();
+        format!("{error}; {}", near.join("; "))
+    })
 }
 
 fn fixed(group: &str) -> (usize, Vec<String>) {

@@ -25,15 +25,15 @@ impl Partitions {
     }
 
     /// The partition that the file is a part of: the only one in which every cell is, by itself or as a copy. `cells`
-    /// have their numbers and partitions (0: none).
+    /// have their numbers and partitions (0: none, as MSH 4 has it for copies).
     pub(super) fn home(&self, cells: impl Iterator<Item = (u64, u64)>) -> Option<u64> {
         let mut homes: Option<BTreeSet<u64>> = None;
         for (number, partition) in cells {
             let homes = homes.get_or_insert_with(|| {
                 self.ghosts.get(&number).into_iter().flatten().copied().chain([partition]).collect()
             });
-            homes.retain(|&home| home == partition || self.is_ghost(number, home));
-            if partition == 0 || homes.is_empty() {
+            homes.retain(|&home| home > 0 && (home == partition || self.is_ghost(number, home)));
+            if homes.is_empty() {
                 return None;
             }
         }

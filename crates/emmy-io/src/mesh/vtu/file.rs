@@ -143,10 +143,8 @@ impl<'a, 'input> Piece<'a, 'input> {
             }
         }
         for section in elements(piece) {
-            check_name(section, &SECTIONS).map_err(|problem| malformed(at(section), problem))?;
-            for array in elements(section) {
-                check_name(array, &ARRAYS).map_err(|problem| malformed(at(array), problem))?;
-            }
+            check_name(section, &SECTIONS, at)?;
+            elements(section).try_for_each(|array| check_name(array, &ARRAYS, at))?;
         }
         Ok(Piece { file, parts, document, encoding, piece, n_points, n_cells })
     }
@@ -283,14 +281,18 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
 }
 
 /// What an element is called must be known: a misspelt one would be left out.
-fn check_name(node: Node<'_, '_>, known: &[&str]) -> Result<(), String> {
+fn check_name(node: Node<'_, '_>, known: &[&str], at: impl Fn(Node<'_, '_>) -> Place) -> Result<()> {
     let name = node.tag_name().name();
     if known.contains(&name) {
         return Ok(());
     }
     let near = did_you_mean(name, known.iter().copied());
     let near = near.unwrap_or_else(|| format!("there is {}", known.join(", ")));
-    Err(format!("the element <{}> is not known; {near}", message::name(name)))
+    Err(MeshError::Malformed {
+        place: at(node),
+        problem: format!("the element <{}> is not known ({near})", message::name(name)),
+        advice: "correct its name, or remove it",
+    })
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
