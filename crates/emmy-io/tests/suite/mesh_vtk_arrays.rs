@@ -104,55 +104,6 @@ fn misspelt_elements_and_wedges_of_18_nodes_are_told() {
 }
 
 #[test]
-fn arrays_on_points_that_are_left_out_have_their_reason() {
-    let text = row(2, "ASCII")
-        + "SCALARS part int\nLOOKUP_TABLE default\n1 2\nPOINT_DATA 12\nSCALARS part int\nLOOKUP_TABLE default\n\
-           1 1 1 1 1 1 1 1 1 1 1 1\nSCALARS facets:end int\nLOOKUP_TABLE default\n0 0 0 0 0 0 0 0 0 0 0 1\n";
-    assert_eq!(
-        read(text.as_bytes()).notes,
-        [
-            "arrays that are left out, because they are on points, and cells have arrays of the same names: part",
-            "arrays that are left out, because they are on points, and facets are told by arrays on cells: facets:end",
-        ]
-    );
-}
-
-#[test]
-fn misspelt_elements_and_wedges_of_18_nodes_are_told() {
-    let piece = |inside: &str| {
-        let text = format!(
-            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\n\
-             {inside}</Piece></UnstructuredGrid></VTKFile>"
-        );
-        parse("a.vtu".as_ref(), text.as_bytes()).unwrap_err().to_string()
-    };
-    let section = piece("<CellDat/>");
-    assert!(
-        section.starts_with("a.vtu, line 2: the element <CellDat> is not known; did you mean `CellData`?"),
-        "{section}"
-    );
-    let array = piece("<PointData>\n<DataAray/></PointData>");
-    assert!(
-        array.starts_with("a.vtu, line 3: the element <DataAray> is not known; did you mean `DataArray`?"),
-        "{array}"
-    );
-    for id in [32, 73] {
-        let grid = Grid {
-            points: vec![[0.0; 3]; 18],
-            types: vec![id],
-            ends: vec![18],
-            connectivity: (0..18).collect(),
-            ..Grid::default()
-        };
-        let error = from_grid("the grid".as_ref(), grid, &[]).unwrap_err().to_string();
-        assert!(
-            error.contains("`Mesh.SecondOrderIncomplete = 1`") && error.contains("Tetrahedralize"),
-            "{error}"
-        );
-    }
-}
-
-#[test]
 fn bits_are_a_group_in_every_form() {
     // Cells 0, 2 and 9 of 10: the bits 10100000 01......
     let ascii = "SCALARS group:some bit\nLOOKUP_TABLE default\n1 0 1 0 0 0 0 0 0 1\n";

@@ -134,7 +134,7 @@ mod tests {
         let quads = rows("CQUAD8", false).unwrap().1;
         let fields = ["1", "2", "3", "4", "5", "", "7", "8", "", "", "", "", "90."];
         assert_eq!(row(quads, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
-        let nines = rows("CQUAD9").unwrap().1;
+        let nines = rows("CQUAD9", false).unwrap().1;
         assert_eq!(row(nines, &["1"; 9]).map(|(kind, _)| kind), Ok(CellKind::Quad9));
         assert_eq!(row(nines, &fields).map(|(kind, _)| kind), Ok(CellKind::Quad8));
         assert_eq!(row(nines, &fields[..4]).map(|(kind, _)| kind), Ok(CellKind::Quad4));
