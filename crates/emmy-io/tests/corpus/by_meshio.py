@@ -208,10 +208,7 @@ def to_nastran(corpus):
             tolerance = 2e-5 if points == "fixed-small" else 1e-10
             if not written(corpus, way, body, mesh, path, file_format="nastran", point_format=points, cell_format=cells):
                 continue
-            if body.kinds & {"tet10", "hex20"}:
-                corpus.refused(way, path, "meshio has names of its own for quadratic cells")
-            else:
-                corpus.file(way, path, of_body(body, groups, tolerance), links=links(body, groups))
+            corpus.file(way, path, of_body(body, groups, tolerance), links=links(body, groups))
 
 
 def with_arrays(body):

@@ -321,9 +321,9 @@ fn what_is_missing_may_be_on_lines_that_are_not_known() {
         ),
         (
             "a.bdf",
-            format!("{grids}CQUAD9,1,1,1,2,3,4\nCQUAD9,2,1,1,2,3,4\n"),
+            format!("{grids}CQUAD5,1,1,1,2,3,4\nCQUAD5,2,1,1,2,3,4\n"),
             no_cells,
-            "2 CQUAD9 (did you mean",
+            "2 CQUAD5 (did you mean",
         ),
         ("a.bdf", format!("{grids}FOOEL,1,1,1,2,3,4\nCONM2,3,1,,2.5\n"), "only 1 CONM2", "1 FOOEL"),
         (

@@ -238,11 +238,7 @@ impl Reader {
             true => format!("solid cells of the kind {name} are not read"),
             false => format!("{name} makes grid points or cells, and is not read"),
         };
-        let advice = match name.ends_with('_') {
-            // In some of its formats the nodes have another order under the same name.
-            true => "meshio has names of its own for quadratic cells: write the mesh as .vtu with it",
-            false => "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section",
-        };
+        let advice = "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section";
         Err(self.malformed(card.at, what, advice))
     }
 

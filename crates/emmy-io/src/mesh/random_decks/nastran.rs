@@ -149,7 +149,7 @@ fn cards(
     if choices.below(2) == 0 {
         cards.push(("SPC1", [strings(&["7", "123"]), block.numbered(&block.end)].concat()));
         contents.group(block, "spc_7", What::Nodes, [block.end.clone()]);
-        let note = "1 constraint (SPC, SPC1, GRID) fixes nothing without a `support`: groups spc_7";
+        let note = "1 constraint (SPC1) fixes nothing without a `support`: groups spc_7";
         wanted.notes.insert(note.to_string());
     }
     if choices.below(2) == 0 {

@@ -80,16 +80,21 @@ fn cells(choices: &mut Choices, block: &Block, wanted: &mut Wanted) -> Drawn {
         }
         all.push((choices.one(&[9, 7]), Part::Facet, nodes.to_vec()));
     }
-    // No faces of cells.
+    // Surfaces and lines besides faces.
     let first = &block.cells[0].1;
     let nodes = |locals: &[usize]| locals.iter().map(|&local| first[local]).collect::<Vec<usize>>();
-    let oblique = if first.len() == 8 { [0, 1, 6, 7] } else { [0, 1, 5, 3] };
+    let is_hexahedron = first.len() == 8;
+    let oblique = if is_hexahedron { [0, 1, 6, 7] } else { [0, 1, 5, 3] };
     for _ in 0..choices.below(4) {
-        let (id, part, nodes, name) = match choices.below(5) {
+        let (id, part, nodes, name) = match choices.below(6) {
             0 => (9, Part::LeftOut, nodes(&oblique), "VTK type 9 (quadrilateral)"),
             1 => (7, Part::LeftOut, nodes(&[0, 1, 2, 3, 5]), "VTK type 7 (polygon)"),
             2 => (3, Part::Nodes, nodes(&[0, 1]), ""),
-            3 => (4, Part::Nodes, nodes(&[0, 1, 5]), ""),
+            3 => (4, Part::Nodes, nodes(if is_hexahedron { &[0, 1, 5] } else { &[0, 1, 4] }), ""),
+            // A diagonal of a face.
+            4 => {
+                (3, Part::LeftOut, nodes(if is_hexahedron { &[0, 5] } else { &[0, 4] }), "VTK type 3 (line)")
+            }
             _ => (1, Part::Nodes, nodes(&[2]), ""),
         };
         if part == Part::LeftOut {
