@@ -197,6 +197,10 @@ fn faults_have_their_line_and_their_card() {
         ),
         (format!("{TET}=,*0\n"), "a.bdf, line 5: node 4 exists already"),
         (format!("{TET}CTETRA_,1,3,1,2,3\n"), "element 1 (CTETRA_) has 3 nodes instead of 4 or 10"),
+        (
+            format!("{TET}CHEXA_* 1               1               1               2\n"),
+            "a.bdf, line 5: solid cells of the kind CHEXA_* are not read; meshio changes the order of their nodes in large fields",
+        ),
         (format!("{TET}CHEX8,1,1,1,2,3,4\n"), "a.bdf, line 5: solid cells of the kind CHEX8 are not read"),
         (format!("{TET}CGEN,CHEXA,1\n"), "a.bdf, line 5: CGEN makes grid points or cells, and is not read"),
         (format!("{TET}BEGIN SUPER=2\n"), "a.bdf, line 5: BEGIN SUPER=2 makes grid points or cells"),

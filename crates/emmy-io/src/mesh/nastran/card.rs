@@ -16,7 +16,7 @@ const N_WIDE: usize = 4;
 /// A card with the fields after its name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Card<'a> {
-    /// The name in upper case, without `*`.
+    /// The name in upper case, without `*`, except of large cells of meshio.
     pub(super) name: String,
     pub(super) fields: Vec<Cow<'a, str>>,
     /// The first line.
@@ -123,7 +123,12 @@ pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bu
             }
             continue;
         }
-        let name = line.head.trim_end_matches('*').trim_end().to_ascii_uppercase();
+        let name = line.head.to_ascii_uppercase();
+        // meshio has another order of nodes in large fields: a kind of its own, which is not read.
+        let name = match name.as_str() {
+            "CHEXA_*" | "CPENTA_*" => name,
+            _ => name.trim_end_matches('*').trim_end().to_string(),
+        };
         match name.as_str() {
             "ENDDATA" => bulk.end = Some(at),
             _ => pieces.push(Piece::new(name, String::new(), line, at)),

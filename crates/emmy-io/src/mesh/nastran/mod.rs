@@ -238,7 +238,12 @@ impl Reader {
             true => format!("solid cells of the kind {name} are not read"),
             false => format!("{name} makes grid points or cells, and is not read"),
         };
-        let advice = "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section";
+        let advice = match name.ends_with("_*") {
+            true => {
+                "meshio changes the order of their nodes in large fields; write `cell_format=\"fixed-small\"` or a .vtu with it"
+            }
+            false => "write GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards, all in one bulk data section",
+        };
         Err(self.malformed(card.at, what, advice))
     }
 

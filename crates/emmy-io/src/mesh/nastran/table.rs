@@ -15,7 +15,7 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     entries(Read, "coordinate systems", &["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"]),
     entries(
         Read,
-        "solid cells; those of meshio have a line at the end of their names",
+        "solid cells; those of meshio have an underscore at the end of their names",
         &["CTETRA", "CPENTA", "CHEXA", "CPYRAM", "CPYRA", "CTETRA_", "CPENTA_", "CHEXA_", "CPYRA_"],
     ),
     entries(
