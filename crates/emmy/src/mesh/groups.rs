@@ -59,7 +59,7 @@ impl Groups {
         facets.map(Vec::as_slice).ok_or_else(|| unknown("facet", name, self.facets.keys()))
     }
 
-    /// What a group has: `cells`, `facets`, `nodes`; of `cells:NAME` the cells alone.
+    /// Returns the kinds of members that a group has: `cells`, `facets`, `nodes`. `cells:NAME` has cells alone.
     ///
     /// ```
     /// let mesh = emmy::mesh::block([1.0; 3], [1; 3])?.with_node_group("body", [0])?;

@@ -46,7 +46,7 @@ impl Numbers {
         labels.iter().any(Option::is_some).then_some(labels)
     }
 
-    /// Numbers followed by others, as reals if one of them is.
+    /// Appends other numbers; the result has reals if either of them has.
     fn joined(self, other: Numbers) -> Numbers {
         match (self, other) {
             (Numbers::Whole(mut own), Numbers::Whole(other)) => {
