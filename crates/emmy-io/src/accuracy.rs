@@ -128,7 +128,7 @@ fn is_period_wanted(problem: &Problem, statistics: &RunStatistics) -> bool {
     let is_cheap = n_dofs <= SMALL || n_dofs <= LARGEST && statistics.steps >= MANY_STEPS;
     let is_strained = statistics.largest_strain_energy > STRAIN_PART * statistics.largest_kinetic_energy;
     // The potential of an attraction is no strain energy, but counts among it.
-    let is_known = problem.body.subdomain().is_none() && problem.nodal.attractions.is_empty();
+    let is_known = problem.body.ranks().size() == 1 && problem.nodal.attractions.is_empty();
     is_cheap && is_strained && is_known
 }
 

@@ -9,12 +9,12 @@ pub mod average {
 /// Assembly, and the table of models.
 pub mod body {
     pub use crate::body::entries::Entries;
-    pub use crate::body::invariants::sum;
     pub use crate::body::system::Assembly;
     pub use crate::force::step::{StepDamping, StepInput};
     pub use crate::input::models::{MODELS, RegionModel};
     pub use crate::input::pole::pole;
     pub use crate::input::symmetry::symmetry_axis;
+    pub use crate::space::sum;
 }
 
 /// Reference elements.

@@ -138,12 +138,9 @@ impl Table {
         snapshot: &mut Snapshot,
     ) -> Result<(), String> {
         // With the same division, all numbers are in the blocks of this rank and its neighbours.
-        let near = body.subdomain().map_or(vec![0], |part| {
-            std::iter::once(part.rank())
-                .chain(part.neighbours())
-                .filter(|&rank| rank < self.blocks.len())
-                .collect()
-        });
+        let ranks = body.ranks();
+        let near = std::iter::once(ranks.rank()).chain(ranks.neighbours());
+        let near: Vec<usize> = near.filter(|&rank| rank < self.blocks.len()).collect();
         let far = (0..self.blocks.len()).filter(|block| !near.contains(block));
         let order: Vec<usize> = near.iter().copied().chain(far).collect();
         self.fill(needed, &order, input, snapshot)

@@ -153,7 +153,7 @@ fn read<T>(path: &Path, work: impl FnOnce(&mut BufReader<File>) -> Result<T, Str
 
 /// The team of a body.
 fn team_of(body: &Body) -> &dyn Team {
-    body.subdomain().map_or(&Alone, |part| &**part.team())
+    &**body.ranks().team()
 }
 
 /// Why there is no checkpoint to resume from.

@@ -56,8 +56,8 @@ impl Format {
     /// # Errors
     /// [`Error::NotOnTeam`] for one file of all frames.
     pub fn check(self, body: &Body) -> Result<(), Error> {
-        match (self, body.subdomain()) {
-            (Format::Vtkhdf, Some(_)) => {
+        match (self, body.ranks().size()) {
+            (Format::Vtkhdf, 2..) => {
                 let what = "one file of all frames (use `output.format = \"vtu\"`)".to_string();
                 Err(Error::NotOnTeam { what })
             }
@@ -208,9 +208,9 @@ impl FrameWriter {
 /// A file for each frame of a body, or a piece for each rank.
 fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<Box<FrameFiles>> {
     let (mesh, regions) = (body.mesh(), body.region_of_cell());
-    let files = match body.subdomain() {
-        None => FrameFiles::create(directory, precision, mesh, regions),
-        Some(subdomain) => FrameFiles::shared(directory, precision, mesh, regions, subdomain),
+    let files = match body.ranks().size() {
+        1 => FrameFiles::create(directory, precision, mesh, regions),
+        _ => FrameFiles::shared(directory, precision, mesh, regions, body.ranks()),
     };
     files.map(Box::new)
 }

@@ -148,7 +148,7 @@ impl<'a> AdjointStep<'a> {
         self.body.mass_product(&self.sum, &mut self.product);
         let kept = 1.0 - self.end_weights.iter().sum::<f64>();
         adjoint.velocity.iter_mut().zip(&self.product).for_each(|(v, p)| *v = kept * *v + h * p);
-        adjoint.velocity[self.body.internal_dofs()].fill(0.0);
+        adjoint.velocity[self.body.space.internal_dofs()].fill(0.0);
         for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
             (adjoint.displacement[dof], adjoint.velocity[dof]) = (0.0, 0.0);
         }
@@ -165,7 +165,7 @@ impl<'a> AdjointStep<'a> {
         // The velocity of internal nodes is the end of the polynomial of their rates.
         let n = self.sum.len();
         for (j, dof) in
-            (0..self.end_weights.len()).flat_map(|j| self.body.internal_dofs().map(move |dof| (j, dof)))
+            (0..self.end_weights.len()).flat_map(|j| self.body.space.internal_dofs().map(move |dof| (j, dof)))
         {
             let change = self.rule.basis(j, 1.0) - self.end_weights[j];
             self.right[j * n + dof] += change / h * adjoint.velocity[dof];

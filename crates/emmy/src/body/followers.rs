@@ -66,7 +66,7 @@ impl Body {
     ) {
         force.fill(0.0);
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
-            pressure.add_stage_forces(&self.mesh, step, rule, factors, force);
+            pressure.add_stage_forces(self.mesh(), step, rule, factors, force);
         }
     }
 
@@ -81,7 +81,7 @@ impl Body {
         assembly: &mut Assembly,
     ) {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
-            pressure.add_stage_tangent(&self.mesh, step, rule, factors, &mut assembly.matrix);
+            pressure.add_stage_tangent(self.mesh(), step, rule, factors, &mut assembly.matrix);
         }
     }
 
@@ -91,7 +91,7 @@ impl Body {
     /// [`crate::Error::NotFiniteAt`].
     pub(crate) fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) -> Result<()> {
         for pressure in self.pressures.iter() {
-            pressure.add_force(&self.mesh, displacement, pressure.factor(time)?, force);
+            pressure.add_force(self.mesh(), displacement, pressure.factor(time)?, force);
         }
         Ok(())
     }

@@ -65,7 +65,7 @@ impl Body {
         }
         for field in self.fields.iter() {
             // A field may fail at a point of one rank alone; whether it acts depends on the time alone.
-            acts |= self.agree(field.add_averages(time, step_size, rule, memory, force))?;
+            acts |= self.space.agree(field.add_averages(time, step_size, rule, memory, force))?;
         }
         Ok(acts)
     }
@@ -76,7 +76,7 @@ impl Body {
         let loads = self.loads.iter().map(|load| &load.time_function);
         let fields = self.fields.iter().map(|field| &field.time_function);
         let pressures = self.pressures.iter().map(|pressure| &pressure.time_function);
-        let drives = self.drives.iter().flat_map(|drive| drive.time_functions());
+        let drives = self.space.drives().iter().flat_map(|drive| drive.time_functions());
         let all = loads.chain(fields).chain(pressures).chain(drives);
         all.filter_map(|time_function| time_function.next_corner(after)).min_by(f64::total_cmp)
     }
@@ -105,7 +105,7 @@ impl Body {
             }
         }
         for field in self.fields.iter() {
-            acts |= self.agree(field.add_at(time, memory, force))?;
+            acts |= self.space.agree(field.add_at(time, memory, force))?;
         }
         Ok(acts)
     }
@@ -126,7 +126,7 @@ impl Body {
     pub fn field_not_finite(&self, start: f64, end: f64) -> Option<(usize, [f64; 3], f64)> {
         self.fields.iter().find_map(|field| {
             let found = field.find_not_finite([start, end]);
-            let (X, time) = self.of_lowest_rank(found)?;
+            let (X, time) = self.space.of_lowest_rank(found)?;
             Some((field.load, X, time))
         })
     }
@@ -136,7 +136,7 @@ impl Body {
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];
         let resultant =
-            |force: &[f64]| LoadResultant { force: self.sum(force), torque: self.moment(&rest, force) };
+            |force: &[f64]| LoadResultant { force: self.space.sum(force), torque: self.moment(&rest, force) };
         let mut resultants: Vec<(usize, LoadResultant)> =
             self.loads.iter().map(|load| (load.load, resultant(&load.force))).collect();
         for field in self.fields.iter() {
@@ -148,7 +148,7 @@ impl Body {
         }
         for pressure in self.pressures.iter() {
             let mut force = rest.clone();
-            pressure.add_force(&self.mesh, &rest, 1.0, &mut force);
+            pressure.add_force(self.mesh(), &rest, 1.0, &mut force);
             resultants.push((pressure.load, resultant(&force)));
         }
         resultants.sort_by_key(|(load, _)| *load);

@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 mod builder;
-mod driven;
 mod elimination;
 pub(crate) mod entries;
 mod fields;
@@ -14,8 +13,6 @@ pub(crate) mod invariants;
 mod loads;
 mod mass;
 mod proportional;
-mod reactions;
-mod reductions;
 mod signal;
 mod start;
 pub(crate) mod system;
@@ -28,13 +25,12 @@ pub use crate::input::{
     PointTerms, Region, Rotation, SpreadMass, Support, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
+pub use crate::space::Reaction;
 pub use builder::BodyBuilder;
 pub(crate) use entries::Entries;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
-pub(crate) use invariants::sum;
 pub use loads::LoadResultant;
 pub(crate) use mass::MassSolver;
-pub use reactions::Reaction;
 pub(crate) use signal::{MAX_COMPONENTS, Signal};
 pub(crate) use system::Assembly;
 pub use system::Body;

@@ -29,7 +29,6 @@ impl Body {
         let dead = body.loads.iter().map(|load| LoadVector {
             load: load.load,
             force: load.force.clone(),
-            area: None,
             time_function: grown(&load.time_function),
         });
         let fields = body.fields.iter().map(|field| {
@@ -38,14 +37,14 @@ impl Body {
             if field.add_at(time, &mut body.load_memory(1), &mut force).is_err() {
                 force.fill(f64::NAN);
             }
-            LoadVector { load: field.load, force, area: None, time_function: TimeFunction::ramp(1.0) }
+            LoadVector { load: field.load, force, time_function: TimeFunction::ramp(1.0) }
         });
         let pressures = body.pressures.iter().map(|p| p.with_time_function(grown(&p.time_function)));
         Body {
             loads: Arc::new(dead.chain(fields).collect()),
             fields: Arc::default(),
             pressures: Arc::new(pressures.collect()),
-            drives: body.drives.iter().map(|drive| drive.in_proportion(time)).collect(),
+            space: body.space.in_proportion(time),
             lumped: None,
             release: None,
             ..body.clone()
@@ -67,7 +66,7 @@ impl Body {
         let acts = loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()]).unwrap_or(true)
             || loaded.pressures.iter().any(|pressure| pressure.time_function.value(1.0) != 0.0);
         let mut acts = [f64::from(u8::from(acts))];
-        self.largest_of_ranks("loads that act", &mut acts);
-        acts[0] > 0.0 || loaded.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
+        self.space.largest_of_ranks("loads that act", &mut acts);
+        acts[0] > 0.0 || loaded.space.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
     }
 }

@@ -80,7 +80,7 @@ impl Body {
         let of_loads = loads.chain(pressures).filter_map(|(load, time_function)| {
             Signal::of(time_function, SignalTarget::Load(load), None, 0.0)
         });
-        let of_supports = self.drives.iter().flat_map(|drive| {
+        let of_supports = self.space.drives().iter().flat_map(|drive| {
             let target = SignalTarget::Support(drive.support);
             drive
                 .arms()

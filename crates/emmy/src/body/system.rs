@@ -13,9 +13,7 @@ use crate::force::{FieldLoad, LoadVector, Pressure, Scratch, StepDamping, StepIn
 use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
-use crate::space::InternalNodes;
-use crate::space::drive::Drive;
-use crate::space::supports::SupportedGroup;
+use crate::space::{Reaction, Space};
 use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
 use crate::team::Subdomain;
 
@@ -30,8 +28,8 @@ use crate::team::Subdomain;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Body {
-    pub(super) mesh: Arc<Mesh>,
-    pub(super) internal: Arc<InternalNodes>,
+    /// Whose each node is, and how it moves.
+    pub(crate) space: Space,
     pub(super) regions: Vec<RegionSummary>,
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
@@ -40,12 +38,6 @@ pub struct Body {
     pub(super) terms: Arc<OnceLock<Terms>>,
     /// Whether some cell, of any rank, has pressures.
     pub(super) has_pressures: bool,
-    /// Whether some cell, of any rank, is plane.
-    pub(super) has_plane_cells: bool,
-    /// Number of degrees of freedom on all ranks.
-    pub(super) n_dofs_of_ranks: usize,
-    /// The part of this rank; `None`: the whole body is here.
-    pub(super) subdomain: Option<Arc<Subdomain>>,
     /// Terms of the ground: external in the momentum balances.
     pub(super) ground: Arc<Vec<Box<dyn Term>>>,
     pub(super) pattern: Arc<Pattern>,
@@ -57,13 +49,6 @@ pub struct Body {
     pub(super) drag: f64,
     pub(super) viscous_time: f64,
     pub(super) lumped_mass: Vec<f64>,
-    pub(super) fixed: Vec<bool>,
-    /// Fixed degrees of freedom, and those of guests.
-    pub(super) inactive: Vec<bool>,
-    /// Axes along which some node is fixed.
-    pub(super) held_axes: [bool; 3],
-    pub(super) drives: Vec<Drive>,
-    pub(super) supported: Vec<SupportedGroup>,
     pub(super) loads: Arc<Vec<LoadVector>>,
     pub(super) fields: Arc<Vec<FieldLoad>>,
     pub(super) pressures: Arc<Vec<Pressure>>,
@@ -81,7 +66,12 @@ impl Body {
 
     /// The mesh.
     pub fn mesh(&self) -> &Mesh {
-        &self.mesh
+        self.space.mesh()
+    }
+
+    /// This rank's part of the body; a team of one if the whole body is here.
+    pub fn ranks(&self) -> &Arc<Subdomain> {
+        self.space.ranks()
     }
 
     /// Number of degrees of freedom, fixed ones included: three for each node of the mesh, then three for each
@@ -97,67 +87,38 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn n_dofs(&self) -> usize {
-        self.internal.dofs().end
+        self.space.n_dofs()
     }
 
-    /// The degrees of freedom of incompatible modes: at the end, without mass.
-    pub(crate) fn internal_dofs(&self) -> Range<usize> {
-        self.internal.dofs()
-    }
-
-    /// Reference position of every node: those of the mesh, then the internal ones.
-    pub(crate) fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
-        self.mesh.points().iter().chain(self.internal.points())
-    }
-
-    /// Reference position of a node.
-    pub(crate) fn point(&self, node: usize) -> [f64; 3] {
-        let n = self.mesh.n_nodes();
-        if node < n { self.mesh.points()[node] } else { self.internal.points()[node - n] }
-    }
-
-    /// Sets a nodal field, `[n_nodes][3]`, without modes: at internal nodes the mean over the corners of their cells.
-    pub(crate) fn set_internal_means(&self, field: &mut [f64]) {
-        self.internal.set_means(&self.mesh, field);
-    }
-
-    /// Adds the forces on the internal nodes to the nodes of their cells, in equal parts.
-    pub(crate) fn share_internal_forces(&self, force: &mut [f64]) {
-        self.internal.share(&self.mesh, force);
-    }
-
-    /// Fits a field of the nodes of the mesh, perhaps with other internal nodes, to the body, without modes.
-    pub(crate) fn fit_without_modes(&self, field: &mut Vec<f64>) {
-        field.resize(self.mesh.n_dofs(), 0.0);
-        field.resize(self.n_dofs(), 0.0);
-        self.set_internal_means(field);
-    }
-
-    /// Sets a velocity at the nodes without mass to the end of the polynomial of its rates, `sum_j weights_j x_j / h` with
-    /// the basis at the end of the step as weights; `rates: [k][n_nodes][3]`. No momentum determines it, and nothing but
-    /// predictions and estimates of errors depends on it.
-    pub(crate) fn set_internal_velocity(
-        &self,
-        weights: &[f64],
-        rates: &[f64],
-        step_size: f64,
-        velocity: &mut [f64],
-    ) {
-        let n = self.n_dofs();
-        for dof in self.internal_dofs() {
-            let rates = rates[dof..].iter().step_by(n);
-            velocity[dof] = rates.zip(weights).map(|(x, b)| b * x).sum::<f64>() / step_size;
-        }
+    /// Number of degrees of freedom on all ranks of a team; [`Body::n_dofs`] of a body that is whole.
+    pub fn n_dofs_of_ranks(&self) -> usize {
+        self.space.n_dofs_of_ranks()
     }
 
     /// Number of degrees of freedom that are neither fixed nor driven.
     pub fn n_free_dofs(&self) -> usize {
-        self.fixed.iter().filter(|fixed| !**fixed).count()
+        self.fixed().iter().filter(|fixed| !**fixed).count()
     }
 
     /// Which degrees of freedom are fixed, at rest or driven, `[n_nodes][3]`.
     pub fn fixed(&self) -> &[bool] {
-        &self.fixed
+        self.space.fixed()
+    }
+
+    /// Whether some degrees of freedom have a given motion.
+    pub fn is_driven(&self) -> bool {
+        self.space.is_driven()
+    }
+
+    /// Groups with supports or springs to the ground, in the order of the supports and then of the springs. A degree of
+    /// freedom that two groups hold counts for the first; a group keeps its place after its release.
+    pub fn supported_groups(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.space.supported_groups()
+    }
+
+    /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
+    pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
+        self.space.moment(displacement, vector)
     }
 
     /// Volume, mass, centre and inertia of each region, then of each group of point masses (no cells, no volume).
@@ -269,7 +230,7 @@ impl Body {
         } else {
             rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
         }
-        self.agree(assembly.parts.iter().try_for_each(|part| part.outcome.clone()))
+        self.space.agree(assembly.parts.iter().try_for_each(|part| part.outcome.clone()))
     }
 
     /// Rate of the drag \[1/time\].
@@ -300,7 +261,7 @@ impl Body {
     pub(crate) fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
         let scratch = &mut assembly.parts[0].scratch;
         let mut sum = [self.counted_terms().map(|term| term.dissipated(step, scratch)).sum()];
-        self.sum_ranks("dissipated energy", &mut sum);
+        self.space.sum_ranks("dissipated energy", &mut sum);
         sum[0]
     }
 
@@ -323,7 +284,25 @@ impl Body {
 
     /// Whether the body is free: no supports, no springs and attractions to the ground.
     pub(crate) fn is_free(&self) -> bool {
-        self.ground.is_empty() && self.held_axes == [false; 3]
+        self.ground.is_empty() && !self.space.is_supported()
+    }
+
+    /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.
+    pub(crate) fn add_spring_reactions(
+        &self,
+        step: &StepInput<'_>,
+        stage: usize,
+        weight: f64,
+        displacement: &[f64],
+        reactions: &mut [Reaction],
+    ) {
+        for (group, reaction) in self.space.groups().iter().zip(reactions) {
+            for &spring in &group.springs {
+                self.ground[spring].for_each_spring_force(step, stage, &mut |node, force| {
+                    reaction.add_at(self.space.position(displacement, node), force.map(|f| -weight * f));
+                });
+            }
+        }
     }
 
     /// Stage averages of the force of the body on the ground through springs and attractions, `force: [k][n_nodes][3]`.

@@ -7,15 +7,16 @@ use crate::force::{Term, cells};
 
 impl Terms {
     fn new(body: &Body) -> Self {
-        let counts = |cell: u32| body.subdomain.as_ref().is_none_or(|part| part.counts()[cell as usize]);
+        let counts = |cell: u32| body.ranks().counts()[cell as usize];
         let of_cells = |chosen: &dyn Fn(u32) -> bool| {
-            let terms = cells::terms(&body.mesh, &body.made_of, &body.region_of_cell, &body.internal, chosen);
+            let terms =
+                cells::terms(body.mesh(), &body.made_of, &body.region_of_cell, body.space.internal(), chosen);
             // The builder has checked all else.
             terms.unwrap_or_else(|error| panic!("{error}"))
         };
         let mut all = of_cells(&counts);
         let n_counted = all.len();
-        if body.subdomain.is_some() {
+        if body.space.is_shared() {
             all.extend(of_cells(&|cell| !counts(cell)));
         }
         all.iter_mut().for_each(|term| term.attach(&body.pattern, &body.parts));

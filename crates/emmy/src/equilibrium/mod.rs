@@ -126,7 +126,7 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<Vec<f64>> {
-    body.check_whole("an unbalanced force")?;
+    body.space.check_whole("an unbalanced force")?;
     let mut external = vec![0.0; body.n_dofs()];
     let mut net = external.clone();
     Forces::new(body).net(displacement, time, &mut external, &mut net)?;
@@ -150,7 +150,7 @@ pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn internal_force(body: &Body, displacement: &[f64]) -> Result<Vec<f64>> {
-    body.check_whole("an internal force at a displacement")?;
+    body.space.check_whole("an internal force at a displacement")?;
     let mut forces = Forces::new(body);
     forces.assemble(displacement, Request::Stress)?;
     let mut internal = vec![0.0; body.n_dofs()];
@@ -177,7 +177,7 @@ pub type BlockRow = Vec<(u32, [f64; 9])>;
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn stiffness(body: &Body, displacement: &[f64]) -> Result<Vec<BlockRow>> {
-    body.check_whole("a stiffness at a displacement")?;
+    body.space.check_whole("a stiffness at a displacement")?;
     let mut forces = Forces::new(body);
     forces.assemble(displacement, Request::Tangent)?;
     let matrix = &forces.assembly.matrix;

@@ -12,15 +12,13 @@ pub(crate) struct LoadVector {
     /// Number of the load.
     pub(crate) load: usize,
     pub(crate) force: Vec<f64>,
-    /// Area of the own part of a surface whose whole area still divides `force`, on a team \[length^2\].
-    pub(crate) area: Option<f64>,
     pub(crate) time_function: TimeFunction,
 }
 
 impl LoadVector {
     /// Equivalent nodal forces of a load; `None` if the load is not one vector times a factor. `section`: thickness of
-    /// plane cells, `density`: mass per measure of each cell, `mass`: its kind, on which accelerations act, `own_nodes`: their
-    /// number on a team.
+    /// plane cells, `density`: mass per measure of each cell, `mass`: its kind, on which accelerations act, `area`: on which a
+    /// total force acts, of all ranks ([`area`]).
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
@@ -30,9 +28,8 @@ impl LoadVector {
         load: &Load,
         (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
         mass: MassKind,
-        own_nodes: Option<usize>,
+        area: f64,
     ) -> Result<Option<Self>> {
-        let mut own_area = None;
         let (weights, vector) = match &load.kind {
             LoadKind::Pressure { .. }
             | LoadKind::TractionField { .. }
@@ -41,13 +38,6 @@ impl LoadVector {
             LoadKind::Traction { group, traction } => (facet_areas(mesh, group, section)?, *traction),
             LoadKind::Force { group, force } => {
                 let areas = facet_areas(mesh, group, section)?;
-                let area: f64 = match own_nodes {
-                    Some(n_own) => {
-                        own_area = Some(areas[..n_own].iter().sum());
-                        1.0
-                    }
-                    None => areas.iter().sum(),
-                };
                 (areas.iter().map(|a| a / area).collect(), *force)
             }
             LoadKind::NodalForce { group, force } => (ones(mesh, group)?, *force),
@@ -65,12 +55,22 @@ impl LoadVector {
         }
         let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
         let time_function = load.time_function.clone();
-        Ok(Some(LoadVector { load: index, force, area: own_area, time_function }))
+        Ok(Some(LoadVector { load: index, force, time_function }))
     }
 
     /// The error of a factor that is not a finite number.
     pub(crate) fn not_finite(&self, found: NotFinite) -> Error {
         SignalTarget::Load(self.load).not_finite(self.time_function.text().unwrap_or_default(), found)
+    }
+}
+
+/// Area of the first `n_own` nodes on which a load acts by its total force; 0 for other loads, and without such facets.
+pub(crate) fn area(mesh: &Mesh, load: &Load, section: &[f64], n_own: usize) -> f64 {
+    match &load.kind {
+        LoadKind::Force { group, .. } => {
+            facet_areas(mesh, group, section).map_or(0.0, |areas| areas[..n_own].iter().sum())
+        }
+        _ => 0.0,
     }
 }
 

@@ -1,8 +1,8 @@
 //! Masses spread over groups: per area of facets, per volume of cells, per length of links, in equal parts at nodes.
 
-use super::regions::{RegionOfCell, RegionSummary};
+use super::regions::RegionSummary;
 use crate::error::{Error, Result};
-use crate::input::{Region, SpreadMass};
+use crate::input::SpreadMass;
 use crate::mesh::{Facet, Mesh};
 use crate::space::geometry::{MassKind, QuadraturePoint, for_each_facet_point, for_each_volume_point};
 use crate::sparse::Pattern;
@@ -84,33 +84,22 @@ fn is_link(mesh: &Mesh, cell: usize) -> bool {
     mesh.cell(cell).kind.dimension() == 1
 }
 
-/// Whether a member counts on a rank with this subdomain.
-fn counts(subdomain: Option<&Subdomain>, member: Member, nodes: &[u32]) -> bool {
-    subdomain.is_none_or(|part| match member.cell {
-        Some(cell) => part.counts()[cell],
-        None => (nodes[0] as usize) < part.n_own,
-    })
+/// Whether a member counts on a rank of these ranks.
+fn counts(ranks: &Subdomain, member: Member, nodes: &[u32]) -> bool {
+    match member.cell {
+        Some(cell) => ranks.counts()[cell],
+        None => (nodes[0] as usize) < ranks.n_own,
+    }
 }
 
 /// Sizes of the groups of some masses on this rank, each in two parts: total length of the links, area or volume of others or
 /// number of nodes. Zeros where a group or a region is invalid, which the builder reports.
-pub(crate) fn sizes(
-    mesh: &Mesh,
-    regions: &[Region],
-    masses: &[SpreadMass],
-    subdomain: Option<&Subdomain>,
-) -> Vec<f64> {
+pub(crate) fn sizes(mesh: &Mesh, section: &[f64], masses: &[SpreadMass], ranks: &Subdomain) -> Vec<f64> {
     let mut sizes = vec![0.0; 2 * masses.len()];
-    if masses.is_empty() {
-        return sizes;
-    }
-    let Ok(section) = RegionOfCell::new(mesh, regions).map(|of_cell| of_cell.sections(mesh, regions)) else {
-        return sizes;
-    };
     for (mass, size) in masses.iter().zip(sizes.chunks_exact_mut(2)) {
         let Ok(over) = Over::new(mesh, &mass.group) else { continue };
-        over.for_each_point(mesh, &section, |member, nodes, point| {
-            if counts(subdomain, member, nodes) {
+        over.for_each_point(mesh, section, |member, nodes, point| {
+            if counts(ranks, member, nodes) {
                 size[usize::from(member.cell.is_none_or(|cell| !is_link(mesh, cell)))] += point.weight;
             }
         });
@@ -204,12 +193,12 @@ impl Spread {
         mesh: &Mesh,
         section: &[f64],
         names: &[SpreadMass],
-        subdomain: Option<&Subdomain>,
+        ranks: &Subdomain,
     ) -> Vec<RegionSummary> {
         let summary = |((over, density), SpreadMass { group, .. }): (&(Over, f64), &SpreadMass)| {
             let mut points = Vec::new();
             over.for_each_point(mesh, section, |member, nodes, point| {
-                if counts(subdomain, member, nodes) {
+                if counts(ranks, member, nodes) {
                     points.push(RegionSummary::of_point(density * point.weight, point.position));
                 }
             });
@@ -220,15 +209,10 @@ impl Spread {
 }
 
 /// Integral of the position over the members of a group that count on this rank, and of 1.
-pub(crate) fn centre_sums(
-    mesh: &Mesh,
-    section: &[f64],
-    group: &str,
-    subdomain: Option<&Subdomain>,
-) -> Result<[f64; 4]> {
+pub(crate) fn centre_sums(mesh: &Mesh, section: &[f64], group: &str, ranks: &Subdomain) -> Result<[f64; 4]> {
     let mut sums = [0.0; 4];
     Over::new(mesh, group)?.for_each_point(mesh, section, |member, nodes, point| {
-        if counts(subdomain, member, nodes) {
+        if counts(ranks, member, nodes) {
             (0..3).for_each(|i| sums[i] += point.weight * point.position[i]);
             sums[3] += point.weight;
         }

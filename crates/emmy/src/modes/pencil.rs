@@ -130,7 +130,7 @@ impl<'a> BodyPencil<'a> {
         let centre = points.iter().map(|X| X[axis]).sum::<f64>() / points.len() as f64;
         let mut u = vec![0.0; self.body.n_dofs()];
         u.iter_mut().skip(axis).step_by(3).zip(points).for_each(|(u, X)| *u = X[axis] - centre);
-        self.body.set_internal_means(&mut u);
+        self.body.space.set_internal_means(&mut u);
         let mut product = u.clone();
         self.linearised.assembly.matrix.multiply(self.body.pattern(), &u, &mut product);
         let stiff = dot(&u, &product);

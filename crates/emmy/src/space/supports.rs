@@ -8,53 +8,63 @@ use crate::error::{Error, Result};
 use crate::input::{GroundSpring, Rotation, Support};
 use crate::mesh::Mesh;
 use crate::number::{short, short_vector};
+use crate::team::Subdomain;
 
-/// Degrees of freedom with a given motion, and the motions.
+/// Degrees of freedom with a given motion, the motions, and the groups that are held.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Constraints {
+pub(crate) struct Supports {
     /// Whether each is given, at rest or driven, `[n_nodes][3]`.
     pub fixed: Vec<bool>,
+    /// Fixed ones, and those of guests.
+    pub inactive: Vec<bool>,
+    /// Axes along which some node is fixed.
+    pub held_axes: [bool; 3],
     /// Motions of the driven ones.
     pub drives: Vec<Drive>,
+    /// The groups with supports or springs, in their order.
+    pub groups: Vec<SupportedGroup>,
 }
 
-impl Constraints {
-    /// The given motion of the supports of a mesh, each with its number.
+impl Supports {
+    /// The supports of a mesh that `hold`, and the places of all supports and springs among the supported groups; `guests`:
+    /// nodes that other ranks own.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
     /// degree of freedom disagree.
-    pub(crate) fn new<'a>(
+    pub(crate) fn new(
         mesh: &Mesh,
-        internal: &InternalNodes,
-        supports: impl Iterator<Item = (usize, &'a Support)> + Clone,
+        (internal, guests): (&InternalNodes, Range<usize>),
+        all: (&[Support], &[GroundSpring]),
+        holds: impl Fn(&Support) -> bool,
     ) -> Result<Self> {
-        let mut constraints = Constraints { fixed: vec![false; internal.dofs().end], drives: Vec::new() };
-        for (_, support) in supports.clone() {
+        let held = || all.0.iter().enumerate().filter(|(_, support)| holds(support));
+        let mut supports = Supports { fixed: vec![false; internal.dofs().end], ..Supports::default() };
+        for (_, support) in held() {
             if let Some(time) = support.until.filter(|time| !time.is_finite()) {
                 return Err(Error::NotFinite { what: "time of a release".into(), value: time });
             }
-            constraints.fix(mesh, support)?;
+            supports.fix(mesh, support)?;
         }
-        for (number, support) in supports.filter(|(_, support)| support.is_driven()) {
-            constraints.drive(mesh, number, support)?;
+        for (number, support) in held().filter(|(_, support)| support.is_driven()) {
+            supports.drive(mesh, number, support)?;
         }
-        constraints.fix_planes(mesh, internal);
-        Ok(constraints)
+        supports.fix_planes(mesh, internal);
+        supports.fixed.iter().enumerate().for_each(|(dof, fixed)| supports.held_axes[dof % 3] |= fixed);
+        supports.inactive = supports.fixed.clone();
+        supports.inactive[3 * guests.start..3 * guests.end].fill(true);
+        supports.groups = supported_groups(mesh, guests.start, all, &holds)?;
+        Ok(supports)
     }
 
-    /// The fixed degrees of freedom, and those of guests, which are some nodes.
-    pub(crate) fn inactive(&self, guests: Range<usize>) -> Vec<bool> {
-        let mut inactive = self.fixed.clone();
-        inactive[3 * guests.start..3 * guests.end].fill(true);
-        inactive
-    }
-
-    /// Axes along which some node is fixed.
-    pub(crate) fn held_axes(&self) -> [bool; 3] {
-        let mut held = [false; 3];
-        self.fixed.iter().enumerate().for_each(|(dof, fixed)| held[dof % 3] |= fixed);
-        held
+    /// Takes what is true of all ranks: the axes along which some node is fixed, the radii of rotations.
+    pub(super) fn sum_ranks(&mut self, ranks: &Subdomain) {
+        self.held_axes = ranks.any("fixed axes", self.held_axes);
+        for drive in &mut self.drives {
+            let mut radius = [drive.radius];
+            ranks.largest("radius of a support that turns", &mut radius);
+            drive.radius = radius[0];
+        }
     }
 
     fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
@@ -117,11 +127,12 @@ pub(crate) struct SupportedGroup {
     pub springs: Vec<usize>,
 }
 
-/// The groups of all supports, each once and in their order; supports that have been released hold nothing.
-pub(crate) fn supported_groups<'a>(
+/// The groups of all supports and springs, each once and in their order; supports that no longer hold have no degrees of
+/// freedom, and only those of the first `n_own` nodes count.
+fn supported_groups(
     mesh: &Mesh,
-    supports: &'a [Support],
-    springs: impl Iterator<Item = &'a GroundSpring>,
+    n_own: usize,
+    (supports, springs): (&[Support], &[GroundSpring]),
     holds: impl Fn(&Support) -> bool,
 ) -> Result<Vec<SupportedGroup>> {
     let mut groups: Vec<SupportedGroup> = Vec::new();
@@ -134,10 +145,11 @@ pub(crate) fn supported_groups<'a>(
         let fixed = support.fixed_components(mesh)?;
         for node in mesh.group_nodes(&support.group)? {
             let dofs = (0..3).filter(|&d| fixed[d] || support.drives(d)).map(|d| 3 * node as usize + d);
-            group.dofs.extend(dofs.filter(|&dof| !std::mem::replace(&mut is_held[dof], true)));
+            let own = dofs.filter(|&dof| dof < 3 * n_own && !std::mem::replace(&mut is_held[dof], true));
+            group.dofs.extend(own);
         }
     }
-    for (index, spring) in springs.enumerate() {
+    for (index, spring) in springs.iter().enumerate() {
         entry(&mut groups, &spring.group).springs.push(index);
     }
     Ok(groups)

@@ -69,7 +69,7 @@ impl<'a> TimeElementStepper<'a> {
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
             origin: [0.0; 3],
             mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
@@ -108,7 +108,7 @@ impl<'a> TimeElementStepper<'a> {
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
         let body = self.system.body;
         let n = self.system.body.n_dofs();
-        let has_supports = body.held_axes() != [false; 3];
+        let has_supports = body.space.is_supported();
         let mut impulses = Impulses::default();
         if has_supports {
             self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
@@ -138,13 +138,13 @@ impl<'a> TimeElementStepper<'a> {
             }
             let force = &mut self.residual[i * n..(i + 1) * n];
             let reactions = &mut self.reactions;
-            body.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
+            body.space.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
             self.system.add_spring_reactions(rates, i, b, &self.position, reactions);
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
                 force[dof] = lambda + self.system.external_force(i * n + dof);
             }
-            impulses.work += b * body.dot(force, &rates[i * n..(i + 1) * n]);
+            impulses.work += b * body.space.dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
             force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
             if body.drag() > 0.0 {
@@ -195,7 +195,7 @@ impl<'a> TimeElementStepper<'a> {
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses)?;
-        self.system.body.sum_reactions(&mut self.reactions);
+        self.system.body.space.sum_reactions(&mut self.reactions);
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
         }
@@ -239,7 +239,7 @@ impl<'a> TimeElementStepper<'a> {
             impulses.dissipated += self.update_velocity(state, h);
         }
         let body = self.system.body;
-        body.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
+        body.space.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
         Ok(())
     }
 
@@ -283,7 +283,7 @@ impl<'a> TimeElementStepper<'a> {
     fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         let body = self.system.body;
         self.set_end_velocity(&state.velocity, h);
-        body.set_given_velocity(state.time + h, h, &mut state.velocity)?;
+        body.space.set_given_velocity(state.time + h, h, &mut state.velocity)?;
         if let Some(mass_solver) = &mut self.mass_solver {
             mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity)?;
         }
@@ -303,7 +303,8 @@ impl<'a> TimeElementStepper<'a> {
         for j in 0..self.end_basis.len() {
             let beta = self.end_weight(j);
             let rates = &self.iteration.rates()[j * n..(j + 1) * n];
-            body.driven_dofs()
+            body.space
+                .driven_dofs()
                 .for_each(|dof| self.end_velocity[dof] += weighted(beta, rates[dof] / h - velocity[dof]));
         }
     }
@@ -315,11 +316,11 @@ impl<'a> TimeElementStepper<'a> {
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
         let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
         // The momentum of guests is zero.
-        let mut work = [body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>()];
-        body.sum_ranks("work of the jump", &mut work);
+        let mut work = [body.space.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>()];
+        body.space.sum_ranks("work of the jump", &mut work);
         impulses.work += work[0];
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
-        body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
+        body.space.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
     }
 }
 

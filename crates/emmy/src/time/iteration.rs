@@ -198,7 +198,7 @@ impl Iteration {
         let rates = &self.unknowns[..self.n_rates];
         let residual = &self.residual[..self.n_rates];
         let [work, impulse, moment] = self.prediction.imbalance(system, rates, residual);
-        let kinetic = 0.5 * system.body.dot(&state.momentum, &state.velocity);
+        let kinetic = 0.5 * system.body.space.dot(&state.momentum, &state.velocity);
         let moved = system.mean_kinetic_energy(rates);
         let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
         if energy == 0.0 {
@@ -223,7 +223,7 @@ impl Iteration {
             return not_a_number(self.newton.residual(), system, state, step_size);
         }
         let sizes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size);
-        let (node, _) = system.body.largest_node(sizes);
+        let (node, _) = system.body.space.largest_node(sizes);
         Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
@@ -231,7 +231,7 @@ impl Iteration {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: system.body.at_node(node, |node| state.position(system.body, node)),
+            position: system.body.space.at_node(node, |node| state.position(system.body, node)),
         }
     }
 
@@ -311,12 +311,12 @@ fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_
     let body = system.body;
     let of_rates = residual.iter().take(residual.len() - system.n_pressures());
     let dofs = of_rates.enumerate().filter(|(_, r)| !r.is_finite()).map(|(at, _)| at % body.n_dofs());
-    let own = dofs.map(|dof| dof / 3).find(|node| body.own_nodes().contains(node));
-    let node = body.lowest_node(own).unwrap_or(0);
+    let own = dofs.map(|dof| dof / 3).find(|node| body.space.own_nodes().contains(node));
+    let node = body.space.lowest_node(own).unwrap_or(0);
     Error::NotANumber {
         step: state.step + 1,
         time: state.time + step_size,
         node,
-        position: body.at_node(node, |node| state.position(body, node)),
+        position: body.space.at_node(node, |node| state.position(body, node)),
     }
 }

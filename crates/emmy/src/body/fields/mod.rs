@@ -66,7 +66,7 @@ pub struct Fields {
     recovery: Recovery,
     /// Mean density of the cells around each node, by volume; at guests of the cells that are here.
     density: Vec<f64>,
-    subdomain: Option<Arc<Subdomain>>,
+    ranks: Arc<Subdomain>,
 }
 
 /// The numbers of a field.
@@ -108,13 +108,13 @@ fn has_field(region: &Region, name: FieldName) -> bool {
 impl Fields {
     /// The fields of a body. Computes everything that does not depend on the state.
     pub fn new(body: &Body) -> Self {
-        let mesh = body.mesh.clone();
+        let mesh = body.space.mesh().clone();
         let regions = body.made_of.clone();
         let region_of_cell = body.region_of_cell.clone();
         let projections = Projections::new(&mesh, &regions, &region_of_cell);
-        let recovery = Recovery::new(&mesh, body.internal.clone(), projections);
-        let subdomain = body.subdomain().cloned();
-        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), subdomain };
+        let recovery = Recovery::new(&mesh, body.space.internal().clone(), projections);
+        let ranks = body.ranks().clone();
+        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), ranks };
         let (n_nodes, n_cells) = (fields.mesh.n_nodes(), fields.mesh.n_cells());
         fields.density = fields.densities(0..n_cells as u32, n_nodes, |node| node);
         fields
@@ -186,7 +186,6 @@ impl Fields {
 
     /// Takes the fields at guests from their owners, which have all cells around them.
     fn update_guests(&self, fields: &mut [FieldValues]) {
-        let Some(subdomain) = &self.subdomain else { return };
         let mut at_nodes: Vec<(usize, &mut Vec<f64>)> = fields
             .iter_mut()
             .filter(|field| field.name.place() == Place::Nodes)
@@ -210,7 +209,7 @@ impl Fields {
             }
         };
         if width > 0 {
-            subdomain.exchange("fields at nodes", width, &mut at_nodes[..], read, write);
+            self.ranks.exchange("fields at nodes", width, &mut at_nodes[..], read, write);
         }
     }
 

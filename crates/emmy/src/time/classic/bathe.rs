@@ -68,7 +68,7 @@ impl<'a> BatheStepper<'a> {
             work: vec![0.0; n],
             split: state.clone(),
             points: [point, TimePoint::new(body), TimePoint::new(body)],
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
         })
     }
 
@@ -91,7 +91,7 @@ impl<'a> BatheStepper<'a> {
             self.split.velocity[dof] = x / s - state.velocity[dof];
         }
         let body = self.forces.body;
-        body.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
+        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
         self.points[1].displacement.copy_from_slice(&self.split.displacement);
         self.points[1].evaluate_for_reactions(&mut self.forces, self.split.time)?;
         Ok(outcome)
@@ -142,8 +142,8 @@ impl<'a> BatheStepper<'a> {
             self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
             self.increment[dof] += x;
         }
-        self.acceleration[body.internal_dofs()].fill(0.0);
-        body.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
+        self.acceleration[body.space.internal_dofs()].fill(0.0);
+        body.space.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.points[2].displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);

@@ -196,7 +196,7 @@ impl TimePoint {
     pub(crate) fn new(body: &Body) -> Self {
         let n = body.n_dofs();
         TimePoint {
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
             displacement: vec![0.0; n],
             external: vec![0.0; n],
             force: vec![0.0; n],
@@ -241,7 +241,7 @@ impl TimePoint {
     pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
         forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)?;
-        forces.body.share_internal_forces(&mut self.force);
+        forces.body.space.share_internal_forces(&mut self.force);
         Ok(())
     }
 
@@ -250,7 +250,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
-        if forces.body.held_axes() != [false; 3] {
+        if forces.body.space.is_supported() {
             return self.evaluate(forces, time);
         }
         forces.external(&self.displacement, time, &mut self.external)?;
@@ -261,12 +261,12 @@ impl TimePoint {
     /// `inertia`: M a.
     pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         let reaction = |dof: usize| inertia[dof] - self.force[dof];
-        body.add_reactions(&self.displacement, reaction, &mut self.reactions);
+        body.space.add_reactions(&self.displacement, reaction, &mut self.reactions);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
         }
-        body.sum_reactions(&mut self.reactions);
+        body.space.sum_reactions(&mut self.reactions);
     }
 
     /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
@@ -278,7 +278,7 @@ impl TimePoint {
         step_size: f64,
         x: &[f64],
     ) {
-        impulses.work += weight * body.dot(&self.external, x);
+        impulses.work += weight * body.space.dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
     }
 }

@@ -185,7 +185,7 @@ impl<'a> NewmarkStepper<'a> {
             old_load: vec![0.0; n],
             start: point,
             end: TimePoint::new(body),
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
         })
     }
 
@@ -224,8 +224,8 @@ impl<'a> NewmarkStepper<'a> {
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
             self.acceleration[dof] = new;
         }
-        self.acceleration[body.internal_dofs()].fill(0.0);
-        body.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
+        self.acceleration[body.space.internal_dofs()].fill(0.0);
+        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.end.displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);

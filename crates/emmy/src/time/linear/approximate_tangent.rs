@@ -245,10 +245,10 @@ impl ApproximateTangent {
         }
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0, |position| position);
         let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
-        let stiffness: f64 = body.counted_nodes().flat_map(of_node).sum();
+        let stiffness: f64 = body.space.counted_nodes().flat_map(of_node).sum();
         let mass = 3.0 * body.total_lumped_mass();
         let mut traces = [stiffness, self.rate_factor(body) * body.pressure_stiffness(&self.assembly)];
-        body.sum_ranks("traces of stiffnesses", &mut traces);
+        body.space.sum_ranks("traces of stiffnesses", &mut traces);
         let [stiffness, volumes] = traces;
         let square = time_scale * time_scale * self.response_size;
         self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);
@@ -282,7 +282,7 @@ impl ApproximateTangent {
         if let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) {
             body.add_kept_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.turned);
             // Supports do not move under a change of pressures.
-            body.clear_inactive(&mut self.turned);
+            body.space.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         let damping = VolumeDamping {
@@ -293,7 +293,7 @@ impl ApproximateTangent {
         body.add_kept_pressure_response((rule, &damping), &self.assembly, factor, z, pressures);
         self.turn_forward(z);
         if iterations.is_none() {
-            self.solvers.fall_back(body.shared_part().is_some());
+            self.solvers.fall_back(body.space.is_shared());
             self.made_for = None;
         }
         iterations
@@ -368,20 +368,20 @@ impl ApproximateTangent {
         rates: &[f64],
         time_scale: f64,
     ) -> f64 {
-        let square = |dof: usize| match body.inactive()[dof] {
+        let square = |dof: usize| match body.space.inactive()[dof] {
             true => 0.0,
             false => (self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs())).powi(2),
         };
-        let mut sum = [body.counted_dofs().map(square).sum::<f64>()];
-        body.sum_ranks("squares of the rounding", &mut sum);
+        let mut sum = [body.space.counted_dofs().map(square).sum::<f64>()];
+        body.space.sum_ranks("squares of the rounding", &mut sum);
         time_scale * time_scale * sum[0].sqrt()
     }
 
     /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
     pub(crate) fn rounding_energy(&self, body: &Body, displacement: &[f64], rates: &[f64]) -> f64 {
         let term = |dof: usize| self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs()).powi(2);
-        let mut sum = [body.counted_dofs().map(term).sum::<f64>()];
-        body.sum_ranks("energy of the rounding", &mut sum);
+        let mut sum = [body.space.counted_dofs().map(term).sum::<f64>()];
+        body.space.sum_ranks("energy of the rounding", &mut sum);
         0.125 * f64::EPSILON * f64::EPSILON * sum[0]
     }
 }

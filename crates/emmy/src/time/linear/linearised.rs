@@ -22,7 +22,7 @@ impl LinearSystem for LinearisedStages<'_> {
         if let Some(projection) = &mut self.projection {
             projection.add_derivative(self.body, self.time_scale, x, y);
         }
-        self.body.clear_inactive(y);
+        self.body.space.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -30,24 +30,24 @@ impl LinearSystem for LinearisedStages<'_> {
             Some(projection) => {
                 self.right.copy_from_slice(x);
                 projection.correct(self.body, self.right);
-                self.body.clear_inactive(self.right);
+                self.body.space.clear_inactive(self.right);
                 self.approximate_tangent.precondition(self.right, y);
             }
             None => self.approximate_tangent.precondition(x, y),
         }
         // A product follows.
-        self.body.update_guests("preconditioned vector", y);
+        self.body.space.update_guests("preconditioned vector", y);
     }
 
     fn is_shared(&self) -> bool {
-        self.body.shared_part().is_some()
+        self.body.space.is_shared()
     }
 
     fn products(&self, known: &[Vec<f64>], x: &[f64], products: &mut [f64]) {
-        self.body.dots(known.iter().map(|known| &known[..]).chain([x]), x, products);
+        self.body.space.dots(known.iter().map(|known| &known[..]).chain([x]), x, products);
     }
 
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
-        self.body.dot(x, y)
+        self.body.space.dot(x, y)
     }
 }

@@ -73,7 +73,7 @@ struct Free {
 impl Free {
     /// Axes that the supports of a body leave free. A rotation about an axis moves all points off the axis.
     fn of(body: &Body) -> Self {
-        let shifts = body.held_axes().map(|held| !held);
+        let shifts = body.space.held_axes().map(|held| !held);
         let turns = [0, 1, 2].map(|axis| (0..3).all(|d| d == axis || shifts[d]));
         Free { shifts, turns }
     }
@@ -159,7 +159,7 @@ impl Prediction {
         let inertia = self.tensor(body, &self.weighted_arm);
         self.rigid.solve(stage, &inertia, &self.moments, turns);
         if is_first {
-            let linear = body.sum(&state.momentum).map(|p| p / mass);
+            let linear = body.space.sum(&state.momentum).map(|p| p / mass);
             let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
             self.subtract_rigid_velocity(body, &inertia, &state.momentum, drift, turns);
         }
@@ -171,7 +171,7 @@ impl Prediction {
         for (v, y) in vector.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
             (0..3).for_each(|d| (0..3).for_each(|e| tensor[d][e] += v[d] * y[e]));
         }
-        body.sum_ranks("tensor of a nodal vector", tensor.as_flattened_mut());
+        body.space.sum_ranks("tensor of a nodal vector", tensor.as_flattened_mut());
         tensor
     }
 
@@ -198,14 +198,14 @@ impl Prediction {
 
     /// Sets y and M y.
     fn set_arm(&mut self, body: &Body, displacement: &[f64], mass: f64) {
-        let points = body.points().zip(displacement.chunks_exact(3));
+        let points = body.space.points().zip(displacement.chunks_exact(3));
         for ((X, u), y) in points.zip(self.arm.chunks_exact_mut(3)) {
             (0..3).for_each(|d| y[d] = X[d] + u[d]);
         }
         // Twice: for a body far from the origin, the first result has rounding errors.
         for _ in 0..2 {
             body.mass_product(&self.arm, &mut self.weighted_arm);
-            let centre = body.sum(&self.weighted_arm).map(|sum| sum / mass);
+            let centre = body.space.sum(&self.weighted_arm).map(|sum| sum / mass);
             self.arm.chunks_exact_mut(3).for_each(|y| (0..3).for_each(|d| y[d] -= centre[d]));
         }
         body.mass_product(&self.arm, &mut self.weighted_arm);
@@ -217,7 +217,7 @@ impl Prediction {
         let s = system.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
-            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.own_nodes().end) {
+            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.space.own_nodes().end) {
                 for d in 0..3 {
                     let at = i * n + 3 * node + d;
                     let force = system.known[at] + s * s * system.external_force(at);
@@ -226,8 +226,11 @@ impl Prediction {
                 }
             }
         }
-        system.body.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
-        system.body.sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
+        system.body.space.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
+        system
+            .body
+            .space
+            .sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
     }
 
     /// Balances resultants and moments of a solution by an additional rigid motion, to rounding.
@@ -274,7 +277,7 @@ impl Prediction {
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             let residual = residual.as_chunks::<3>().0;
-            for node in system.body.counted_nodes() {
+            for node in system.body.space.counted_nodes() {
                 let (at, r) = (3 * node, residual[node]);
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
@@ -285,8 +288,8 @@ impl Prediction {
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
         }
-        system.body.sum_ranks("resultants", self.sums.as_flattened_mut());
-        system.body.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
+        system.body.space.sum_ranks("resultants", self.sums.as_flattened_mut());
+        system.body.space.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
     }
 
     /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
@@ -317,7 +320,7 @@ impl Prediction {
         }
         let stages = residual.chunks_exact(n).zip(rates.chunks_exact(n)).zip(rule.weights()).enumerate();
         for (i, ((residual, rates), b)) in stages {
-            work += b * system.body.dot(residual, rates) / (s * s);
+            work += b * system.body.space.dot(residual, rates) / (s * s);
             for d in (0..3).filter(|_| self.mass > 0.0) {
                 impulse[d] += if self.free.shifts[d] { b / s * self.sums[i][d] } else { 0.0 };
                 moment[d] += if self.free.turns[d] { b / s * self.moment[i][d] } else { 0.0 };
@@ -333,7 +336,10 @@ impl Prediction {
         if self.mass == 0.0 {
             return [f64::INFINITY; 2];
         }
-        [(2.0 * energy * self.mass).sqrt(), (2.0 * energy * body.dot(&self.arm, &self.weighted_arm)).sqrt()]
+        [
+            (2.0 * energy * self.mass).sqrt(),
+            (2.0 * energy * body.space.dot(&self.arm, &self.weighted_arm)).sqrt(),
+        ]
     }
 
     /// The rotation of the rigid motion.

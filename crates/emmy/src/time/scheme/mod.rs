@@ -281,7 +281,7 @@ impl Scheme {
         if body.is_viscous() || body.drag() > 0.0 {
             self.check_feature(BodyFeature::Damping)?;
         }
-        if body.has_internal_nodes() {
+        if body.space.has_internal_nodes() {
             self.check_feature(BodyFeature::IncompatibleModes)?;
         }
         Ok(())

@@ -125,14 +125,14 @@ impl<'a> StageSystem<'a> {
     /// [`crate::Error::NotFiniteAt`].
     pub(super) fn set_driven_rates(&mut self, time: f64, step_size: f64) -> Result<()> {
         let rule = &self.coefficients.rule;
-        self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates)
+        self.body.space.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates)
     }
 
     /// Inserts the rates of the driven degrees of freedom into a starting point of the iteration.
     pub(super) fn drive(&self, rates: &mut [f64]) {
         let n = self.body.n_dofs();
         for (rates, driven) in rates.chunks_exact_mut(n).zip(self.driven_rates.chunks_exact(n)) {
-            self.body.driven_dofs().for_each(|dof| rates[dof] = driven[dof]);
+            self.body.space.driven_dofs().for_each(|dof| rates[dof] = driven[dof]);
         }
     }
 
@@ -177,8 +177,8 @@ impl<'a> StageSystem<'a> {
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let mass_parts = &self.mass_parts;
-        let inactive = body.inactive();
-        let counted = 3 * body.counted_ranges()[1].end;
+        let inactive = body.space.inactive();
+        let counted = 3 * body.space.counted_ranges()[1].end;
         let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &mass_parts[i * k..(i + 1) * k];
@@ -244,7 +244,7 @@ impl<'a> StageSystem<'a> {
         let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
         stages
             .zip(self.coefficients.rule.weights())
-            .map(|((x, mass_x), b)| b * self.body.dot(x, mass_x))
+            .map(|((x, mass_x), b)| b * self.body.space.dot(x, mass_x))
             .sum()
     }
 

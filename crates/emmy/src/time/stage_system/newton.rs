@@ -26,7 +26,7 @@ impl StageSystem<'_> {
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(self.body, &mut self.negative);
-            self.body.clear_inactive(&mut self.negative);
+            self.body.space.clear_inactive(&mut self.negative);
         }
         let parts = correction.split_at_mut(self.negative.len());
         let system = (self.body, &self.coefficients.rule);
@@ -42,7 +42,7 @@ impl StageSystem<'_> {
         let rule = &self.coefficients.rule;
         let s = self.time_scale;
         self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
-        self.body.clear_inactive(&mut self.negative);
+        self.body.space.clear_inactive(&mut self.negative);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
@@ -65,15 +65,15 @@ impl StageSystem<'_> {
     /// effect: otherwise, an error of the rates of the second order, times the bulk modulus, would hide the convergence.
     fn condensed_square(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
         if of_pressures.is_empty() {
-            return self.body.own_dot(residual, residual);
+            return self.body.space.own_dot(residual, residual);
         }
         let system = (self.body, &self.coefficients.rule);
         self.condensed.fill(0.0);
         self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
-        self.body.clear_inactive(&mut self.condensed);
-        self.body.own_dot(&self.condensed, &self.condensed)
+        self.body.space.clear_inactive(&mut self.condensed);
+        self.body.space.own_dot(&self.condensed, &self.condensed)
     }
 
     /// Sets the rounding floor, once per step.
@@ -93,9 +93,9 @@ impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let [inertia, internal, external] = self.full_residual(x, residual)?;
         let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
-        self.body.clear_inactive(of_rates);
+        self.body.space.clear_inactive(of_rates);
         let mut squares = [inertia, internal, external, self.condensed_square(of_rates, of_pressures)];
-        self.body.sum_ranks("squares of a residual and its parts", &mut squares);
+        self.body.space.sum_ranks("squares of a residual and its parts", &mut squares);
         let [inertia, internal, external, residual] = squares.map(f64::sqrt);
         Ok(Sizes {
             residual,
@@ -130,7 +130,7 @@ impl System for StageSystem<'_> {
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),
         }?;
-        self.body.update_guests("correction", &mut dx[..n_rates]);
+        self.body.space.update_guests("correction", &mut dx[..n_rates]);
         Ok(iterations)
     }
 

@@ -97,16 +97,16 @@ impl<'a> StaticSystem<'a> {
             return Ok(());
         }
         self.shift.copy_from_slice(displacement);
-        body.set_driven_displacement(self.time, &mut self.shift);
+        body.space.set_driven_displacement(self.time, &mut self.shift);
         self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
         self.factorize(unknowns)?;
         let step = self.linear_step(displacement)?;
-        self.predicted = Some(body.norm(&step));
+        self.predicted = Some(body.space.norm(&step));
         let (u, pressures) = unknowns.split_at_mut(n);
         u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
         self.forces.add_pressure_response(&step, pressures);
         // Exactly there, not but for rounding.
-        body.set_driven_displacement(self.time, u);
+        body.space.set_driven_displacement(self.time, u);
         Ok(())
     }
 
@@ -115,7 +115,7 @@ impl<'a> StaticSystem<'a> {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
             self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
-            self.forces.body.clear_inactive(&mut self.right);
+            self.forces.body.space.clear_inactive(&mut self.right);
         }
     }
 
@@ -124,12 +124,12 @@ impl<'a> StaticSystem<'a> {
         let body = self.forces.body;
         let mut residual = self.rest.clone();
         self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
-        body.clear_inactive(&mut residual);
+        body.space.clear_inactive(&mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
         self.solve(x, PREDICTION, &mut step)?;
-        body.update_guests("linear step", &mut step);
+        body.space.update_guests("linear step", &mut step);
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
     }
@@ -156,13 +156,13 @@ impl<'a> StaticSystem<'a> {
     fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let body = self.forces.body;
         let mut iterations = self.iterate(tolerance, dx)?;
-        if iterations.is_none() && self.lu.is_none() && body.subdomain().is_none() {
+        if iterations.is_none() && self.lu.is_none() && !body.space.is_shared() {
             let lu = SparseLu::new(&self.forces.assembly.matrix, body.pattern(), body.fixed());
             self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
             iterations = self.iterate(tolerance, dx)?;
         }
         let mut size = [dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max)];
-        body.largest_of_ranks("largest correction", &mut size);
+        body.space.largest_of_ranks("largest correction", &mut size);
         let iterations = iterations.filter(|_| size[0] <= LARGEST_CORRECTION * self.size);
         iterations.ok_or_else(|| self.singular(x, dx))
     }
@@ -189,7 +189,7 @@ impl<'a> StaticSystem<'a> {
         let mut system = Linearised { body, matrix, inverse: &mut self.inverse, lu: self.lu.as_ref() };
         let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, limit);
         let mut faults = [dx.iter().filter(|dx| !dx.is_finite()).count() as f64];
-        body.largest_of_ranks("corrections that are not finite", &mut faults);
+        body.space.largest_of_ranks("corrections that are not finite", &mut faults);
         let is_solved = solution.relative_residual <= tolerance && faults == [0.0];
         Ok(is_solved.then_some(solution.iterations))
     }
@@ -201,13 +201,13 @@ impl<'a> StaticSystem<'a> {
             let diagonal = body.pattern().position(dof / 3, dof / 3).unwrap_or(0);
             self.forces.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
         };
-        let free = || (0..3 * body.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
+        let free = || (0..3 * body.space.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
         let mut largest = [free().map(stiffness).fold(0.0, f64::max)];
-        body.largest_of_ranks("largest stiffness", &mut largest);
+        body.space.largest_of_ranks("largest stiffness", &mut largest);
         let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
-        let node = body.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
-        let position = |node: usize| [0, 1, 2].map(|d| body.point(node)[d] + x[3 * node + d]);
-        Error::Singular { fraction: self.time, node, position: body.at_node(node, position) }
+        let node = body.space.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
+        let position = |node: usize| [0, 1, 2].map(|d| body.space.point(node)[d] + x[3 * node + d]);
+        Error::Singular { fraction: self.time, node, position: body.space.at_node(node, position) }
     }
 }
 
@@ -226,11 +226,11 @@ impl System for StaticSystem<'_> {
         let body = self.forces.body;
         body.copy_pressures(&self.forces.assembly, of_pressures);
         of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
-        let scale = body.norm(&self.external).max(body.norm(self.forces.internal()));
+        let scale = body.space.norm(&self.external).max(body.space.norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
-        body.clear_inactive(residual);
+        body.space.clear_inactive(residual);
         self.condense(residual, of_pressures);
-        Ok(Sizes { residual: self.forces.body.norm(&self.right), scale, floor: self.floor })
+        Ok(Sizes { residual: self.forces.body.space.norm(&self.right), scale, floor: self.floor })
     }
 
     fn correction(
@@ -248,11 +248,11 @@ impl System for StaticSystem<'_> {
         self.condense(of_displacement, of_pressures);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
-        self.forces.body.update_guests("correction", dx);
+        self.forces.body.space.update_guests("correction", dx);
         change.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
         self.forces.add_pressure_response(dx, change);
         let body = self.forces.body;
-        self.predicted.get_or_insert_with(|| body.norm(dx));
+        self.predicted.get_or_insert_with(|| body.space.norm(dx));
         Ok(iterations)
     }
 
@@ -273,7 +273,7 @@ struct Linearised<'a> {
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.matrix.multiply(self.body.pattern(), x, y);
-        self.body.clear_inactive(y);
+        self.body.space.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -284,12 +284,12 @@ impl LinearSystem for Linearised<'_> {
             return;
         }
         y.copy_from_slice(x);
-        self.body.clear_inactive(y);
+        self.body.space.clear_inactive(y);
         self.inverse.apply(self.body, y);
     }
 
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
-        self.body.dot(x, y)
+        self.body.space.dot(x, y)
     }
 }
 
@@ -297,7 +297,7 @@ impl LinearSystem for Linearised<'_> {
 fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> f64 {
     let pattern = body.pattern();
     let mut square = 0.0;
-    for node in body.counted_nodes() {
+    for node in body.space.counted_nodes() {
         let mut sum = [0.0; 3];
         for (position, &column) in pattern.range(node).zip(pattern.row(node)) {
             let u = &displacement[3 * column as usize..][..3];
@@ -309,16 +309,16 @@ fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> 
         square += free.map(|i| sum[i] * sum[i]).sum::<f64>();
     }
     let mut square = [square];
-    body.sum_ranks("squares of the rounding", &mut square);
+    body.space.sum_ranks("squares of the rounding", &mut square);
     square[0].sqrt()
 }
 
 /// Node with the largest vector, `[n_nodes][3]`; NaN exceeds every number.
 pub(super) fn largest_node(body: &Body, vectors: &[f64]) -> usize {
     let squares = vectors.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>().abs());
-    let own = squares.take(body.own_nodes().end).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let own = squares.take(body.space.own_nodes().end).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
     let (node, size) = own.unwrap_or_default();
     let mut most = [size];
-    body.largest_of_ranks("largest vector", &mut most);
-    body.lowest_node((size == most[0] || size.is_nan()).then_some(node)).unwrap_or(0)
+    body.space.largest_of_ranks("largest vector", &mut most);
+    body.space.lowest_node((size == most[0] || size.is_nan()).then_some(node)).unwrap_or(0)
 }

@@ -1,6 +1,6 @@
 //! Degrees of freedom of a body whose motion is given.
 
-use super::system::Body;
+use super::{Space, Supports};
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::input::SignalTarget;
@@ -9,20 +9,31 @@ use crate::space::drive::{AT_ONCE, Drive, Fault, apply};
 /// Times closer together than this part of a step are equal: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;
 
-impl Body {
-    /// Whether some degrees of freedom have a given motion.
-    pub fn is_driven(&self) -> bool {
-        !self.drives.is_empty()
+impl Space {
+    /// The given motions.
+    pub(crate) fn drives(&self) -> &[Drive] {
+        &self.supports.drives
     }
 
-    /// Degrees of freedom with a given motion; [`Body::fixed`] counts them too.
+    /// The same nodes with motions that grow evenly, from no displacement at t = 0 to that of a time at t = 1.
+    pub(crate) fn in_proportion(&self, time: f64) -> Space {
+        let drives = self.drives().iter().map(|drive| drive.in_proportion(time)).collect();
+        self.with_supports(Supports { drives, ..self.supports.clone() })
+    }
+
+    /// Whether some degrees of freedom have a given motion.
+    pub(crate) fn is_driven(&self) -> bool {
+        !self.supports.drives.is_empty()
+    }
+
+    /// Degrees of freedom with a given motion; [`Space::fixed`] counts them too.
     pub(crate) fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.drives.iter().flat_map(Drive::dofs)
+        self.supports.drives.iter().flat_map(Drive::dofs)
     }
 
     /// Sets the displacement of the driven degrees of freedom to the given motion at a time; the others are unchanged.
     pub(crate) fn set_driven_displacement(&self, time: f64, displacement: &mut [f64]) {
-        for drive in &self.drives {
+        for drive in &self.supports.drives {
             let map = drive.map(time);
             for (dof, component, offset) in drive.entries() {
                 displacement[dof] = apply(&map[component], offset);
@@ -48,7 +59,7 @@ impl Body {
         rates: &mut [f64],
     ) -> Result<()> {
         let n = self.n_dofs();
-        for drive in &self.drives {
+        for drive in &self.supports.drives {
             let mut of_stages = [[[0.0; 4]; 3]; AT_ONCE];
             let of_stages = &mut of_stages[..rule.degree()];
             let set = drive.set_stage_rates(rule, time, h, of_stages);
@@ -73,7 +84,7 @@ impl Body {
     /// [`Error::NotFiniteAt`].
     pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) -> Result<()> {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
-        for drive in &self.drives {
+        for drive in &self.supports.drives {
             let same = SAME_TIME * step_size;
             let ends = drive.until.is_some_and(|until| time > until - same);
             let rate = drive.finite_rate(time, if ends { -same } else { same });
@@ -94,7 +105,7 @@ impl Body {
             };
             drive.entries().map(distance).fold(0.0, f64::max)
         };
-        let mut most = [self.drives.iter().map(of_drive).fold(0.0, f64::max)];
+        let mut most = [self.supports.drives.iter().map(of_drive).fold(0.0, f64::max)];
         self.largest_of_ranks("distance of driven nodes", &mut most);
         most[0]
     }

@@ -1,7 +1,7 @@
 //! Reactions: the forces of supports on the body, summed over each supported group.
 
-use super::system::Body;
-use crate::force::StepInput;
+use super::Space;
+use super::supports::SupportedGroup;
 use crate::tensor::cross;
 
 /// Force of a support on the body and its moment about the origin: means over a step, the impulses over the step size.
@@ -30,7 +30,7 @@ pub struct Reaction {
 
 impl Reaction {
     /// Adds a force with its point of action.
-    fn add_at(&mut self, q: [f64; 3], force: [f64; 3]) {
+    pub(crate) fn add_at(&mut self, q: [f64; 3], force: [f64; 3]) {
         let moment = cross(q, force);
         (0..3).for_each(|d| self.force[d] += force[d]);
         (0..3).for_each(|d| self.moment[d] += moment[d]);
@@ -43,16 +43,21 @@ impl Reaction {
     }
 }
 
-impl Body {
+impl Space {
     /// Groups with supports or springs to the ground, in the order of the supports and then of the springs. A degree of
     /// freedom that two groups hold counts for the first; a group keeps its place after its release.
-    pub fn supported_groups(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.supported.iter().map(|group| group.name.as_str())
+    pub(crate) fn supported_groups(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.supports.groups.iter().map(|group| group.name.as_str())
+    }
+
+    /// The supported groups.
+    pub(crate) fn groups(&self) -> &[SupportedGroup] {
+        &self.supports.groups
     }
 
     /// A reaction of zero for each supported group.
     pub(crate) fn no_reactions(&self) -> Vec<Reaction> {
-        vec![Reaction::default(); self.supported.len()]
+        vec![Reaction::default(); self.supports.groups.len()]
     }
 
     /// Adds the forces of the supports on the body; `force`: by degree of freedom, read at the fixed ones only.
@@ -62,7 +67,7 @@ impl Body {
         force: impl Fn(usize) -> f64,
         reactions: &mut [Reaction],
     ) {
-        for (group, reaction) in self.supported.iter().zip(reactions) {
+        for (group, reaction) in self.supports.groups.iter().zip(reactions) {
             for &dof in &group.dofs {
                 let mut vector = [0.0; 3];
                 vector[dof % 3] = force(dof);
@@ -71,25 +76,16 @@ impl Body {
         }
     }
 
-    /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.
-    pub(crate) fn add_spring_reactions(
-        &self,
-        step: &StepInput<'_>,
-        stage: usize,
-        weight: f64,
-        displacement: &[f64],
-        reactions: &mut [Reaction],
-    ) {
-        for (group, reaction) in self.supported.iter().zip(reactions) {
-            for &spring in &group.springs {
-                self.ground[spring].for_each_spring_force(step, stage, &mut |node, force| {
-                    reaction.add_at(self.position(displacement, node), force.map(|f| -weight * f));
-                });
+    /// Reactions of all ranks from those at own nodes.
+    pub(crate) fn sum_reactions(&self, reactions: &mut [Reaction]) {
+        if !reactions.is_empty() {
+            let parts = |reaction: &Reaction| [reaction.force, reaction.moment].concat();
+            let mut sums: Vec<f64> = reactions.iter().flat_map(parts).collect();
+            self.ranks.sum("reactions", &mut sums);
+            for (reaction, sums) in reactions.iter_mut().zip(sums.as_chunks::<6>().0) {
+                let [fx, fy, fz, mx, my, mz] = *sums;
+                *reaction = Reaction { force: [fx, fy, fz], moment: [mx, my, mz] };
             }
         }
-    }
-
-    fn position(&self, displacement: &[f64], node: usize) -> [f64; 3] {
-        [0, 1, 2].map(|d| self.mesh.points()[node][d] + displacement[3 * node + d])
     }
 }
