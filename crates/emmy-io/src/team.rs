@@ -17,8 +17,7 @@ pub(crate) fn agreed<T>(subdomain: Option<&Subdomain>, own: io::Result<T>) -> io
     }
 }
 
-/// The lowest rank whose text is not that of rank 0; `None` if all ranks have the same: a call of all ranks, whatever their
-/// texts are.
+/// The lowest rank whose text differs from that of rank 0; `None` if all agree. A collective call, with any texts.
 ///
 /// ```
 /// use emmy::team::{Team, Threads};
@@ -68,7 +67,7 @@ impl Problem {
         }
     }
 
-    /// Runs a function on rank 0 alone; an error of it is an error of all ranks.
+    /// Runs a function on rank 0 alone; if it fails, all ranks fail with its error.
     ///
     /// # Errors
     /// Those of the function.

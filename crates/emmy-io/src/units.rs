@@ -213,7 +213,7 @@ pub fn shifted(value: f64, power: i32) -> f64 {
     shifted.unwrap_or(value)
 }
 
-/// A number as TOML with all its digits, with an exponent outside of 1e-4 to 1e6.
+/// A number as TOML with all its digits; below 1e-4 and above 1e6, with an exponent.
 pub fn written(value: f64) -> String {
     if value == 0.0 || (1e-4..1e6).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }

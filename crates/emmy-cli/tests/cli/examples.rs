@@ -322,8 +322,8 @@ fn steel_bracket() {
     }
 }
 
-/// The reactions at rest are those of FElupe (`rubber.py`: `ThreeFieldVariation` of `NeoHooke(0.5, 1000)`) with the same
-/// cells.
+/// The reactions at rest are those of FElupe (`rubber.py`: `ThreeFieldVariation` of `NeoHooke(0.5, 1000)`) with the
+/// same cells.
 #[test]
 fn rubber_mount() {
     let (place, history) = run("rubber-mount");
@@ -341,8 +341,8 @@ fn rubber_mount() {
     close(force(&place.history("locked")), -19_156.391, 1e-8);
 }
 
-/// Deflections of the beam before it is let go. Those of hex8 are FElupe's (`rubber.py`) with the same cells; others are
-/// compared with 2160 of its hex8 (six over the thickness), whose error is below 3 %.
+/// Deflections of the beam before it is let go. Those of hex8 are FElupe's (`rubber.py`) with the same cells; others
+/// are compared with 2160 of its hex8 (six over the thickness), whose error is below 3 %.
 #[test]
 fn rubber_beam() {
     let place = Place::new();

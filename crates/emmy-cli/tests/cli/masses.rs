@@ -72,8 +72,8 @@ fn one_size_of_a_mass_is_given() {
     );
 }
 
-/// Central differences lump the mass: a spin of 2 rad/s of the box 2 x 1 x 1 of density 2 in eight cells, and of a mass of 3 on the
-/// face at its end, whose points are those of the corners.
+/// Central differences lump the mass: a spin of 2 rad/s of the box 2 x 1 x 1 of density 2 in eight cells, and of a mass
+/// of 3 on the face at its end, whose points are those of the corners.
 #[test]
 fn check_has_the_energy_of_the_scheme_at_the_start() {
     let place = Place::with(

@@ -50,7 +50,7 @@ pub fn check_run(problem: &Problem) -> Result<(), DirectoryError> {
     check_sources(directory, &problem.files)
 }
 
-/// Creates a directory for other results than a run. It may be new, empty, or hold earlier results, which are
+/// Creates a directory for results that are not a run's. It may be new, empty, or hold earlier results, which are
 /// recognized by a file that Emmy wrote, the witness. Nothing is removed.
 ///
 /// # Errors

@@ -137,8 +137,8 @@ impl Problem {
         }
     }
 
-    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from which
-    /// the motion starts; `None` for the undeformed body.
+    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from
+    /// which the motion starts; `None` for the undeformed body.
     ///
     /// # Errors
     /// [`StartError`].

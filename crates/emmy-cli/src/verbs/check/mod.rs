@@ -74,8 +74,8 @@ fn of_body(report: &mut Report, problem: &Problem) {
     report.body(problem);
 }
 
-/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the loads,
-/// supports, start, plan and output.
+/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the
+/// loads, supports, start, plan and output.
 ///
 /// # Errors
 /// [`Failure::Usage`] if the start does not fit the body, [`Failure::Study`] if its equilibrium is not found.
