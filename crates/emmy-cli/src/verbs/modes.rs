@@ -136,7 +136,7 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
 fn about(problem: &Problem, state: Option<&State>, host: &dyn Host) -> Result<(), Failure> {
     let body = &problem.body;
     if problem.initial.iter().any(|field| field.angular_velocity != [0.0; 3]) {
-        message!(host, "note: the modes are those of the body at rest; its initial rotation does not count");
+        message!(host, "note: the modes are those of the body at rest; its initial rotation has no effect");
     }
     let Some(state) = state else { return Ok(()) };
     let largest = |vectors: &[f64], dimension| problem.units.number(largest_length(vectors), dimension);

@@ -208,7 +208,8 @@ pub(super) fn read(root: &Table<'_>, directory: &Path) -> Result<Option<PathBuf>
     let items = initial.one_or_more()?;
     let Some(place) = items.iter().find_map(|item| item.has_key("state")) else { return Ok(None) };
     let other = |place: &Place, what: &Place| {
-        let message = "`state` gives the whole start, with its velocities: no other key of `[initial]` can stand beside it";
+        let message =
+            "`state` gives the whole start, velocities included: `[initial]` takes no other key beside it";
         Err(Fault::at(place, message, "the start").label(what, "and more"))
     };
     if let [_, second, ..] = &items[..] {
