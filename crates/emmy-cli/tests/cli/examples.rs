@@ -62,9 +62,9 @@ fn spinning_block() {
 #[test]
 fn soft_tissue() {
     let (place, history) = run("soft-tissue");
-    // v = A (X - c) + G c with the squares 0.29, 0.1925, 0.0725 of the columns of A, the second moments V L^2 / 12 of the
-    // strip, and the mass 0.088: T = 1.1e-3/2 80/12 (0.29 10^2 + 0.1925 4^2 + 0.0725 2^2) + 0.088/2 (1.5^2 + 0.3^2 + 0.15^2)
-    // is all of the energy at all times.
+    // v = A (X - c) + G c with the squares 0.29, 0.1925, 0.0725 of the columns of A, the second moments V L^2 / 12 of
+    // the strip, and the mass 0.088: at all times,
+    // T = 1.1e-3/2 80/12 (0.29 10^2 + 0.1925 4^2 + 0.0725 2^2) + 0.088/2 (1.5^2 + 0.3^2 + 0.15^2) is the whole energy.
     history["total_energy"].iter().for_each(|&value| close(value, 0.22264, 1e-10));
     let strained = history["strain_energy"].iter().copied().fold(0.0, f64::max);
     assert!(strained > 0.01, "{strained}");

@@ -140,3 +140,71 @@ fn links_and_anchors_are_those_of_a_hosting_site() {
     assert_eq!(page.links(), ["a.md", "d.md#f", "g.svg"]);
     assert_eq!(page.anchors(), ["one-two", "load-history-c-and-d", "one-two-1"]);
 }
+
+/// Largest width of a line of text; listings, tables, pictures and addresses may be wider.
+const WIDTH: usize = 120;
+
+/// Files that a program writes, or that others wrote.
+const NOT_OURS: [&str; 5] = ["target", "vendor", "environments", "results.md", "THIRD_PARTY_NOTICES.md"];
+
+/// Files with an extension in a folder and below.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let ours = super::names(folder).into_iter().filter(|name| !name.starts_with('.'));
+    let paths = ours.filter(|name| !NOT_OURS.contains(&name.as_str())).map(|name| folder.join(name));
+    let wanted = |path: &PathBuf| path.extension().is_some_and(|own| own == extension);
+    paths
+        .flat_map(|path| if path.is_dir() { files(&path, extension) } else { vec![path] })
+        .filter(wanted)
+        .collect()
+}
+
+/// Lines of text in a page, without those that a test writes.
+fn text_of_page(page: &Page) -> impl Iterator<Item = &str> {
+    let mut is_written = false;
+    page.prose().filter(move |line| {
+        is_written |= line.starts_with("<!-- part:") || line.starts_with("<!-- table:");
+        is_written &= !line.starts_with("<!-- end of");
+        !is_written && !line.starts_with("    ")
+    })
+}
+
+fn is_wide(line: &str) -> bool {
+    let mark = ["///", "//!", "//"].into_iter().find_map(|mark| line.trim_start().strip_prefix(mark));
+    let text = mark.unwrap_or(line).trim_start();
+    let may_be_wide = text.starts_with('|') || text.starts_with("![") || !text.contains(' ');
+    line.chars().count() > WIDTH && !may_be_wide
+}
+
+#[test]
+fn lines_of_text_have_at_most_120_columns() {
+    let mut wide = Vec::new();
+    let mut look = |path: &Path, lines: &mut dyn Iterator<Item = &str>| {
+        let own = lines.filter(|line| is_wide(line));
+        wide.extend(own.map(|line| format!("{}: {line}", path.strip_prefix(root()).unwrap().display())));
+    };
+    for folder in [
+        "crates/emmy-io",
+        "crates/emmy-cli",
+        "crates/emmy-mpi",
+        "python",
+        "examples",
+        "validation",
+        "benches",
+        "attack",
+        "fuzz",
+        "book/src",
+    ] {
+        for path in files(&root().join(folder), "md") {
+            look(&path, &mut text_of_page(&Page::read(&path)));
+        }
+        for path in files(&root().join(folder), "rs") {
+            let text = fs::read_to_string(&path).unwrap();
+            look(&path, &mut text.lines().filter(|line| line.trim_start().starts_with("//")));
+        }
+    }
+    for name in ["ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "README.md"] {
+        let path = root().join(name);
+        look(&path, &mut text_of_page(&Page::read(&path)));
+    }
+    assert!(wide.is_empty(), "{}", wide.join("\n"));
+}
