@@ -325,7 +325,7 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
     (selections, vec![1.0; n_members])
 }
 
-/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of the members of all ranks. A
+/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of members, over all ranks. A
 /// total or a mean of all ranks is the sum of theirs.
 fn measured(all: &[f64], n: usize, (weights, whole): (&[f64], [f64; 2]), measure: Measure) -> Vec<f64> {
     let members = || all.chunks_exact(n);

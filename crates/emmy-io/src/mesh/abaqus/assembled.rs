@@ -420,7 +420,7 @@ impl<'a> Assembly<'a> {
         nodes.iter().map(index).collect()
     }
 
-    /// Indices in the mesh of a member of a set of a body, and the number of missing ones.
+    /// Mesh indices of a set's member in a body, and the number of missing ones.
     fn indices(&self, of: Of, instance: Option<u32>, member: Member) -> (Vec<u32>, u64) {
         let instance = member.instance.or(instance);
         let (mut indices, missing) = member.indices(self.body(instance).index(of));
