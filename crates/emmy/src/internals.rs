@@ -10,11 +10,11 @@ pub mod average {
 pub mod body {
     pub use crate::body::entries::Entries;
     pub use crate::body::invariants::sum;
-    pub use crate::body::models::{MODELS, RegionModel};
-    pub use crate::body::pole::pole;
-    pub use crate::body::step::{StepDamping, StepInput};
-    pub use crate::body::symmetry::symmetry_axis;
     pub use crate::body::system::Assembly;
+    pub use crate::force::step::{StepDamping, StepInput};
+    pub use crate::input::models::{MODELS, RegionModel};
+    pub use crate::input::pole::pole;
+    pub use crate::input::symmetry::symmetry_axis;
 }
 
 /// Reference elements.

@@ -2,9 +2,10 @@
 
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
-use crate::body::{Assembly, Body, LoadMemory, StepDamping, StepInput};
+use crate::body::{Assembly, Body};
 use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
+use crate::force::{LoadMemory, StepDamping, StepInput};
 use crate::sparse::reduce::dot;
 use crate::time::State;
 

@@ -1,8 +1,9 @@
 //! The adjoint of one step.
 
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, StepInput};
+use crate::body::{Assembly, Body};
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::norm;
 use crate::sparse::{Gmres, LinearSystem, SparseLu};

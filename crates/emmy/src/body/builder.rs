@@ -3,17 +3,15 @@
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
-use super::field_load::FieldLoad;
-use super::geometry::MassKind;
-use super::internal_nodes::InternalNodes;
-use super::load_vector::LoadVector;
-use super::pressure::Pressure;
-use super::regions::{self, RegionOfCell};
-use super::spread::{self, Spread};
-use super::supports::{Constraints, supported_groups};
-use super::{Body, GroundSpring, Load, PointTerms, Region, Support, Term, nodal};
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::force::{FieldLoad, LoadVector, Pressure, Term, cells, ground};
+use crate::input::{GroundSpring, Load, PointTerms, Region, Support};
+use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
+use crate::space::InternalNodes;
+use crate::space::geometry::MassKind;
+use crate::space::supports::{Constraints, supported_groups};
 use crate::sparse::Pattern;
 use crate::team::{Subdomain, Team};
 
@@ -187,7 +185,7 @@ impl Body {
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
-        let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
+        let point_masses = points::point_masses(&mesh, &nodal.masses)?;
         let spread = Spread::new(&mesh, &nodal.spread, sizes)?;
         // Of point masses and of those that are spread.
         let other_masses = |kind: MassKind| {
@@ -207,7 +205,7 @@ impl Body {
         let mut lumped_mass = masses(MassKind::Lumped);
         let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let has_pressures = regions::check_terms(&mesh, &regions, of_cell.indices())?;
+        let has_pressures = cells::check_terms(&mesh, &regions, of_cell.indices())?;
         let n_own = team.as_ref().map_or(mesh.n_nodes(), |team| team.subdomain.n_own);
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
@@ -219,14 +217,14 @@ impl Body {
         let parts = pattern.divided_until(n_rows, n_parts);
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
-            regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
+            regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
         let part = team.as_ref().map(|team| &*team.subdomain);
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, part));
         let own_nodes = team.as_ref().map(|_| n_own);
         let acting_on = |kind: MassKind| -> Result<External> {
             let attracted = if nodal.attractions.is_empty() { Vec::new() } else { masses(kind) };
-            let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
+            let mut ground = ground::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
             ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
             let (mut vectors, mut fields) = (Vec::new(), Vec::new());
             let others = other_masses(kind);
@@ -249,7 +247,7 @@ impl Body {
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
         let inactive = constraints.inactive(n_own..mesh.n_nodes());
-        nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
+        points::check_masses(&mesh, &lumped_mass, &inactive)?;
         let has_plane_cells = mesh.cells().any(|cell| cell.kind.dimension() == 2);
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
@@ -304,7 +302,7 @@ impl Body {
             let constraints = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
             let (inactive, held_axes) = (constraints.inactive(self.guests()), constraints.held_axes());
-            nodal::check_masses(&self.mesh, &self.lumped_mass, &inactive)?;
+            points::check_masses(&self.mesh, &self.lumped_mass, &inactive)?;
             let Constraints { fixed, drives } = constraints;
             let body = Body { fixed, inactive, held_axes, drives, supported, release, ..self.clone() };
             release = Some((time, Box::new(body)));

@@ -1,10 +1,10 @@
 //! Degrees of freedom of a body whose motion is given.
 
-use super::Body;
-use super::drive::{AT_ONCE, Drive, Fault, apply};
-use super::target::SignalTarget;
+use super::system::Body;
 use crate::average::Rule;
 use crate::error::{Error, Result};
+use crate::input::SignalTarget;
+use crate::space::drive::{AT_ONCE, Drive, Fault, apply};
 
 /// Times closer together than this part of a step are equal: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;

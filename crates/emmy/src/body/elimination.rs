@@ -9,9 +9,10 @@
 
 use std::ops::Range;
 
-use super::pressures::PressureCells;
-use super::{Assembly, Body, Term};
+use super::system::{Assembly, Body};
 use crate::average::{Rule, VolumeDamping};
+use crate::force::Term;
+use crate::force::pressures::PressureCells;
 use crate::sparse::reduce::dot;
 
 /// A function of the pressure in a cell, as it was linearised last.

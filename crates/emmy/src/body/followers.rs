@@ -1,8 +1,9 @@
 //! Follower loads of a body.
 
-use super::{Assembly, Body, StepInput};
+use super::system::{Assembly, Body};
 use crate::average::FollowerRule;
 use crate::error::Result;
+use crate::force::StepInput;
 
 impl Body {
     /// Number of follower loads.

@@ -1,10 +1,11 @@
 //! An upper bound of the largest natural frequency from the cells alone, without a matrix.
 
-use super::geometry::{ReferenceTable, inverse, positions};
-use super::solid::RegionMaterial;
-use super::{Body, Region};
+use super::system::Body;
 use crate::element::{element, jacobian};
+use crate::input::Region;
+use crate::input::RegionMaterial;
 use crate::mesh::{Cell, CellKind, Mesh};
+use crate::space::geometry::{ReferenceTable, inverse, positions};
 use crate::sparse::largest_eigenvalue;
 use crate::tensor::{Mat3, det};
 

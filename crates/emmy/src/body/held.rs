@@ -1,8 +1,9 @@
 //! Rigid motions that neither supports nor the ground hold.
 
-use super::{Assembly, Body, StepInput};
+use super::system::{Assembly, Body};
 use crate::average::Rule;
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::mesh::Mesh;
 use crate::number::short_vector;
 use crate::quadrature::gauss;

@@ -1,8 +1,9 @@
 //! Energies and momenta of a state (section 2). On a team all of them are calls of all ranks.
 
-use super::spread::centre_sums;
-use super::{Body, StrainState};
+use super::system::Body;
 use crate::error::Result;
+use crate::force::StrainState;
+use crate::mass::spread::centre_sums;
 use crate::tensor::cross;
 
 /// Sum of a nodal vector, `[n_nodes][3]`.

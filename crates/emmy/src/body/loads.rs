@@ -1,10 +1,10 @@
 //! Dead loads of a body over a step and at a time; resultants of all loads.
 
-use super::Body;
-use super::field_load::LoadMemory;
-use super::time_function::NotFinite;
+use super::system::Body;
 use crate::average::Rule;
 use crate::error::Result;
+use crate::force::LoadMemory;
+use crate::input::NotFinite;
 
 /// Resultant of a load at factor 1 in the reference configuration.
 ///

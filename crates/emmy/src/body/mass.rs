@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Body;
+use super::system::Body;
 use crate::error::{Error, Result};
 use crate::sparse::BlockCholesky;
 

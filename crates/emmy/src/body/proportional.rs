@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::load_vector::LoadVector;
-use super::{Body, TimeFunction};
+use super::system::Body;
+use crate::force::LoadVector;
+use crate::input::TimeFunction;
 
 impl Body {
     /// The body under the loads and given displacements of a time, before a jump there, all in proportion to a load

@@ -1,6 +1,7 @@
 //! Reactions: the forces of supports on the body, summed over each supported group.
 
-use super::{Body, StepInput};
+use super::system::Body;
+use crate::force::StepInput;
 use crate::tensor::cross;
 
 /// Force of a support on the body and its moment about the origin: means over a step, the impulses over the step size.

@@ -5,9 +5,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Body, Reaction, StrainState};
+use super::reactions::Reaction;
+use super::system::Body;
 use crate::element::CellKind;
 use crate::error::Result;
+use crate::force::StrainState;
 use crate::sparse::reduce;
 use crate::team::Subdomain;
 

@@ -4,9 +4,10 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-use super::field_load::{FieldLoad, POINTS_OF_SIGNALS};
-use super::target::SignalTarget;
-use super::{Body, TimeFunction};
+use super::system::Body;
+use crate::force::FieldLoad;
+use crate::force::field_load::POINTS_OF_SIGNALS;
+use crate::input::{SignalTarget, TimeFunction};
 
 /// Largest number of components.
 pub(crate) const MAX_COMPONENTS: usize = 3 * POINTS_OF_SIGNALS;

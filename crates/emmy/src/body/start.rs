@@ -1,7 +1,8 @@
 //! Start of a motion.
 
-use super::{Body, InitialVelocity};
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::input::InitialVelocity;
 
 /// Part of the momentum of a node at the largest velocity that rounding may change, also by the solution of
 /// `M v = p` for driven bodies.

@@ -5,18 +5,17 @@ use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
-use super::drive::Drive;
-use super::field_load::FieldLoad;
-use super::internal_nodes::InternalNodes;
-use super::load_vector::LoadVector;
-use super::pressure::Pressure;
-use super::pressures::PressureResults;
-use super::supports::SupportedGroup;
-use super::term::Terms;
-use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
 use crate::average::Request;
 use crate::error::Result;
+use crate::force::pressures::PressureResults;
+use crate::force::term::Terms;
+use crate::force::{FieldLoad, LoadVector, Pressure, Scratch, StepDamping, StepInput, Term};
+use crate::input::{Region, Viscosity};
+use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
+use crate::space::InternalNodes;
+use crate::space::drive::Drive;
+use crate::space::supports::SupportedGroup;
 use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
 use crate::team::Subdomain;
 
@@ -370,4 +369,22 @@ impl Assembly {
 struct Part {
     scratch: Scratch,
     outcome: Result<()>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::NeoHooke;
+    use crate::mesh::block;
+
+    #[test]
+    fn nodes_are_ordered_when_somebody_asks_for_it() {
+        let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+        let body = Body::builder(block([1.0; 3], [2; 3]).unwrap()).region(rubber).build().unwrap();
+        assert!(body.node_order.get().is_none());
+        let mut order = body.node_order().unwrap().to_vec();
+        order.sort_unstable();
+        assert_eq!(order, (0..27).collect::<Vec<_>>());
+        assert!(body.clone().node_order.get().is_some());
+    }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::field_load::{POINTS_OF_SIGNALS, samples};
-use super::term::{time_of, traces};
-use super::{Body, RegionSummary};
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::force::field_load::{POINTS_OF_SIGNALS, samples};
+use crate::force::term::{time_of, traces};
+use crate::mass::RegionSummary;
 use crate::team::Subdomain;
 
 /// A region from its parts on all ranks; the centre of a part without mass has no meaning.

@@ -1,14 +1,15 @@
 //! Terms of the cells, made when the first forces are wanted: what only reads a body needs no geometry of points.
 
-use super::term::{Terms, time_of, traces};
-use super::{Body, Term, elimination, regions};
+use super::elimination;
+use super::system::Body;
+use crate::force::term::{Terms, time_of, traces};
+use crate::force::{Term, cells};
 
 impl Terms {
     fn new(body: &Body) -> Self {
         let counts = |cell: u32| body.subdomain.as_ref().is_none_or(|part| part.counts()[cell as usize]);
         let of_cells = |chosen: &dyn Fn(u32) -> bool| {
-            let terms =
-                regions::terms(&body.mesh, &body.made_of, &body.region_of_cell, &body.internal, chosen);
+            let terms = cells::terms(&body.mesh, &body.made_of, &body.region_of_cell, &body.internal, chosen);
             // The builder has checked all else.
             terms.unwrap_or_else(|error| panic!("{error}"))
         };

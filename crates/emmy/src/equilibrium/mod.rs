@@ -1,8 +1,9 @@
 //! Static equilibrium of a body under the loads of a time, found with growing loads.
 
 use crate::average::Request;
-use crate::body::{Body, InitialVelocity};
+use crate::body::Body;
 use crate::error::Result;
+use crate::input::InitialVelocity;
 use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, StepPlan};
 use crate::time::Scheme;
 use crate::time::classic::{Forces, solve_stiffness};

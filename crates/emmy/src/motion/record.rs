@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::StepLimit;
-use crate::body::{Body, StrainState};
+use crate::body::Body;
+use crate::force::StrainState;
 use crate::sparse::SolverChoice;
 use crate::time::{State, StepOutcome};
 

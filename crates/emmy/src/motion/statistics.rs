@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Record, State, StepLimits};
-use crate::body::{Body, RegionSummary};
+use crate::body::Body;
+use crate::mass::RegionSummary;
 use crate::sparse::SolverChoice;
 
 /// The largest absolute value of a quantity, and the step in which it occurred.

@@ -3,8 +3,9 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, LoadMemory, MassSolver, Reaction, StrainState};
+use crate::body::{Body, MassSolver, Reaction};
 use crate::error::Result;
+use crate::force::{LoadMemory, StrainState};
 use crate::newton::NewtonSettings;
 
 /// Stepper of a time element.

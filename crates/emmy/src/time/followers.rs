@@ -1,8 +1,9 @@
 //! Follower loads in the equations of a step.
 
 use crate::average::{FollowerRule, Rule};
-use crate::body::{Assembly, Body, StepInput};
+use crate::body::{Assembly, Body};
 use crate::error::Result;
+use crate::force::StepInput;
 
 /// Stage averages of the follower loads, with their memory.
 #[derive(Debug)]

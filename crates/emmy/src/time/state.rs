@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, InitialVelocity};
+use crate::body::Body;
 use crate::error::Result;
+use crate::input::InitialVelocity;
 use crate::tensor::cross;
 
 /// State of a body in motion.

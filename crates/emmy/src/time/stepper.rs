@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{Body, Reaction, StrainState};
+use crate::body::{Body, Reaction};
 use crate::error::Result;
+use crate::force::StrainState;
 use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
 

@@ -10,9 +10,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::geometry::for_each_volume_point;
-use super::{Body, Region};
+use super::system::Body;
+use crate::input::Region;
 use crate::mesh::Mesh;
+use crate::space::geometry::for_each_volume_point;
 use crate::team::Subdomain;
 
 pub use name::{FieldName, Place};

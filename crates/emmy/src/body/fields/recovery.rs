@@ -5,10 +5,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::projected::Projections;
-use crate::body::geometry::{ReferenceTable, inverse, positions};
-use crate::body::internal_nodes::{InternalNodes, ModeGradients, mode_displacement};
 use crate::element::{element, extrapolation, jacobian};
 use crate::mesh::{CellKind, Mesh};
+use crate::space::InternalNodes;
+use crate::space::geometry::{ReferenceTable, inverse, positions};
+use crate::space::internal_nodes::{ModeGradients, mode_displacement};
 use crate::tensor::{Mat3, det};
 
 /// Tables that the cells of each kind share.

@@ -2,8 +2,9 @@
 
 use super::configurations;
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, LoadMemory, MassSolver, Reaction, StepDamping, StepInput};
+use crate::body::{Assembly, Body, MassSolver, Reaction};
 use crate::error::Result;
+use crate::force::{LoadMemory, StepDamping, StepInput};
 use crate::quadrature::gauss;
 use crate::time::followers::Followers;
 use crate::time::{Impulses, Memory, State};

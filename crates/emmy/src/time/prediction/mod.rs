@@ -4,7 +4,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::rigid_step::{self, RigidStep};
+use super::rigid_step;
+use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};

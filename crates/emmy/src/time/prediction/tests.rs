@@ -1,7 +1,8 @@
 //! Motions that are predicted exactly.
 
 use super::{Carry, Prediction};
-use crate::body::{Body, InitialVelocity, Region, Support};
+use crate::body::Body;
+use crate::input::{InitialVelocity, Region, Support};
 use crate::material::NeoHooke;
 use crate::mesh::{Mesh, block};
 use crate::sparse::Solver;

@@ -11,8 +11,9 @@ use super::linear::ApproximateTangent;
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
-use crate::body::{Assembly, Body, Reaction, StepDamping, StepInput};
+use crate::body::{Assembly, Body, Reaction};
 use crate::error::Result;
+use crate::force::{StepDamping, StepInput};
 use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
