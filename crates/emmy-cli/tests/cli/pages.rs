@@ -208,3 +208,27 @@ fn lines_of_text_have_at_most_120_columns() {
     }
     assert!(wide.is_empty(), "{}", wide.join("\n"));
 }
+
+/// Paths in pages about the code; those without a crate are in `crates/emmy/src`, and a module needs no ending.
+#[test]
+fn files_of_the_code_have_the_names_in_the_pages() {
+    let path = Regex::new(r"`([a-z_]+(?:/[a-z_0-9.-]+)+/?)`").unwrap();
+    let folders =
+        ["", "crates", "crates/emmy/src", "crates/emmy", "crates/emmy-cli"].map(|folder| root().join(folder));
+    // Programs write these.
+    let made = ["book/html", "fuzz/artifacts"];
+    let is_there = |name: &str| {
+        let mut places = folders.iter().map(|folder| folder.join(name));
+        made.contains(&name) || places.any(|place| place.exists() || place.with_extension("rs").exists())
+    };
+    let design = files(&root().join("book/src/design"), "md");
+    let pages = ["ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root().join(name));
+    let mut wrong = Vec::new();
+    for page in pages.into_iter().chain(design) {
+        let text = Page::read(&page).text;
+        let names = path.captures_iter(&text).map(|found| found[1].to_string());
+        let absent = names.filter(|name| !is_there(name));
+        wrong.extend(absent.map(|name| format!("{}: {name}", page.display())));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
