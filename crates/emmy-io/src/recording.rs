@@ -91,8 +91,8 @@ impl Recording {
         Ok((Recording { files, fields, regions, names, written }, missing))
     }
 
-    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field, of the body and
-    /// of each region if there are several.
+    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field, of the body
+    /// and of each region if there are several.
     ///
     /// # Errors
     /// Errors of the system.

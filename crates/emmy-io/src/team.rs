@@ -14,8 +14,7 @@ pub(crate) fn agreed<T>(team: &dyn Team, own: io::Result<T>) -> io::Result<T> {
     team::agree(team, own, io::Error::other)
 }
 
-/// The lowest rank whose text is not that of rank 0; `None` if all ranks have the same: a call of all ranks, whatever their
-/// texts are.
+/// The lowest rank whose text differs from that of rank 0; `None` if all agree. A collective call, with any texts.
 ///
 /// ```
 /// use emmy::team::{Team, Threads};
@@ -58,7 +57,7 @@ impl Problem {
         team::agree(&**self.body.ranks().team(), own, other)
     }
 
-    /// Runs a function on rank 0 alone; an error of it is an error of all ranks.
+    /// Runs a function on rank 0 alone; if it fails, all ranks fail with its error.
     ///
     /// # Errors
     /// Those of the function.

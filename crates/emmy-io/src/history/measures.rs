@@ -45,8 +45,8 @@ pub(crate) fn keep_largest(kept: &mut Vec<Extreme>, new: impl IntoIterator<Item 
 }
 
 impl Extreme {
-    /// The largest value of a field at a state among some members with these numbers, the last of several; undefined values
-    /// are left out. On a team a call of all ranks with the members of their shares.
+    /// The largest value of a field at a state among some members with these numbers, the last of several; undefined
+    /// values are left out. On a team a call of all ranks with the members of their shares.
     pub(crate) fn of(
         (mesh, ranks): (&Mesh, &Subdomain),
         state: &State,
@@ -89,7 +89,7 @@ pub(super) fn counts(ranks: &Subdomain, is_cell: bool, member: usize) -> bool {
     if is_cell { ranks.counts()[member] } else { member < ranks.n_own() }
 }
 
-/// The largest value of all ranks with its member and its point, of several the last member.
+/// The largest value of all ranks with its member and its point; of equal values, the last member.
 fn largest_of_ranks(
     subdomain: &Subdomain,
     own: Option<(usize, f64, [f64; 3])>,
@@ -120,7 +120,7 @@ fn centre(mesh: &Mesh, cell: usize) -> [f64; 3] {
     [0, 1, 2].map(|d| sum(d) / nodes.len() as f64)
 }
 
-/// What the quantities of an input need: fields at the members that they name, and nothing else.
+/// Fields that the quantities of an input need, at the members that they name.
 #[derive(Debug, Default)]
 pub(super) struct Measures {
     quantities: Quantities,
@@ -132,7 +132,7 @@ pub(super) struct Measures {
     selections: Vec<Option<Selection>>,
     /// The members of each value that count on this rank, with the weights of a total: reference volumes of cells.
     values: Vec<(Vec<Selection>, Vec<f64>)>,
-    /// For extremes of fields; `None` if there are none but those of the motion.
+    /// For extremes of fields; `None` if the input asks only for extremes of the motion.
     regions: Option<RegionMembers>,
 }
 
@@ -173,7 +173,7 @@ impl Measures {
         self.quantities.extremes.iter().any(|name| name.name() == field)
     }
 
-    /// Appends the numbers of a state, and returns its extremes; on a team a call of all ranks.
+    /// Appends the numbers of a state, and returns its extremes; on a team, a collective call.
     pub(super) fn add_to(&self, view: View<'_>, numbers: &mut Vec<Number>) -> Vec<Extreme> {
         self.add_probes(view, numbers);
         for &(_, index) in &self.quantities.reactions {
@@ -288,8 +288,9 @@ fn group_cells<'a>(mesh: &'a Mesh, group: Option<&str>) -> Option<&'a [u32]> {
     mesh.groups().cells(group?).ok()
 }
 
-/// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come from
-/// these cells alone; for a largest value each region has its own members, so that no value is a mean of two materials.
+/// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come
+/// from these cells alone; for a largest value each region has its own members, so that no value is a mean of two
+/// materials.
 fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>, Vec<f64>) {
     let mesh = body.mesh();
     let ranks = body.ranks();
@@ -321,8 +322,8 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
     (selections, vec![1.0; n_members])
 }
 
-/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of the members of all ranks. A total
-/// or a mean of all ranks is the sum of theirs.
+/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of members, over all ranks. A
+/// total or a mean of all ranks is the sum of theirs.
 fn measured(all: &[f64], n: usize, (weights, whole): (&[f64], [f64; 2]), measure: Measure) -> Vec<f64> {
     let members = || all.chunks_exact(n);
     let sum = |weight: &dyn Fn(usize) -> f64| {

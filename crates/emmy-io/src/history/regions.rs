@@ -41,8 +41,8 @@ impl RegionMembers {
         }
     }
 
-    /// The largest value of each field in the body, then in the regions that have it if there are several. On a team a call of
-    /// all ranks.
+    /// The largest value of each field in the body, then in the regions that have it if there are several. On a team a
+    /// call of all ranks.
     pub(crate) fn extremes(
         &self,
         body: &Body,

@@ -18,8 +18,8 @@ const LARGEST: f64 = 1e150;
 /// [`LARGEST`].
 const LARGEST_LENGTH: f64 = 1e50;
 
-const HELP: &str = "choose other units: squares of numbers above 1e150 are infinite for a computer, those of numbers below 1e-150 \
-                    are zero (of lengths, whose cubes count, 1e50 and 1e-50)";
+const HELP: &str = "choose other units: the squares of numbers above 1e150 overflow, and those of numbers below 1e-150 vanish \
+                    (for lengths, whose cubes count, 1e50 and 1e-50)";
 
 /// The remark on a body at rest without loads.
 pub const NOTHING_MOVES: &str =
@@ -45,8 +45,8 @@ pub(super) fn of_tables(loads: &[Load], supports: &[Support], plan: &StepPlan) -
     of_loads.chain(of_supports).collect()
 }
 
-/// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that does
-/// not end at zero.
+/// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that
+/// does not end at zero.
 fn of_table(name: &str, table: &TimeFunction, plan: &StepPlan) -> Vec<String> {
     let entries = table.entries();
     let ([(first, before), ..], [.., (last, value)]) = (entries, entries) else { return Vec::new() };

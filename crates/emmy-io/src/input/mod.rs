@@ -3,7 +3,7 @@
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`). Each
 //! section has its own file with its description and its reader, which returns types of the library. An unknown key is
 //! an error. The descriptions (`description`) also yield the defaults, the JSON schema for editors (`schema`) and the
-//! key tables of `docs/input.md` (`reference`).
+//! key tables of `book/src/input.md` (`reference`).
 
 mod adaptive;
 mod complete;

@@ -137,8 +137,8 @@ impl Problem {
         }
     }
 
-    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from which
-    /// the motion starts; `None` for the undeformed body.
+    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from
+    /// which the motion starts; `None` for the undeformed body.
     ///
     /// # Errors
     /// [`StartError`].
@@ -202,7 +202,8 @@ pub(super) fn read(root: &Table<'_>, directory: &Path) -> Result<Option<PathBuf>
     let items = initial.one_or_more()?;
     let Some(place) = items.iter().find_map(|item| item.has_key("state")) else { return Ok(None) };
     let other = |place: &Place, what: &Place| {
-        let message = "`state` gives the whole start, with its velocities: no other key of `[initial]` can stand beside it";
+        let message =
+            "`state` gives the whole start, velocities included: `[initial]` takes no other key beside it";
         Err(Fault::at(place, message, "the start").label(what, "and more"))
     };
     if let [_, second, ..] = &items[..] {

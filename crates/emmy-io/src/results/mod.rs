@@ -47,8 +47,8 @@ pub enum ResumeError {
 /// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and
 /// `report.html` into the output directory, and checks the limits.
 ///
-/// On a team every rank has results and makes the same calls. Rank 0 writes the files of the whole run; the others take part in
-/// frames and checkpoints.
+/// On a team every rank has results and makes the same calls. Rank 0 writes the files of the whole run; the others take
+/// part in frames and checkpoints.
 #[derive(Debug)]
 pub struct Results {
     /// The part of the rank, on a team.
@@ -111,8 +111,8 @@ impl Results {
         Results::open(problem, files, None).map_err(unwritten)
     }
 
-    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory; absent
-    /// on the ranks of a team that do not hold it.
+    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory;
+    /// absent on the ranks of a team that do not hold it.
     ///
     /// # Errors
     /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
@@ -197,8 +197,8 @@ impl Results {
         self.files.is_some()
     }
 
-    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
-    /// Each file is tried even if another one fails; a run with the status `done` has then failed.
+    /// Ends the run: writes the last state as a frame and a checkpoint, unless this is done already, then the summary.
+    /// Each file is tried even if another one fails; the status `done` then becomes a failure.
     pub fn finish(
         &mut self,
         problem: &Problem,
@@ -259,13 +259,13 @@ impl Results {
         summary
     }
 
-    /// Largest values of fields so far: of those that the input asks for in every step, of the von Mises stress
-    /// otherwise at the frames. Those of the body, whose `region` is `None`, and of each region if there are several.
+    /// Largest values of fields so far, in the body (`region` is `None`) and in each region if there are several: for
+    /// fields that the input asks for, over every step; otherwise for the von Mises stress, over the frames.
     pub fn extremes(&self) -> &[Extreme] {
         &self.extremes
     }
 
-    /// Whether the largest value of a field is that of every step, and not of the frames alone.
+    /// Whether the largest value of a field is taken over every step, not only over the frames.
     pub fn is_in_every_step(&self, field: &str) -> bool {
         self.columns.has_extreme(field)
     }

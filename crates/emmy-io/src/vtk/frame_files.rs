@@ -22,8 +22,8 @@ use crate::whole_file::{named, replace};
 ///
 /// A team writes a piece for each rank, `frames/NAME_000000/0000.vtu`, ..., and their list, `frames/NAME_000000.pvtu`.
 /// Pieces have the cells that count on a rank, with their numbers in the whole mesh as point data `node` and cell data
-/// `cell`, and the cell data `rank`. Then every method that changes files is a call of all ranks, and an error of one is an
-/// error of all.
+/// `cell`, and the cell data `rank`. Then every method that changes files is a collective call; if one rank fails, all
+/// fail with its error.
 ///
 /// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand
 /// frames, then less often, so that the bytes written are linear in the number of frames.
@@ -42,7 +42,7 @@ pub struct FrameFiles {
 /// Comment in every collection (`.pvd`) that Emmy writes.
 pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
 
-/// Up to this number of frames, each is listed at once; after that the collection may lag by one frame in as many.
+/// Number of frames up to which each is listed at once. Later, the collection lags by at most one frame in this number.
 const ALL_LISTED: usize = 1000;
 
 /// Folder of the frames.
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(fs::read_dir(directory.join("frames")).unwrap().count(), 2);
     }
 
-    /// Writing n entries at the listed ones only: each of the first thousand frames, then every n/1000-th.
+    /// Rewrites of n entries: for each of the first thousand frames, then for every n/1000-th.
     #[test]
     fn entries_that_are_written_grow_linearly() {
         let (mut listed, mut entries) = (0, 0);

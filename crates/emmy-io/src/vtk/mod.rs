@@ -120,11 +120,11 @@ pub enum FrameWriter {
 }
 
 impl FrameWriter {
-    /// Frames of a body in a directory, named after it. On a team every method that changes files is a call of all ranks, and
-    /// an error of one is an error of all.
+    /// Frames of a body in a directory, named after it. On a team, every method that changes files is a collective
+    /// call; if one rank fails, all fail with its error.
     ///
     /// # Errors
-    /// Errors of the system; of a team those of [`Format::check`].
+    /// Errors of the system, and on a team those of [`Format::check`].
     pub fn create(
         (format, precision): (Format, Precision),
         directory: &Path,
