@@ -9,8 +9,8 @@ pub mod average {
 /// Assembly, and the table of models.
 pub mod body {
     pub use crate::body::entries::Entries;
-    pub use crate::body::system::Assembly;
-    pub use crate::force::step::{StepDamping, StepInput};
+    pub use crate::body::forces::Assembly;
+    pub use crate::force::step::{Sampling, Span, StepDamping, StepInput};
     pub use crate::input::models::{MODELS, RegionModel};
     pub use crate::input::pole::pole;
     pub use crate::input::symmetry::symmetry_axis;

@@ -97,6 +97,7 @@ impl<'a> AdjointStep<'a> {
         let coefficients = element.coefficients();
         let transposed_coefficients = StageCoefficients {
             rule: coefficients.rule.clone(),
+            sampling: coefficients.sampling,
             mass: transposed(&coefficients.mass, k),
             mass_low: transposed(&coefficients.mass_low, k),
             inverse_mass: transposed(&coefficients.inverse_mass, k),
@@ -248,11 +249,10 @@ pub(super) fn check_body(body: &Body) -> Result<()> {
     let not_covered = [
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
-        (body.is_viscous() || body.drag() > 0.0, "viscosity and drag are not covered"),
-        (body.n_followers() > 0, "pressures that follow the motion are not covered; dead loads are"),
     ];
-    match not_covered.iter().find(|(is_so, _)| *is_so) {
-        Some((_, reason)) => Err(Error::Adjoint { reason: reason.to_string() }),
+    let reason = not_covered.iter().find(|(is_so, _)| *is_so).map(|(_, reason)| *reason);
+    match reason.or(body.without_adjoint()) {
+        Some(reason) => Err(Error::Adjoint { reason: reason.to_string() }),
         None => Ok(()),
     }
 }

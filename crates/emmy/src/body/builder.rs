@@ -3,9 +3,10 @@
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
+use super::forces::Forces;
 use super::system::Body;
 use crate::error::{Error, Result};
-use crate::force::{FieldLoad, LoadVector, Pressure, Term, cells, ground, load_vector};
+use crate::force::{Drag, Force, ForceSource, Site, cells, dead};
 use crate::input::{GroundSpring, Load, PointTerms, Region, Support};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
@@ -138,17 +139,10 @@ impl GroupSizes {
         let mut masses = spread::sizes(mesh, &section, &point_terms.spread, ranks);
         ranks.sum("sizes of groups with a mass", &mut masses);
         let mut areas: Vec<f64> =
-            loads.iter().map(|load| load_vector::area(mesh, load, &section, ranks.n_own())).collect();
+            loads.iter().map(|load| dead::area(mesh, load, &section, ranks.n_own())).collect();
         ranks.sum("areas of loads", &mut areas);
         GroupSizes { masses, loads: areas }
     }
-}
-
-/// Loads and ground of a body, which act on a kind of its mass.
-struct External {
-    loads: Arc<Vec<LoadVector>>,
-    fields: Arc<Vec<FieldLoad>>,
-    ground: Arc<Vec<Box<dyn Term>>>,
 }
 
 impl Body {
@@ -218,7 +212,7 @@ impl Body {
         let mut lumped_mass = masses(MassKind::Lumped);
         let counts = |cell: u32| ranks.counts()[cell as usize];
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let has_pressures = cells::check_terms(&mesh, &regions, of_cell.indices())?;
+        let has_pressures = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
@@ -232,30 +226,34 @@ impl Body {
             regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
-        let acting_on = |kind: MassKind| -> Result<External> {
-            let attracted = if nodal.attractions.is_empty() { Vec::new() } else { masses(kind) };
-            let mut ground = ground::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
-            ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
-            let (mut vectors, mut fields) = (Vec::new(), Vec::new());
-            let others = other_masses(kind);
-            let tables = |masses| (&section[..], &density_of_cell[..], masses);
-            for (index, load) in loads.iter().enumerate() {
-                let area = sizes.loads[index];
-                vectors.extend(LoadVector::new(&mesh, index, load, tables(&others[..]), kind, area)?);
-                let tables = tables(&point_masses[..]);
-                fields.extend(FieldLoad::new(&mesh, index, load, tables, (&spread, kind))?);
-            }
-            Ok(External { loads: Arc::new(vectors), fields: Arc::new(fields), ground: Arc::new(ground) })
+        let point_terms = &nodal;
+        let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {
+            let site = Site {
+                mesh: &mesh,
+                pattern: &pattern,
+                parts: &parts,
+                n_own,
+                section: &section,
+                density_of_cell: &density_of_cell,
+                kind,
+                masses: if point_terms.attractions.is_empty() { &[] } else { &masses(kind) },
+                other_masses: &other_masses(kind),
+                point_masses: &point_masses,
+                spread: &spread,
+                areas: &sizes.loads,
+            };
+            let drag = Some(Drag { rate: drag }).filter(|drag| drag.rate > 0.0);
+            let forces = forces_of(&point_terms.springs, &site)
+                .chain(forces_of(&point_terms.attractions, &site))
+                .chain(forces_of(&loads, &site))
+                .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)));
+            forces.collect::<Result<Vec<_>>>().map(Arc::new)
         };
-        let External { loads: vectors, fields, ground } = acting_on(MassKind::Consistent)?;
+        let others = acting_on(MassKind::Consistent)?;
         let acts_on_mass = !nodal.attractions.is_empty() || loads.iter().any(|load| load.kind.acts_on_mass());
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        let mut followers = Vec::new();
-        for (index, load) in loads.iter().enumerate() {
-            followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
-        }
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;
         points::check_masses(&mesh, &lumped_mass, &held.inactive)?;
@@ -263,11 +261,8 @@ impl Body {
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         let body = Body {
-            loads: vectors,
-            fields,
-            pressures: Arc::new(followers),
+            forces: Forces { cells: Arc::new(OnceLock::new()), others },
             release: None,
-            drag,
             viscous_time: 0.0,
             mass: Arc::new(mass),
             lumped_mass,
@@ -275,17 +270,14 @@ impl Body {
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
             node_order: Arc::new(OnceLock::new()),
-            terms: Arc::new(OnceLock::new()),
             has_pressures,
-            ground,
             lumped: None,
             pattern: Arc::new(pattern),
             parts,
             space: Space::new(Arc::new(mesh), internal, ranks, held),
         };
-        let body = Body { viscous_time: body.own_viscous_time(), ..body };
-        let lumped = on_lumped_mass.map(|External { loads, fields, ground }| {
-            let body = Body { loads, fields, ground, ..body.clone() };
+        let lumped = on_lumped_mass.map(|others| {
+            let body = Body { forces: Forces { others, ..body.forces.clone() }, ..body.clone() };
             body.with_releases(&supports, &nodal.springs).map(Box::new)
         });
         Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &nodal.springs)? })
@@ -307,6 +299,14 @@ impl Body {
         }
         Ok(Body { release, ..self })
     }
+}
+
+/// The forces of some sources of one kind.
+fn forces_of<'a>(
+    sources: &'a [impl ForceSource],
+    site: &'a Site<'a>,
+) -> impl Iterator<Item = Result<Arc<dyn Force>>> + 'a {
+    sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
 /// The pattern of the nodes that cells couple.

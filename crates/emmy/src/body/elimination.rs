@@ -7,12 +7,10 @@
 //! K_0 dx_j + g_l dpi_l = -R(x, pi),      dpi_l = p_l(x) - pi_l + W_lj dx_j
 //! ```
 
-use std::ops::Range;
-
-use super::system::{Assembly, Body};
+use super::forces::Assembly;
+use super::system::Body;
 use crate::average::{Rule, VolumeDamping};
-use crate::force::Term;
-use crate::force::pressures::PressureCells;
+use crate::force::PressureCells;
 use crate::sparse::reduce::dot;
 
 /// A function of the pressure in a cell, as it was linearised last.
@@ -23,18 +21,6 @@ struct Function<'a> {
     forces: &'a [f64],
     /// `[l][j][n_nodes][3]`.
     responses: &'a [f64],
-}
-
-/// Numbers the pressures of all terms.
-pub(crate) fn number(terms: &mut [Box<dyn Term>], parts: &[Range<usize>]) {
-    let (mut index, mut first) = (0, 0);
-    for term in terms {
-        term.number_pressures(index, first, parts);
-        if let Some(cells) = term.pressure_cells() {
-            index += 1;
-            first += cells.n_pressures();
-        }
-    }
 }
 
 impl Body {
@@ -50,12 +36,12 @@ impl Body {
 
     /// Number of functions of the pressure in the cells that count here.
     fn n_counted_pressures(&self) -> usize {
-        let cells = self.counted_terms().filter_map(|term| term.pressure_cells());
+        let cells = self.counted_forces().filter_map(|force| force.pressure_cells());
         cells.map(|cells| cells.n_pressures()).sum()
     }
 
     pub(super) fn pressure_cells(&self) -> impl Iterator<Item = PressureCells<'_>> {
-        self.terms().iter().filter_map(|term| term.pressure_cells())
+        self.forces().filter_map(|force| force.pressure_cells())
     }
 
     /// Copies the pressures of the deformation assembled last, `[function][l]`.

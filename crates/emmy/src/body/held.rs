@@ -1,6 +1,7 @@
 //! Rigid motions that neither supports nor the ground hold.
 
-use super::system::{Assembly, Body};
+use super::forces::Assembly;
+use super::system::Body;
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::force::StepInput;

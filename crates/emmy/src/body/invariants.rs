@@ -73,9 +73,7 @@ impl Body {
     /// ```
     #[doc(hidden)]
     pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        let terms = self.counted_terms().chain(self.ground.iter());
-        let own = terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)));
-        self.strain_state_of_ranks(own)
+        self.strain_state_of_ranks(self.own_strain_state(displacement))
     }
 
     /// The strain state of all ranks from that of the cells that count here; the cell is one of the whole mesh.

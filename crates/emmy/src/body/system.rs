@@ -1,20 +1,15 @@
-//! The body: its tables, and the assembly of stage forces and matrix.
+//! The body: its tables.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use rayon::prelude::*;
-
-use crate::average::Request;
+use super::forces::Forces;
 use crate::error::Result;
-use crate::force::pressures::PressureResults;
-use crate::force::term::Terms;
-use crate::force::{FieldLoad, LoadVector, Pressure, Scratch, StepDamping, StepInput, Term};
 use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
-use crate::space::{Reaction, Space};
-use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
+use crate::space::Space;
+use crate::sparse::{Pattern, nested_dissection};
 use crate::team::Subdomain;
 
 /// An elastic body, discretised in space: everything but its state of motion.
@@ -34,24 +29,16 @@ pub struct Body {
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
-    /// Terms of the cells, made on first use.
-    pub(super) terms: Arc<OnceLock<Terms>>,
+    pub(super) forces: Forces,
     /// Whether some cell, of any rank, has pressures.
     pub(super) has_pressures: bool,
-    /// Terms of the ground: external in the momentum balances.
-    pub(super) ground: Arc<Vec<Box<dyn Term>>>,
     pub(super) pattern: Arc<Pattern>,
     pub(super) parts: Vec<Range<usize>>,
     /// Computed on first use.
     pub(super) node_order: Arc<OnceLock<Result<Vec<usize>>>>,
     pub(super) mass: Arc<Vec<f64>>,
-    /// Rate of the mass-proportional damping.
-    pub(super) drag: f64,
     pub(super) viscous_time: f64,
     pub(super) lumped_mass: Vec<f64>,
-    pub(super) loads: Arc<Vec<LoadVector>>,
-    pub(super) fields: Arc<Vec<FieldLoad>>,
-    pub(super) pressures: Arc<Vec<Pressure>>,
     /// The body with loads and ground that act on the lumped mass, if that makes a difference.
     pub(super) lumped: Option<Box<Body>>,
     /// When the first support is released, and the body afterwards.
@@ -184,60 +171,6 @@ impl Body {
         }
     }
 
-    /// Memory for the assembly with time elements of a degree.
-    #[doc(hidden)]
-    pub fn assembly(&self, degree: usize) -> Assembly {
-        let terms = || self.terms().iter().chain(self.ground.iter());
-        let n_nodes = terms().map(|term| term.couplings().1).max().unwrap_or(0);
-        let n_points = terms().map(|term| term.n_points()).max().unwrap_or(0);
-        let n_pressure_terms = self.terms().iter().filter(|term| term.pressure_cells().is_some()).count();
-        let scratch = || Scratch::new(degree, n_nodes, n_points, n_pressure_terms);
-        let part = || Part { scratch: scratch(), outcome: Ok(()) };
-        Assembly {
-            matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
-            parts: self.parts.iter().map(|_| part()).collect(),
-        }
-    }
-
-    /// Stage averages of the internal force; with [`Request::Tangent`] also the stage matrix
-    /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
-    ///
-    /// # Errors
-    /// [`crate::Error::Inverted`] if a cell is inverted.
-    #[doc(hidden)]
-    pub fn assemble(
-        &self,
-        step: &StepInput<'_>,
-        request: Request,
-        mass_coefficients: &[f64],
-        assembly: &mut Assembly,
-    ) -> Result<()> {
-        let rows = assembly.matrix.parts_mut();
-        // Springs to the ground have no strain rates and no damping.
-        let ground = StepInput { damping: StepDamping::default(), ..*step };
-        let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
-            sink.clear_force();
-            if request == Request::Tangent {
-                sink.set_blocks(&self.mass, mass_coefficients);
-            }
-            let terms = self.terms().iter().map(|term| (term, step));
-            let mut terms = terms.chain(self.ground.iter().map(|term| (term, &ground)));
-            part.outcome = terms
-                .try_for_each(|(term, step)| term.assemble(step, request, index, &mut part.scratch, sink));
-        };
-        if rows.len() == 1 {
-            rows.iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
-        } else {
-            rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
-        }
-        self.space.agree(assembly.parts.iter().try_for_each(|part| part.outcome.clone()))
-    }
-
-    /// Rate of the drag \[1/time\].
-    pub fn drag(&self) -> f64 {
-        self.drag
-    }
-
     /// Whether any region has a viscosity.
     pub fn is_viscous(&self) -> bool {
         self.viscosities().any(|viscosity| !viscosity.is_zero())
@@ -252,102 +185,6 @@ impl Body {
     pub fn viscosities(&self) -> impl Iterator<Item = &Viscosity> {
         self.made_of.iter().map(|region| &region.viscosity)
     }
-
-    /// Energy that viscosity and the scheme dissipate through strain rates in a step \[energy\].
-    ///
-    /// ```math
-    /// sum_i b_i integral S_i : E'_i dV
-    /// ```
-    pub(crate) fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
-        let scratch = &mut assembly.parts[0].scratch;
-        let mut sum = [self.counted_terms().map(|term| term.dissipated(step, scratch)).sum()];
-        self.space.sum_ranks("dissipated energy", &mut sum);
-        sum[0]
-    }
-
-    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the
-    /// step, at fixed rates; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads are not included.
-    ///
-    /// ```math
-    /// sum_i (df_i/du_1)^T mu_i
-    /// ```
-    pub(crate) fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
-        gradient.fill(0.0);
-        let terms = self.terms().iter().chain(self.ground.iter());
-        terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
-    }
-
-    /// Whether springs or attractions connect the body to the ground.
-    pub(crate) fn has_ground(&self) -> bool {
-        !self.ground.is_empty()
-    }
-
-    /// Whether the body is free: no supports, no springs and attractions to the ground.
-    pub(crate) fn is_free(&self) -> bool {
-        self.ground.is_empty() && !self.space.is_supported()
-    }
-
-    /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.
-    pub(crate) fn add_spring_reactions(
-        &self,
-        step: &StepInput<'_>,
-        stage: usize,
-        weight: f64,
-        displacement: &[f64],
-        reactions: &mut [Reaction],
-    ) {
-        for (group, reaction) in self.space.groups().iter().zip(reactions) {
-            for &spring in &group.springs {
-                self.ground[spring].for_each_spring_force(step, stage, &mut |node, force| {
-                    reaction.add_at(self.space.position(displacement, node), force.map(|f| -weight * f));
-                });
-            }
-        }
-    }
-
-    /// Stage averages of the force of the body on the ground through springs and attractions, `force: [k][n_nodes][3]`.
-    /// Its negative is an external force in the momentum balances.
-    ///
-    /// # Errors
-    /// As [`Body::assemble`].
-    pub(crate) fn ground_force(
-        &self,
-        step: &StepInput<'_>,
-        assembly: &mut Assembly,
-        force: &mut [f64],
-    ) -> Result<()> {
-        let rows = assembly.matrix.parts_mut().iter_mut().zip(&mut assembly.parts);
-        for (index, (sink, part)) in rows.enumerate() {
-            sink.clear_force();
-            let mut terms = self.ground.iter();
-            let step = &StepInput { damping: StepDamping::default(), ..*step };
-            terms
-                .try_for_each(|term| term.assemble(step, Request::Stress, index, &mut part.scratch, sink))?;
-        }
-        assembly.matrix.copy_force(force);
-        Ok(())
-    }
-}
-
-/// Stage forces and matrix of a body, with the working memory of their assembly.
-#[derive(Debug)]
-pub struct Assembly {
-    /// Forces and matrix.
-    pub matrix: StageMatrix,
-    parts: Vec<Part>,
-}
-
-impl Assembly {
-    /// Results of the cells of a term with pressures, part by part.
-    pub(super) fn pressure_results(&self, term: usize) -> impl Iterator<Item = &PressureResults> {
-        self.parts.iter().map(move |part| &part.scratch.pressures[term])
-    }
-}
-
-#[derive(Debug)]
-struct Part {
-    scratch: Scratch,
-    outcome: Result<()>,
 }
 
 #[cfg(test)]

@@ -1,10 +1,6 @@
 //! The sums of the bodies of a team.
 
-use std::sync::Arc;
-
 use super::system::Body;
-use crate::force::field_load::{POINTS_OF_SIGNALS, samples};
-use crate::force::term::{time_of, traces};
 use crate::mass::RegionSummary;
 
 /// A region from its parts on all ranks; the centre of a part without mass has no meaning.
@@ -51,37 +47,25 @@ impl Body {
             *region = RegionSummary { group: region.group.take(), ..of_parts(parts) };
         }
         [self.has_pressures] = ranks.any("cells with pressures", [self.has_pressures]);
-        let mut of_cells = if self.is_viscous() { traces(self.counted_terms()) } else { [0.0; 2] };
+        let mut of_cells = if self.is_viscous() { self.viscosity_and_stiffness() } else { [0.0; 2] };
         ranks.sum("viscosity and stiffness", &mut of_cells);
-        self.viscous_time = time_of(of_cells);
+        self.viscous_time = viscous_time(of_cells);
         let read = |masses: &Vec<f64>, node: usize, mass: &mut [f64]| mass[0] = masses[node];
         let write = |masses: &mut Vec<f64>, node: usize, mass: &[f64]| masses[node] = mass[0];
         ranks.exchange("lumped masses", 1, &mut self.lumped_mass, read, write);
-        let mut fields = (*self.fields).clone();
-        for field in &mut fields {
-            let mut own = [[f64::NAN; 3]; POINTS_OF_SIGNALS];
-            own.iter_mut().zip(&field.samples).for_each(|(own, X)| *own = *X);
-            let of_ranks = ranks.gather("points of a field", own.as_flattened());
-            let is_point = |X: &[f64; 3]| X[0].is_finite();
-            field.samples =
-                samples(&of_ranks.as_chunks().0.iter().copied().filter(is_point).collect::<Vec<_>>());
-        }
-        self.fields = Arc::new(fields);
         self.with_supports_of_ranks()
     }
 
     /// The body, and its successors after the release of supports, with the axes that are fixed on any rank.
     fn with_supports_of_ranks(mut self) -> Body {
         self.space = self.space.with_sums_of_ranks();
-        let (lumped_mass, loads, fields) = (&self.lumped_mass, &self.loads, &self.fields);
+        let lumped_mass = &self.lumped_mass;
         let (regions, viscous_time) = (&self.regions, self.viscous_time);
         let has_pressures = self.has_pressures;
         self.release = self.release.take().map(|(time, body)| {
             let body = Body {
                 has_pressures,
                 lumped_mass: lumped_mass.clone(),
-                loads: loads.clone(),
-                fields: fields.clone(),
                 regions: regions.clone(),
                 viscous_time,
                 ..*body
@@ -90,4 +74,9 @@ impl Body {
         });
         self
     }
+}
+
+/// Mean viscosity of all cells over their mean stiffness at rest \[time\], from [`Body::viscosity_and_stiffness`].
+fn viscous_time([viscosity, stiffness]: [f64; 2]) -> f64 {
+    if viscosity > 0.0 && stiffness > 0.0 { viscosity / stiffness } else { 0.0 }
 }

@@ -1,7 +1,10 @@
-//! Terms of the cells of each region.
+//! Forces of the cells of each region.
+
+use std::ops::Range;
 
 use super::batches::PointGeometry;
-use super::term::Term;
+use super::force::Force;
+use super::solid::SolidForce;
 use crate::element::{element, jacobian};
 use crate::error::{Error, Result};
 use crate::input::Region;
@@ -11,12 +14,12 @@ use crate::space::geometry::{ReferenceTable, positions, reserved};
 use crate::space::{CellTable, InternalNodes};
 use crate::tensor::{LANES, det};
 
-/// Checks all that the terms of the cells need, but makes none: formulations, Jacobians, room for the geometry. Returns
+/// Checks all that the forces of the cells need, but makes none: formulations, Jacobians, room for the geometry. Returns
 /// whether some cells have pressures.
 ///
 /// # Errors
 /// [`Error::Formulation`], [`Error::InvertedCell`], [`Error::OutOfMemory`].
-pub(crate) fn check_terms(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32]) -> Result<bool> {
+pub(crate) fn check(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32]) -> Result<bool> {
     let mut has_pressures = false;
     let mut n_points = 0;
     let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
@@ -44,28 +47,40 @@ pub(crate) fn check_terms(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32
     Ok(has_pressures)
 }
 
-/// One term for each region and kind of the cells that are `chosen`.
-pub(crate) fn terms(
+/// One force for each region and kind of the cells that are `chosen`.
+pub(crate) fn forces(
     mesh: &Mesh,
     regions: &[Region],
     region_of_cell: &[u32],
     internal: &InternalNodes,
     chosen: impl Fn(u32) -> bool,
-) -> Result<Vec<Box<dyn Term>>> {
-    let mut terms: Vec<Box<dyn Term>> = Vec::new();
+) -> Result<Vec<SolidForce>> {
+    let mut forces = Vec::new();
     for (region, of_region) in regions.iter().zip(cells_by_region(region_of_cell, regions.len())) {
         for kind in CellKind::ALL {
             let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind && chosen(*cell);
             let cells: Vec<u32> = of_region.iter().copied().filter(is_of_kind).collect();
             if !cells.is_empty() {
-                // The term of a link asks for its length.
+                // The force of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
                 let table = CellTable::new(mesh, kind, cells, section)?.with_modes(mesh, kind, internal)?;
-                let mut term = region.material.term(region.formulation, mesh, kind, table)?;
-                term.set_viscosity(&region.viscosity);
-                terms.push(Box::new(term));
+                let mut force = region.material.force(region.formulation, mesh, kind, table)?;
+                force.set_viscosity(&region.viscosity);
+                forces.push(force);
             }
         }
     }
-    Ok(terms)
+    Ok(forces)
+}
+
+/// Numbers the pressures of all forces; `parts`: rows of each thread.
+pub(crate) fn number_pressures(forces: &mut [SolidForce], parts: &[Range<usize>]) {
+    let (mut index, mut first) = (0, 0);
+    for force in forces {
+        force.number_pressures(index, first, parts);
+        if let Some(cells) = force.pressure_cells() {
+            index += 1;
+            first += cells.n_pressures();
+        }
+    }
 }

@@ -10,19 +10,21 @@ use crate::tensor::cross;
 const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
-pub(crate) type NodalVectors = [[f64; 3]; MAX_NODES];
+pub(super) type NodalVectors = [[f64; 3]; MAX_NODES];
 
 /// A vector for each pair A, B of a facet's nodes.
-pub(crate) type PairVectors = [NodalVectors; MAX_NODES];
+pub(super) type PairVectors = [NodalVectors; MAX_NODES];
 
 /// Facets of one kind.
 #[derive(Debug, Clone)]
-pub(crate) struct FacetTable {
+pub(super) struct FacetTable {
     kind: FacetKind,
     /// Nodes, `[facet][n_nodes]`.
     pub nodes: Vec<u32>,
     /// Position in the pattern of every pair of nodes, `[facet][A][B]`.
     pub positions: Vec<u32>,
+    /// Reference positions of the nodes.
+    points: Vec<[f64; 3]>,
     /// Thickness of the plane cell of each facet; 1 for solids.
     sections: Vec<f64>,
     reference: ReferenceTable<2>,
@@ -30,9 +32,21 @@ pub(crate) struct FacetTable {
     across: [f64; 3],
 }
 
+/// A facet of a table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FacetOfTable<'a> {
+    pub nodes: &'a [u32],
+    /// Reference positions of the nodes.
+    pub points: &'a [[f64; 3]],
+    /// Position in the pattern of every pair of nodes, `[A][B]`.
+    pub pairs: &'a [u32],
+    /// Thickness.
+    pub section: f64,
+}
+
 impl FacetTable {
     /// Tables of facets, one for each kind; `section`: thickness of each cell of the mesh.
-    pub(crate) fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
+    pub(super) fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
         let mut tables: Vec<FacetTable> = Vec::new();
         for &facet in facets {
             let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
@@ -40,7 +54,7 @@ impl FacetTable {
                 tables.push(FacetTable::new(kind));
                 tables.len() - 1
             });
-            tables[at].push(pattern, mesh.facet_nodes(facet).collect(), section[facet.cell as usize]);
+            tables[at].push(mesh, pattern, mesh.facet_nodes(facet).collect(), section[facet.cell as usize]);
         }
         tables
     }
@@ -50,29 +64,36 @@ impl FacetTable {
         let reference = ReferenceTable::new(element, element.quadrature(), kind.n_nodes());
         let is_edge = matches!(kind, FacetKind::Line2 | FacetKind::Line3);
         let across = [0.0, 0.0, if is_edge { 1.0 } else { 0.0 }];
-        let (nodes, positions, sections) = (Vec::new(), Vec::new(), Vec::new());
-        FacetTable { kind, nodes, positions, sections, reference, across }
+        let (nodes, positions, points, sections) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        FacetTable { kind, nodes, positions, points, sections, reference, across }
     }
 
-    fn push(&mut self, pattern: &Pattern, nodes: Vec<u32>, section: f64) {
+    fn push(&mut self, mesh: &Mesh, pattern: &Pattern, nodes: Vec<u32>, section: f64) {
         for &row in &nodes {
             let position = |&column: &u32| pattern.position(row as usize, column as usize);
             self.positions.extend(nodes.iter().filter_map(position).map(|position| position as u32));
         }
+        self.points.extend(nodes.iter().map(|&node| mesh.points()[node as usize]));
         self.nodes.extend(nodes);
         self.sections.push(section);
     }
 
     /// Number of nodes of a facet.
-    pub(crate) fn n_nodes(&self) -> usize {
+    pub(super) fn n_nodes(&self) -> usize {
         self.reference.n_nodes
     }
 
-    /// Nodes of each facet, the positions of their pairs in the pattern, and the thickness.
-    pub(crate) fn facets(&self) -> impl Iterator<Item = (&[u32], &[u32], f64)> {
+    /// The facets.
+    pub(super) fn facets(&self) -> impl Iterator<Item = FacetOfTable<'_>> {
         let n = self.n_nodes();
+        let nodes = self.nodes.chunks_exact(n).zip(self.points.chunks_exact(n));
         let pairs = self.positions.chunks_exact(n * n).zip(&self.sections);
-        self.nodes.chunks_exact(n).zip(pairs).map(|(nodes, (pairs, &section))| (nodes, pairs, section))
+        nodes.zip(pairs).map(|((nodes, points), (pairs, &section))| FacetOfTable {
+            nodes,
+            points,
+            pairs,
+            section,
+        })
     }
 
     /// Force of the unit pressure on a facet (of unit thickness) with nodes at `q`, which pushes against the outward
@@ -84,7 +105,7 @@ impl FacetTable {
     ///
     /// The quadrature is exact for every kind of facet (see [`crate::element`]), so that on a closed surface
     /// `F_A = - dV/dq_A` with the enclosed volume V.
-    pub(crate) fn force(&self, q: &NodalVectors) -> NodalVectors {
+    pub(super) fn force(&self, q: &NodalVectors) -> NodalVectors {
         let mut force = [[0.0; 3]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let [a, b] = self.tangents(q, point);
@@ -101,7 +122,7 @@ impl FacetTable {
     /// ```math
     /// c_AB = integral N_A (N_B,xi q_,eta - N_B,eta q_,xi) dxi deta
     /// ```
-    pub(crate) fn derivative(&self, q: &NodalVectors) -> PairVectors {
+    pub(super) fn derivative(&self, q: &NodalVectors) -> PairVectors {
         let mut c = [[[0.0; 3]; MAX_NODES]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let [a, b] = self.tangents(q, point);

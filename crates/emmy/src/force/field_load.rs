@@ -1,81 +1,70 @@
 //! Loads given by a function of position and time.
 
-use super::load_vector::cells_of;
+use std::sync::Arc;
+
+use super::dead::{DeadLoad, cells_of, finite_factor, not_finite};
+use super::force::{Book, Force, ForceMemory, Side};
+use super::over_time::OverTime;
+use super::signal::{POINTS_OF_SIGNALS, Signal};
+use super::source::Site;
+use super::step::{Sampling, StepStart};
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::input::pole::pole;
-use crate::input::{Field, FieldDomain, Load, NotFinite, SignalTarget, TimeFunction};
-use crate::mass::Spread;
-use crate::mesh::Mesh;
+use crate::input::{Field, FieldDomain, Load, SignalTarget, TimeFunction};
 use crate::number::short_vector;
-use crate::space::geometry::{MassKind, for_each_facet_point, for_each_mass_point};
+use crate::space::geometry::{for_each_facet_point, for_each_mass_point};
+use crate::team::Subdomain;
 
 /// A load by a field: the points at which the field is evaluated, and the weights of the nodes at each.
 #[derive(Debug, Clone)]
 pub(crate) struct FieldLoad {
-    /// Number of the load.
-    pub(crate) load: usize,
-    pub(crate) field: Field,
-    pub(crate) time_function: TimeFunction,
+    number: usize,
+    field: Field,
+    time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
-    /// Some of them, of all ranks, at which the change over time is checked.
-    pub(crate) samples: Vec<[f64; 3]>,
     /// End of the entries of each point in `node_weights`.
     ends: Vec<usize>,
     /// Nodes with weight times shape function \[length^2 or length^3\].
     node_weights: Vec<(u32, f64)>,
 }
 
-/// Memory for the evaluation of the dead loads of a body, so that a step allocates none.
-#[derive(Debug, Default)]
-pub(crate) struct LoadMemory {
-    /// Averages of a time function, or weights of the stages, `[k]`.
-    pub(crate) of_stages: Vec<f64>,
-    /// Vectors of a field at its points.
+/// Memory for the evaluation of a field, so that a step allocates none.
+#[derive(Debug)]
+struct FieldMemory {
+    /// Weights of the stages, `[k]`.
+    of_stages: Vec<f64>,
+    /// Vectors of the field at its points.
     values: Vec<[f64; 3]>,
 }
 
-impl LoadMemory {
-    pub(crate) fn new(n_stages: usize, fields: &[FieldLoad]) -> Self {
-        let n_points = fields.iter().map(|field| field.points.len()).max().unwrap_or(0);
-        LoadMemory { of_stages: vec![0.0; n_stages], values: vec![[0.0; 3]; n_points] }
-    }
-}
-
-/// Points of a field at which its change over time is checked.
-pub(crate) const POINTS_OF_SIGNALS: usize = 4;
-
-/// Times at which those points, and evaluations with which all points are searched for a value that is not finite.
+/// Times at which a few points, and evaluations with which all points are searched for a value that is not finite.
 const TIMES: usize = 1000;
 const MAX_EVALUATIONS: usize = 100_000;
 
 /// A few points among many, evenly.
-pub(crate) fn samples(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+fn samples(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     points.iter().step_by(points.len().div_ceil(POINTS_OF_SIGNALS).max(1)).copied().collect()
 }
 
 impl FieldLoad {
-    /// The load; `None` if it is not a field. `section`: thickness of plane cells, `density_of_cell`: mass per measure of
-    /// each cell, `point_masses: [n_nodes]`, `spread`: further masses, `mass`: the kind of mass on which body forces and
-    /// accelerations act.
+    /// The load.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].
-    pub(crate) fn new(
-        mesh: &Mesh,
-        index: usize,
+    pub(super) fn new(
+        number: usize,
         load: &Load,
-        (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
-        (spread, mass): (&Spread, MassKind),
-    ) -> Result<Option<Self>> {
-        let Some((field, domain)) = load.kind.field() else { return Ok(None) };
+        (field, domain): (&Field, FieldDomain<'_>),
+        site: &Site<'_>,
+    ) -> Result<Self> {
+        let Site { mesh, section, .. } = *site;
         let mut table = FieldLoad {
-            load: index,
+            number,
             field: field.clone(),
             time_function: load.time_function.clone(),
             points: Vec::new(),
-            samples: Vec::new(),
             ends: Vec::new(),
             node_weights: Vec::new(),
         };
@@ -87,34 +76,41 @@ impl FieldLoad {
             }
             FieldDomain::Cells(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_mass_point(mesh, cells.into_iter(), mass, &mut |cell, nodes, point| {
+                for_each_mass_point(mesh, cells.into_iter(), site.kind, &mut |cell, nodes, point| {
                     table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
                 });
             }
             FieldDomain::Masses(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_mass_point(mesh, cells.into_iter(), mass, &mut |cell, nodes, point| {
-                    table.push(nodes, point.position, density_of_cell[cell] * point.weight, point.shapes);
+                for_each_mass_point(mesh, cells.into_iter(), site.kind, &mut |cell, nodes, point| {
+                    table.push(
+                        nodes,
+                        point.position,
+                        site.density_of_cell[cell] * point.weight,
+                        point.shapes,
+                    );
                 });
-                let masses = point_masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0);
+                let masses = site.point_masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0);
                 for (node, &point_mass) in masses.filter(|_| group.is_none()) {
                     table.push(&[node as u32], mesh.points()[node], point_mass, &[1.0]);
                 }
                 if group.is_none() {
-                    spread.for_each_point(mesh, section, mass, |nodes, point| {
+                    site.spread.for_each_point(mesh, section, site.kind, |nodes, point| {
                         table.push(nodes, point.position, point.weight, point.shapes);
                     });
                 }
             }
         }
-        table.samples = samples(&table.points);
-        Ok(Some(table))
+        Ok(table)
     }
 
-    /// Its components over time at some of its points, with the factor: how many they are, and a function that sets them
-    /// for each time, `[n_times][n]`.
-    pub(crate) fn components(&self) -> (usize, impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) {
-        let points = self.samples.clone();
+    /// Its components over time at some points, with the factor: how many they are, and a function that sets them for each
+    /// time, `[n_times][n]`.
+    fn components(
+        &self,
+        points: Vec<[f64; 3]>,
+    ) -> (usize, impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) {
+        let n = 3 * points.len();
         let (field, time_function) = (self.field.clone(), self.time_function.clone());
         let set = move |points: &[[f64; 3]], times: &[f64], values: &mut [f64]| {
             let mut vectors = [[0.0; 3]; POINTS_OF_SIGNALS];
@@ -126,12 +122,12 @@ impl FieldLoad {
                 all.for_each(|(value, component)| *value = factor * component);
             }
         };
-        (3 * points.len(), move |times: &[f64], values: &mut [f64]| set(&points, times, values))
+        (n, move |times: &[f64], values: &mut [f64]| set(&points, times, values))
     }
 
     /// A point and a time of a span at which the load is not a finite number; of a costly field, at the start of the span
     /// only, because a step names a value that is not finite.
-    pub(crate) fn find_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
+    fn first_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
         if self.field.is_costly() {
             return self.not_finite_among(1, 0, span);
         }
@@ -143,7 +139,7 @@ impl FieldLoad {
 
     /// A pole over time at one of a few points.
     fn find_pole(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
-        self.samples.iter().find_map(|&X| {
+        samples(&self.points).into_iter().find_map(|X| {
             let size = |time: f64| {
                 let value = self.field.at(X, time).iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
                 self.time_function.value(time) * value
@@ -175,32 +171,20 @@ impl FieldLoad {
         self.ends.push(self.node_weights.len());
     }
 
-    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is not zero.
-    ///
-    /// # Errors
-    /// [`Error::NotFiniteAt`].
-    pub(crate) fn add_at(&self, time: f64, memory: &mut LoadMemory, force: &mut [f64]) -> Result<bool> {
-        let factor = self.time_function.value(time);
-        if !factor.is_finite() {
-            return Err(self.factor_not_finite(NotFinite { time, value: factor }));
-        }
-        self.add((time, factor), &[1.0], &mut memory.values, force)
-    }
-
     /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`. Returns whether
     /// the load acts.
     ///
     /// # Errors
     /// [`Error::NotFiniteAt`].
-    pub(crate) fn add_averages(
+    fn add_averages(
         &self,
         time: f64,
         h: f64,
         rule: &Rule,
-        memory: &mut LoadMemory,
+        memory: &mut FieldMemory,
         force: &mut [f64],
     ) -> Result<bool> {
-        let LoadMemory { of_stages, values } = memory;
+        let FieldMemory { of_stages, values } = memory;
         let mut acts = Ok(false);
         let quadrature = rule.smooth_quadrature();
         let factors =
@@ -212,8 +196,19 @@ impl FieldLoad {
                 acts =
                     self.add((time + alpha * h, factor), of_stages, values, force).map(|acts| acts || acted);
             });
-        factors.map_err(|found| self.factor_not_finite(found))?;
+        factors.map_err(|found| not_finite(&self.time_function, self.number, found))?;
         acts
+    }
+
+    /// The nodal forces at a time, `[n_nodes][3]`.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    fn force_at(&self, time: f64, n_dofs: usize) -> Result<Vec<f64>> {
+        let (mut force, mut values) = (vec![0.0; n_dofs], vec![[0.0; 3]; self.points.len()]);
+        let factor = finite_factor(&self.time_function, self.number, time)?;
+        self.add((time, factor), &[1.0], &mut values, &mut force)?;
+        Ok(force)
     }
 
     /// Adds the nodal forces at a time with a factor to every stage, times its weight; `values`: memory for a vector at
@@ -235,7 +230,7 @@ impl FieldLoad {
         for ((value, &X), &end) in values.iter().zip(&self.points).zip(&self.ends) {
             let value = value.map(|value| factor * value);
             if let Some(&value) = value.iter().find(|value| !value.is_finite()) {
-                return Err(self.not_finite(X, time, value));
+                return Err(self.value_not_finite(X, time, value));
             }
             for &(node, weight) in &self.node_weights[begin..end] {
                 for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(stage_weights) {
@@ -247,12 +242,82 @@ impl FieldLoad {
         Ok(true)
     }
 
-    fn factor_not_finite(&self, found: NotFinite) -> Error {
-        SignalTarget::Load(self.load).not_finite(self.time_function.text().unwrap_or_default(), found)
+    fn value_not_finite(&self, X: [f64; 3], time: f64, value: f64) -> Error {
+        let load = SignalTarget::Load(self.number).with_text(self.field.text());
+        Error::NotFiniteAt { what: format!("{load} at {}", short_vector(X)), time, value }
+    }
+}
+
+impl Force for FieldLoad {
+    fn book(&self) -> Book {
+        Book::Work
     }
 
-    fn not_finite(&self, X: [f64; 3], time: f64, value: f64) -> Error {
-        let load = SignalTarget::Load(self.load).with_text(self.field.text());
-        Error::NotFiniteAt { what: format!("{load} at {}", short_vector(X)), time, value }
+    fn side(&self) -> Side {
+        Side::Outside
+    }
+
+    fn memory(&self, rule: &Rule) -> ForceMemory {
+        let (of_stages, values) = (vec![0.0; rule.degree()], vec![[0.0; 3]; self.points.len()]);
+        ForceMemory::new(FieldMemory { of_stages, values })
+    }
+
+    fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, steady: &mut [f64]) -> Result<bool> {
+        let Some(memory) = memory.of_mut::<FieldMemory>() else { return Ok(false) };
+        let StepStart { rule, points, span, sampling } = *start;
+        if sampling == Sampling::Averages {
+            return self.add_averages(span.start, span.size, rule, memory, steady);
+        }
+        let mut acts = false;
+        for (m, alpha) in points.alphas().enumerate() {
+            let time = span.time(alpha);
+            let factor = finite_factor(&self.time_function, self.number, time)?;
+            acts |= self.add((time, factor), points.stage_weights(m), &mut memory.values, steady)?;
+        }
+        Ok(acts)
+    }
+
+    fn is_steady(&self) -> bool {
+        true
+    }
+
+    fn over_time(&self) -> Option<&dyn OverTime> {
+        Some(self)
+    }
+}
+
+impl OverTime for FieldLoad {
+    fn number(&self) -> usize {
+        self.number
+    }
+
+    fn next_corner(&self, after: f64) -> Option<f64> {
+        self.time_function.next_corner(after)
+    }
+
+    fn signals(&self, ranks: &Subdomain) -> Vec<Signal> {
+        let mut own = [[f64::NAN; 3]; POINTS_OF_SIGNALS];
+        own.iter_mut().zip(samples(&self.points)).for_each(|(own, X)| *own = X);
+        let of_ranks = ranks.gather("points of a field", own.as_flattened());
+        let points: Vec<[f64; 3]> =
+            of_ranks.as_chunks().0.iter().copied().filter(|X: &[f64; 3]| X[0].is_finite()).collect();
+        let (n_components, components) = self.components(samples(&points));
+        let signal = Signal::of_field(&self.field, self.number, n_components, components);
+        (n_components > 0).then_some(signal).into_iter().collect()
+    }
+
+    fn in_proportion(&self, time: f64, n_dofs: usize) -> Arc<dyn Force> {
+        // A load that is not finite stays so: the march then fails.
+        let force = self.force_at(time, n_dofs).unwrap_or_else(|_| vec![f64::NAN; n_dofs]);
+        Arc::new(DeadLoad { number: self.number, force, time_function: TimeFunction::ramp(1.0) })
+    }
+
+    fn add_unit_force(&self, force: &mut [f64]) {
+        let own = self.force_at(0.0, force.len()).unwrap_or_else(|_| vec![f64::NAN; force.len()]);
+        force.iter_mut().zip(own).for_each(|(sum, f)| *sum += f);
+    }
+
+    fn find_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
+        self.first_not_finite(span)
     }
 }

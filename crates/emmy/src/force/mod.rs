@@ -1,24 +1,34 @@
-//! Forces on the nodes of a body: cells, links, springs and attractions to the ground, pressures, dead loads.
+//! Forces on the nodes of a body, one file each: cells and links, springs and attractions to the ground, loads, drag.
 
 #![allow(non_snake_case)]
 
-pub(crate) mod batches;
+mod attraction;
+mod batches;
 pub(crate) mod cells;
+pub(crate) mod dead;
+mod drag;
 mod facets;
-pub(crate) mod field_load;
-pub(crate) mod ground;
-pub(crate) mod integral;
-pub(crate) mod load_vector;
-pub(crate) mod pressure;
+mod field_load;
+mod force;
+mod integral;
+mod load;
+mod over_time;
 pub(crate) mod pressures;
 pub(crate) mod projection;
-mod solid;
+pub(crate) mod signal;
+pub(crate) mod solid;
+pub(crate) mod source;
+mod spring;
 pub(crate) mod step;
-pub(crate) mod term;
+mod strain_state;
+mod surface_pressure;
 
-pub(crate) use field_load::{FieldLoad, LoadMemory};
+pub(crate) use drag::Drag;
+pub(crate) use force::{Book, Force, ForceMemory, Side};
 pub(crate) use integral::Scratch;
-pub(crate) use load_vector::LoadVector;
-pub(crate) use pressure::Pressure;
-pub(crate) use step::{StepDamping, StepInput};
-pub(crate) use term::{StrainState, Term};
+pub(crate) use over_time::OverTime;
+pub(crate) use pressures::{PressureCells, PressureResults};
+pub(crate) use signal::{MAX_COMPONENTS, Signal};
+pub(crate) use source::{ForceSource, Site};
+pub(crate) use step::{Sampling, Span, StepDamping, StepInput, StepStart};
+pub(crate) use strain_state::StrainState;

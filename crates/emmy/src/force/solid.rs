@@ -11,12 +11,13 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
+use super::force::{Book, Force, ForceMemory, Side};
 use super::integral;
 use super::integral::{BatchMemory, CellLaw, PointMemory, RegisterCells, Scratch, projected};
 use super::pressures::{PressureCells, PressureNumbers};
 use super::projection::Projection;
-use super::step::StepInput;
-use super::term::{StrainState, Term};
+use super::step::{StepDamping, StepInput};
+use super::strain_state::StrainState;
 use crate::average::{Damping, Request, VolumeDamping};
 use crate::error::{Error, Result};
 use crate::input::Viscosity;
@@ -27,11 +28,12 @@ use crate::tensor::{Batch, Elasticity, LANES, Packed, Register};
 
 /// Cells of one kind and one material.
 #[derive(Debug)]
-pub(crate) struct SolidTerm {
+pub(crate) struct SolidForce {
     materials: Materials,
     /// Elasticity at rest, if there is one material.
     at_rest: Elasticity<f64>,
     viscosity: Viscosity,
+    side: Side,
     /// Projection of the volume; `None`: the whole energy is that of the material at the points.
     projection: Option<Projection>,
     pressures: PressureNumbers,
@@ -86,18 +88,23 @@ const MAX_NODES: usize = 27;
 /// Batches whose energies are summed sequentially; more batches are summed in a binary tree.
 const ENERGY_RUN: usize = 64;
 
-impl SolidTerm {
+impl SolidForce {
     /// The term of a table of cells.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub(crate) fn new(material: CompiledMaterial, table: CellTable) -> Result<Self> {
-        SolidTerm::with_materials(Materials::Solid(material), table)
+        SolidForce::with_materials(Materials::Solid(material), table)
+    }
+
+    /// The same force on a side of the body; one from outside, with links to fixed points, has no damping.
+    pub(super) fn on(self, side: Side) -> Self {
+        SolidForce { side, ..self }
     }
 
     /// The same term with the energy of a projected volume beside that of its material.
     pub(crate) fn with_projection(self, projection: Projection) -> Self {
-        SolidTerm { projection: Some(projection), ..self }
+        SolidForce { projection: Some(projection), ..self }
     }
 
     /// The term of a table of links, with the energy of each.
@@ -105,16 +112,17 @@ impl SolidTerm {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub(crate) fn links(energies: Vec<LinkEnergy>, table: CellTable) -> Result<Self> {
-        SolidTerm::with_materials(Materials::Links(energies), table)
+        SolidForce::with_materials(Materials::Links(energies), table)
     }
 
     fn with_materials(materials: Materials, table: CellTable) -> Result<Self> {
         let cells = CellBatches::new(table)?;
         let at_rest = if cells.cells.is_empty() { [[0.0; 6]; 6] } else { materials.at_rest(0) };
-        Ok(SolidTerm {
+        Ok(SolidForce {
             materials,
             at_rest,
             viscosity: Viscosity::default(),
+            side: Side::Inside,
             projection: None,
             pressures: PressureNumbers::default(),
             cells,
@@ -126,7 +134,9 @@ impl SolidTerm {
     /// Whether a step has terms in the strain rates.
     #[inline(always)]
     fn damps(&self, step: &StepInput<'_>) -> bool {
-        step.damping.dissipation > 0.0 || step.damping.inverse_step_size > 0.0 && !self.viscosity.is_zero()
+        let StepDamping { dissipation, inverse_step_size } = step.damping;
+        let damps = dissipation > 0.0 || inverse_step_size > 0.0 && !self.viscosity.is_zero();
+        damps && self.side == Side::Inside
     }
 
     /// Damping of a cell in a step; `None` if there is none.
@@ -143,7 +153,7 @@ impl SolidTerm {
         Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.dissipation) })
     }
 
-    /// Damping of the projected volume in a step: that of the stiffness which [`SolidTerm::damping`] does not see.
+    /// Damping of the projected volume in a step: that of the stiffness which [`SolidForce::damping`] does not see.
     fn volume_damping(&self, step: &StepInput<'_>) -> Option<VolumeDamping> {
         let modulus = self.projection.as_ref()?.law.modulus();
         let damping = VolumeDamping {
@@ -244,7 +254,7 @@ impl SolidTerm {
     /// Strain energy and smallest det F of some batches, summed in an order that does not depend on the threads.
     fn strain_state_sum(&self, batches: Range<usize>, displacement: &[f64]) -> StrainState {
         if batches.len() <= ENERGY_RUN {
-            return self.materials.arch().dispatch(StrainStateSum { term: self, batches, displacement });
+            return self.materials.arch().dispatch(StrainStateSum { force: self, batches, displacement });
         }
         let middle = batches.start + batches.len() / 2;
         let left = batches.start..middle;
@@ -286,7 +296,7 @@ impl SolidTerm {
 
 /// The batches of a part of the rows, in the registers of an instruction set.
 struct PartAssembly<'a> {
-    term: &'a SolidTerm,
+    force: &'a SolidForce,
     step: &'a StepInput<'a>,
     request: Request,
     part: usize,
@@ -298,15 +308,15 @@ impl WithSimd for PartAssembly<'_> {
     type Output = Result<()>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<()> {
-        let PartAssembly { term, step, request, part, scratch, sink } = self;
+        let PartAssembly { force, step, request, part, scratch, sink } = self;
         let (memory, point_memory, results) = scratch.of::<Batch<S>>();
-        for batch in term.parts[part].iter().map(|batch| *batch as usize) {
+        for batch in force.parts[part].iter().map(|batch| *batch as usize) {
             if request == Request::Tangent {
-                term.touch(batch, sink);
+                force.touch(batch, sink);
             }
-            term.integrate((Batch::new(simd, 0.0), batch), (step, request), (memory, point_memory))?;
-            term.scatter(batch, step, request, memory, sink);
-            term.keep_pressures((batch, part), step, request, memory, results);
+            force.integrate((Batch::new(simd, 0.0), batch), (step, request), (memory, point_memory))?;
+            force.scatter(batch, step, request, memory, sink);
+            force.keep_pressures((batch, part), step, request, memory, results);
         }
         Ok(())
     }
@@ -314,7 +324,7 @@ impl WithSimd for PartAssembly<'_> {
 
 /// Strain energy and smallest det F of some batches, in the registers of an instruction set.
 struct StrainStateSum<'a> {
-    term: &'a SolidTerm,
+    force: &'a SolidForce,
     batches: Range<usize>,
     displacement: &'a [f64],
 }
@@ -323,13 +333,13 @@ impl WithSimd for StrainStateSum<'_> {
     type Output = StrainState;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> StrainState {
-        self.term.strain_state_of(Batch::new(simd, 0.0), self.batches, self.displacement)
+        self.force.strain_state_of(Batch::new(simd, 0.0), self.batches, self.displacement)
     }
 }
 
 /// Dissipated energy of all cells, in the registers of an instruction set.
 struct Dissipated<'a> {
-    term: &'a SolidTerm,
+    force: &'a SolidForce,
     step: &'a StepInput<'a>,
     scratch: &'a mut Scratch,
 }
@@ -339,30 +349,13 @@ impl WithSimd for Dissipated<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let (memory, point_memory, _) = self.scratch.of();
-        self.term.dissipated_in(Batch::new(simd, 0.0), self.step, (memory, point_memory))
+        self.force.dissipated_in(Batch::new(simd, 0.0), self.step, (memory, point_memory))
     }
 }
 
-impl Term for SolidTerm {
-    fn couplings(&self) -> (&[u32], usize) {
-        (&self.cells.nodes, self.cells.n_nodes)
-    }
-
-    fn n_points(&self) -> usize {
-        self.cells.n_points
-    }
-
-    fn pressure_cells(&self) -> Option<PressureCells<'_>> {
-        self.projection.as_ref()?;
-        let CellBatches { cells, nodes, n_nodes, .. } = &self.cells;
-        Some(PressureCells { cells, nodes, n_nodes: *n_nodes, numbers: &self.pressures })
-    }
-
-    fn number_pressures(&mut self, term: usize, first: usize, parts: &[Range<usize>]) {
-        self.pressures = self.numbered(term, first, parts);
-    }
-
-    fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]) {
+impl SolidForce {
+    /// Looks up the positions of the nodes of its cells in the pattern, and the batches that touch the rows of each part.
+    pub(crate) fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]) {
         let n = self.cells.n_nodes;
         self.positions = Vec::with_capacity(self.cells.nodes.len() * n);
         for nodes in self.cells.nodes.chunks_exact(n) {
@@ -382,22 +375,18 @@ impl Term for SolidTerm {
             parts.iter().map(|rows| batches.clone().filter(|batch| touches(batch, rows)).collect()).collect();
     }
 
-    fn assemble(
-        &self,
-        step: &StepInput<'_>,
-        request: Request,
-        part: usize,
-        scratch: &mut Scratch,
-        sink: &mut RowPart,
-    ) -> Result<()> {
-        self.materials.arch().dispatch(PartAssembly { term: self, step, request, part, scratch, sink })
+    /// Numbers the pressures: the force is `index` among those with pressures, and its functions begin with `first`.
+    pub(super) fn number_pressures(&mut self, index: usize, first: usize, parts: &[Range<usize>]) {
+        self.pressures = self.numbered(index, first, parts);
     }
 
-    fn set_viscosity(&mut self, viscosity: &Viscosity) {
+    /// Gives the cells a viscosity.
+    pub(super) fn set_viscosity(&mut self, viscosity: &Viscosity) {
         self.viscosity = *viscosity;
     }
 
-    fn viscosity_and_stiffness(&self) -> [f64; 2] {
+    /// Traces of viscosity and elasticity at rest, times the number of cells.
+    pub(crate) fn viscosity_and_stiffness(&self) -> [f64; 2] {
         // The elasticity K I (x) I of a projected volume has the trace 3 K.
         let volume = 3.0 * self.projection.as_ref().map_or(0.0, |projection| projection.law.modulus());
         let trace = |D: &Elasticity<f64>, volume: f64| {
@@ -406,12 +395,41 @@ impl Term for SolidTerm {
         let viscosity = self.viscosity.tensor(&self.at_rest);
         [trace(&viscosity, self.viscosity.time * volume), trace(&self.at_rest, volume)]
     }
+}
+
+impl Force for SolidForce {
+    fn book(&self) -> Book {
+        Book::Stored
+    }
+
+    fn side(&self) -> Side {
+        self.side
+    }
+
+    fn scratch_size(&self) -> [usize; 2] {
+        [self.cells.n_nodes, self.cells.n_points]
+    }
+
+    fn assemble(
+        &self,
+        (step, request): (&StepInput<'_>, Request),
+        _: &ForceMemory,
+        part: usize,
+        scratch: &mut Scratch,
+        sink: &mut RowPart,
+    ) -> Result<()> {
+        self.materials.arch().dispatch(PartAssembly { force: self, step, request, part, scratch, sink })
+    }
+
+    fn dissipates(&self) -> bool {
+        !self.viscosity.is_zero()
+    }
 
     fn dissipated(&self, step: &StepInput<'_>, scratch: &mut Scratch) -> f64 {
         if !self.damps(step) {
             return 0.0;
         }
-        self.materials.arch().dispatch(Dissipated { term: self, step, scratch })
+        self.materials.arch().dispatch(Dissipated { force: self, step, scratch })
     }
 
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
@@ -420,5 +438,11 @@ impl Term for SolidTerm {
 
     fn strain_state(&self, displacement: &[f64]) -> StrainState {
         self.strain_state_sum(0..self.cells.len(), displacement)
+    }
+
+    fn pressure_cells(&self) -> Option<PressureCells<'_>> {
+        self.projection.as_ref()?;
+        let CellBatches { cells, nodes, n_nodes, .. } = &self.cells;
+        Some(PressureCells { cells, nodes, n_nodes: *n_nodes, numbers: &self.pressures })
     }
 }

@@ -37,7 +37,7 @@ impl Linearised {
         let mut forces = Forces::new(body);
         forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {
-            forces.add_follower_tangent(displacement, time)?;
+            forces.add_external_tangent(displacement, time)?;
         }
         let mut assembly = forces.assembly;
         assembly.matrix.symmetrize(body.pattern());

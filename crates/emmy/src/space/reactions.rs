@@ -78,7 +78,7 @@ impl Space {
 
     /// Reactions of all ranks from those at own nodes.
     pub(crate) fn sum_reactions(&self, reactions: &mut [Reaction]) {
-        if !reactions.is_empty() {
+        if self.is_shared() && !reactions.is_empty() {
             let parts = |reaction: &Reaction| [reaction.force, reaction.moment].concat();
             let mut sums: Vec<f64> = reactions.iter().flat_map(parts).collect();
             self.ranks.sum("reactions", &mut sums);

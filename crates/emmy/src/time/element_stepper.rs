@@ -5,7 +5,7 @@ use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
 use crate::body::{Body, MassSolver, Reaction};
 use crate::error::Result;
-use crate::force::{LoadMemory, StrainState};
+use crate::force::{Span, StrainState};
 use crate::newton::NewtonSettings;
 
 /// Stepper of a time element.
@@ -33,7 +33,6 @@ pub struct TimeElementStepper<'a> {
     /// The basis of the rates at the end of the step.
     end_basis: Vec<f64>,
     residual: Vec<f64>,
-    load_memory: LoadMemory,
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     end_velocity: Vec<f64>,
@@ -64,7 +63,6 @@ impl<'a> TimeElementStepper<'a> {
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
             residual: vec![0.0; k * n + n_pressures],
-            load_memory: body.load_memory(k),
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
@@ -88,7 +86,7 @@ impl<'a> TimeElementStepper<'a> {
         self.reactions.fill(Reaction::default());
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
-        let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
+        let StageSystem { coefficients, known, .. } = &mut self.system;
         let n = self.momentum.len();
         for (sum, known) in coefficients.mass_sums(h).zip(known.chunks_exact_mut(n)) {
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = weighted(sum, *p));
@@ -96,10 +94,7 @@ impl<'a> TimeElementStepper<'a> {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        let memory = &mut self.load_memory;
-        self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, memory, dead_load)?;
-        followers.average(body, state.time, h)?;
-        self.is_loaded |= followers.are_active();
+        self.is_loaded = self.system.begin(Span::new(state.time, h))?;
         self.system.set_driven_rates(state.time, h)
     }
 
@@ -113,7 +108,7 @@ impl<'a> TimeElementStepper<'a> {
         if has_supports {
             self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
         } else {
-            self.system.evaluate_followers(self.iteration.rates());
+            self.system.evaluate_external(self.iteration.rates())?;
         }
         let is_braked = self.system.is_braked();
         if is_braked {
@@ -199,7 +194,7 @@ impl<'a> TimeElementStepper<'a> {
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
         }
-        self.iteration.remember(&self.system.coefficients, step_size);
+        self.iteration.remember(&mut self.system, step_size);
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
@@ -216,7 +211,7 @@ impl<'a> TimeElementStepper<'a> {
         correct: impl FnOnce(&mut StageSystem<'_>, &mut [f64]) -> Result<bool>,
     ) -> Result<bool> {
         self.start(state, step_size)?;
-        self.iteration.begin(&mut self.system, state, step_size);
+        self.iteration.begin(&mut self.system, state, step_size)?;
         self.iteration.set_rates(given, &mut self.system)?;
         if !correct(&mut self.system, &mut self.iteration.unknowns)? {
             return Ok(false);

@@ -1,7 +1,6 @@
 //! Newton's iteration over the equations of a step, and its starting points in the order of the attempts.
 
 use super::prediction::{Carry, Prediction};
-use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
@@ -116,16 +115,25 @@ impl Iteration {
         self.newton.history()
     }
 
-    /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Follower
-    /// loads are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
-    pub(super) fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
-        if system.body.n_followers() > 0 {
+    /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Loads that
+    /// depend on the motion are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn begin(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+    ) -> Result<()> {
+        if system.assembly.varies() {
             self.set_straight(state, step_size);
             system.drive(self.rates_mut());
-            system.evaluate_followers(self.rates());
+            system.evaluate_external(self.rates())?;
         }
         self.prediction.start(system, state);
         system.turn(self.prediction.rotation());
+        Ok(())
     }
 
     /// Sets the rates of the step, and the pressures of its start.
@@ -149,7 +157,7 @@ impl Iteration {
         step_size: f64,
         given: Option<&[f64]>,
     ) -> Result<Outcome> {
-        self.begin(system, state, step_size);
+        self.begin(system, state, step_size)?;
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
             self.set_pressures(system)?;
@@ -160,7 +168,7 @@ impl Iteration {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
                         let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
-                        self.prediction.balance(system, rates, &mut residual[..self.n_rates]);
+                        self.prediction.balance(system, rates, &mut residual[..self.n_rates])?;
                         outcome.rounding = self.rounding(system, state)?;
                     }
                     if outcome.rounding <= LARGEST_ROUNDING {
@@ -235,9 +243,11 @@ impl Iteration {
         }
     }
 
-    /// Keeps the rates of a step for the prediction of the next one.
-    pub(super) fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
-        self.prediction.remember(coefficients, &self.unknowns[..self.n_rates], step_size);
+    /// Keeps what the next step needs of one that counts: its rates for the prediction, and the memory of forces.
+    pub(super) fn remember(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
+        let rates = &self.unknowns[..self.n_rates];
+        system.accept(rates);
+        self.prediction.remember(&system.coefficients, rates, step_size);
         self.pressures.clear();
         self.pressures.extend_from_slice(&self.unknowns[self.n_rates..]);
     }

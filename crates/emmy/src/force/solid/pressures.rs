@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::SolidTerm;
+use super::SolidForce;
 use crate::average::Request;
 use crate::force::integral::BatchMemory;
 use crate::force::pressures::{PressureNumbers, PressureResults};
 use crate::force::step::StepInput;
 use crate::tensor::{LANES, Packed};
 
-impl SolidTerm {
+impl SolidForce {
     /// The numbers of the pressures; a batch is kept by the part with the smallest node of its first cell.
     pub(super) fn numbered(&self, term: usize, first: usize, parts: &[Range<usize>]) -> PressureNumbers {
         let Some(projection) = &self.projection else { return PressureNumbers::default() };

@@ -2,14 +2,14 @@
 
 use std::hint::black_box;
 
-use super::SolidTerm;
+use super::SolidForce;
 use crate::average::Request;
 use crate::force::integral::BatchMemory;
 use crate::force::step::StepInput;
 use crate::sparse::RowPart;
 use crate::tensor::Packed;
 
-impl SolidTerm {
+impl SolidForce {
     /// Reads one number of every block that a batch will write. Independent reads bring the blocks into the cache in
     /// parallel, before the writes need them (12 % of an assembly of hex8 cells).
     #[inline(always)]

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::SolidTerm;
+use super::SolidForce;
 use super::start_pressure::VolumeMemory;
 use crate::average::StartTangent;
 use crate::force::integral;
@@ -35,7 +35,7 @@ impl CellMemory {
     }
 }
 
-impl SolidTerm {
+impl SolidForce {
     /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are computed in parallel and summed in order.
     pub(super) fn add_start_gradient_of_cells(
         &self,

@@ -4,9 +4,8 @@ use super::configurations;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, MassSolver, Reaction};
 use crate::error::Result;
-use crate::force::{LoadMemory, StepDamping, StepInput};
+use crate::force::{Sampling, Span, StepDamping, StepInput};
 use crate::quadrature::gauss;
-use crate::time::followers::Followers;
 use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
@@ -15,25 +14,15 @@ pub(crate) struct Forces<'a> {
     pub body: &'a Body,
     rule: Rule,
     pub assembly: Assembly,
-    followers: Followers,
     rest: Vec<f64>,
     internal: Vec<f64>,
-    load_memory: LoadMemory,
 }
 
 impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         let rule = configurations(&[(1.0, 1.0)]);
-        Forces {
-            body,
-            followers: Followers::new(body, &rule),
-            rule,
-            assembly: body.assembly(1),
-            rest: zero.clone(),
-            internal: zero,
-            load_memory: body.load_memory(1),
-        }
+        Forces { body, rule, assembly: body.assembly(1), rest: zero.clone(), internal: zero }
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -76,16 +65,15 @@ impl<'a> Forces<'a> {
         self.body.add_pressure_response(&self.rule, &self.assembly, change, pressures);
     }
 
-    /// Subtracts the derivative of the follower loads of a time from the K assembled last.
+    /// Subtracts the derivative of the loads of a time from the K assembled last.
     ///
     /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
-    pub(crate) fn add_follower_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
+    /// [`crate::Error::NotFiniteAt`], and the reason of a force that refuses the displacement.
+    pub(crate) fn add_external_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
         let step =
             StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
-        self.followers.sample(self.body, time, 0.0)?;
-        self.followers.add_tangent(self.body, &step, &mut self.assembly);
-        Ok(())
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
     /// Force of the body on the ground at a displacement, zero without ground; the springs of supports are added to the
@@ -103,21 +91,16 @@ impl<'a> Forces<'a> {
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
-    /// Sets the dead loads at a time, `[n_nodes][3]`.
-    ///
-    /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
-    pub(crate) fn set_loads(&mut self, time: f64, force: &mut [f64]) -> Result<()> {
-        self.body.set_loads_at(time, &mut self.load_memory, force).map(|_| ())
-    }
-
     /// All loads at a displacement and time.
     ///
     /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
+    /// As [`Forces::add_external_tangent`].
     pub(crate) fn external(&mut self, displacement: &[f64], time: f64, external: &mut [f64]) -> Result<()> {
-        self.set_loads(time, external)?;
-        self.body.add_followers_at(displacement, time, external)
+        let step = StepInput::undamped(&self.rule, displacement, &self.rest);
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.evaluate_external(&step, &mut self.assembly)?;
+        external.iter_mut().enumerate().for_each(|(at, force)| *force = self.assembly.external(at));
+        Ok(())
     }
 
     /// Force that remains for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.

@@ -105,7 +105,7 @@ impl ModeSolvers {
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
-        if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
+        if body.dissipates() && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
         // In 16 bits a stiffness of projected volumes is indefinite, and sweeps do not smooth its volumes.

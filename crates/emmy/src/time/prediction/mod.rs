@@ -238,19 +238,27 @@ impl Prediction {
     /// Internal forces have no resultants and moments, so inertia and loads alone decide, and the rounding of the
     /// stiffness, which may exceed the inertia, has no effect. The error of an iteration would act like a constant
     /// force. `residual`: memory for k n numbers.
-    pub(super) fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
+    ///
+    /// # Errors
+    /// As [`StageSystem::unbalanced`].
+    pub(super) fn balance(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        rates: &mut [f64],
+        residual: &mut [f64],
+    ) -> Result<()> {
         if self.mass == 0.0 || !system.is_self_balanced() {
-            return;
+            return Ok(());
         }
         let k = self.changes.len();
         let n = self.arm.len();
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
-            system.unbalanced(rates, residual);
+            system.unbalanced(rates, residual)?;
             self.set_resultants(system, rates, residual);
             let left = self.resultant_size(system.body);
             if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
-                return;
+                break;
             }
             last = left;
             let inverse_mass = &system.coefficients.inverse_mass;
@@ -266,6 +274,7 @@ impl Prediction {
                 }
             }
         }
+        Ok(())
     }
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the

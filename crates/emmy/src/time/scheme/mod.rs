@@ -278,7 +278,7 @@ impl Scheme {
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;
         }
-        if body.is_viscous() || body.drag() > 0.0 {
+        if body.dissipates() {
             self.check_feature(BodyFeature::Damping)?;
         }
         if body.space.has_internal_nodes() {

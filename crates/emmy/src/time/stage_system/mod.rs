@@ -6,14 +6,13 @@ use rayon::prelude::*;
 
 use super::Memory;
 use super::dissipation::RigidProjection;
-use super::followers::Followers;
 use super::linear::ApproximateTangent;
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
 use crate::body::{Assembly, Body, Reaction};
-use crate::error::Result;
-use crate::force::{StepDamping, StepInput};
+use crate::error::{Error, Result};
+use crate::force::{Span, StepDamping, StepInput};
 use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
@@ -35,9 +34,6 @@ pub(super) struct StageSystem<'a> {
     /// In a dissipative scheme: the rigid motions without dissipation, and the momentum at the start of the step.
     projection: Option<RigidProjection>,
     momentum: Vec<f64>,
-    /// Stage averages of the dead loads.
-    pub dead_load: Vec<f64>,
-    pub followers: Followers,
     /// Rates of the driven degrees of freedom; empty if there are none.
     driven_rates: Vec<f64>,
     force: Vec<f64>,
@@ -52,6 +48,9 @@ pub(super) struct StageSystem<'a> {
     condensed: Vec<f64>,
     floor: f64,
 }
+
+/// Name of the numbers that forces keep.
+const FORCES: &str = "forces";
 
 /// Degrees of freedom of one task.
 const CHUNK: usize = 4096;
@@ -77,8 +76,6 @@ impl<'a> StageSystem<'a> {
                 .dissipation
                 .clone()
                 .map(|dissipation| RigidProjection::new(body, dissipation)),
-            dead_load: vec![0.0; k * n],
-            followers: Followers::new(body, &coefficients.rule),
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
@@ -92,8 +89,7 @@ impl<'a> StageSystem<'a> {
         })
     }
 
-    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of
-    /// `followers`.
+    /// Sets displacement and time scale of the step. The stepper fills `known` and calls [`StageSystem::begin`].
     pub(super) fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.floor = 0.0;
@@ -101,6 +97,15 @@ impl<'a> StageSystem<'a> {
             self.drag(time_scale);
         }
         self.time_scale = time_scale;
+    }
+
+    /// Evaluates what is given over time in the step. Returns whether some force does work from outside.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(super) fn begin(&mut self, span: Span) -> Result<bool> {
+        let StageCoefficients { rule, sampling, .. } = &self.coefficients;
+        self.body.begin(rule, (span, *sampling), &mut self.assembly)
     }
 
     /// Sets the coefficients of the inertia for a body with drag.
@@ -169,17 +174,17 @@ impl<'a> StageSystem<'a> {
         let (residual, of_pressures) = residual.split_at_mut(x.len());
         self.body.copy_pressures(&self.assembly, of_pressures);
         of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
-        self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
+        self.evaluate_external(x)?;
         let n = self.body.n_dofs();
         let k = self.coefficients.rule.degree();
         let s = self.time_scale;
         self.set_mass_rates(x);
-        let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
+        let StageSystem { body, force, mass_rates, known, assembly, squares, .. } = self;
         let mass_parts = &self.mass_parts;
         let inactive = body.space.inactive();
         let counted = 3 * body.space.counted_ranges()[1].end;
-        let follower = &followers.force;
+        let [steady, varying] = assembly.external_parts();
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &mass_parts[i * k..(i + 1) * k];
             let chunks =
@@ -192,7 +197,7 @@ impl<'a> StageSystem<'a> {
                         |part: usize| (0..k).map(|j| mass[j][part] * mass_rates[j * n + dof]).sum::<f64>();
                     let inertia = sum(0) + sum(1);
                     let internal = s * s * force[at];
-                    let external = s * s * (dead_load[at] + follower[at]);
+                    let external = s * s * (steady[at] + varying[at]);
                     *residual = inertia - known[at] + (internal - external);
                     if dof < counted && !inactive[dof] {
                         squares[0] += inertia * inertia;
@@ -210,15 +215,16 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
-    /// loads, the followers at the rates x.
+    /// loads at the rates x.
     ///
     /// ```math
     /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
     /// ```
-    pub(super) fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) {
-        if self.followers.are_active() {
-            self.evaluate_followers(x);
-        }
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) -> Result<()> {
+        self.evaluate_external(x)?;
         self.set_mass_rates(x);
         let n = self.body.n_dofs();
         let k = self.coefficients.rule.degree();
@@ -230,6 +236,7 @@ impl<'a> StageSystem<'a> {
                 *residual = inertia - self.known[i * n + dof] - s * s * self.external_force(i * n + dof);
             }
         }
+        Ok(())
     }
 
     /// Mean kinetic energy of the step `sum_i b_i x_i . M x_i / (2 s^2)`.
@@ -281,20 +288,24 @@ impl<'a> StageSystem<'a> {
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
-    /// Stage average of all loads, the followers at the rates evaluated last; `at`: position in `[k][n_nodes][3]`.
+    /// Stage average of the forces that do work from outside, at the rates evaluated last; `at`: position in
+    /// `[k][n_nodes][3]`.
     pub(super) fn external_force(&self, at: usize) -> f64 {
-        self.dead_load[at] + self.followers.force[at]
+        self.assembly.external(at)
     }
 
-    /// Evaluates the follower loads at the rates x.
-    pub(super) fn evaluate_followers(&mut self, x: &[f64]) {
+    /// Evaluates these forces at the rates x.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn evaluate_external(&mut self, x: &[f64]) -> Result<()> {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
-        self.followers.evaluate(self.body, &step);
+        self.body.evaluate_external(&step, &mut self.assembly)
     }
 
     /// Whether the body dissipates energy, by drag, viscosity or the scheme.
     pub(super) fn is_braked(&self) -> bool {
-        self.body.drag() > 0.0 || self.body.is_viscous() || self.coefficients.dissipation.is_some()
+        self.body.dissipates() || self.coefficients.dissipation.is_some()
     }
 
     /// Energy dissipated by drag, viscosity and the strain part of the scheme in a solved step.
@@ -334,6 +345,17 @@ impl<'a> StageSystem<'a> {
         })
     }
 
+    /// The step at some rates.
+    fn step_at<'s>(&'s self, rates: &'s [f64]) -> StepInput<'s> {
+        step_input(&self.coefficients, self.time_scale, &self.displacement, rates)
+    }
+
+    /// Tells the forces that the step with some rates counts.
+    pub(super) fn accept(&mut self, rates: &[f64]) {
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        self.body.accept(&step, &mut self.assembly);
+    }
+
     fn set_mass_rates(&mut self, x: &[f64]) {
         let n = self.body.n_dofs();
         for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
@@ -347,7 +369,7 @@ impl<'a> StageSystem<'a> {
         let step = StepInput { pressures: (!pressures.is_empty()).then_some(pressures), ..step };
         self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
         if request == Request::Tangent {
-            self.followers.add_tangent(self.body, &step, &mut self.assembly);
+            self.body.add_external_tangent(&step, &mut self.assembly)?;
         }
         Ok(())
     }
@@ -360,6 +382,10 @@ impl<'a> StageSystem<'a> {
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
         self.approximate_tangent.keep(memory);
+        let of_forces = self.body.saved_by_forces(&self.assembly);
+        if !of_forces.is_empty() {
+            memory.keep(FORCES, &of_forces);
+        }
     }
 
     /// Restores the data of [`StageSystem::keep`].
@@ -367,6 +393,11 @@ impl<'a> StageSystem<'a> {
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
     pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
+        let of_forces = memory.list(FORCES).unwrap_or_default();
+        if !self.body.restore_forces(&self.coefficients.rule, &mut self.assembly, of_forces) {
+            let reason = format!("has {} numbers, which do not fit the forces", of_forces.len());
+            return Err(Error::Memory { name: FORCES.to_string(), reason });
+        }
         self.approximate_tangent.restore(self.body, memory)
     }
 

@@ -134,6 +134,11 @@ impl System for StageSystem<'_> {
         Ok(iterations)
     }
 
+    fn largest_part(&mut self, x: &[f64], dx: &[f64]) -> f64 {
+        let rates = self.split(x).0;
+        self.body.largest_part(&self.step_at(rates), &self.assembly, &dx[..rates.len()])
+    }
+
     fn refactorization_cost(&self) -> f64 {
         self.approximate_tangent.refactorization_cost()
     }

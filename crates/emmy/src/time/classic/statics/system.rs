@@ -146,7 +146,7 @@ impl<'a> StaticSystem<'a> {
             return Err(not_definite());
         }
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
-        self.forces.add_follower_tangent(displacement, self.time)
+        self.forces.add_external_tangent(displacement, self.time)
     }
 
     /// Solves `K dx = b` for the right side with the tangent that was set last.
@@ -178,7 +178,7 @@ impl<'a> StaticSystem<'a> {
         let mut limit = MAX_LINEAR_ITERATIONS;
         if let Inverse::OfRanks(inverse) = &mut self.inverse {
             limit = MAX_ITERATIONS_OF_RANKS;
-            if body.n_followers() == 0 {
+            if body.is_symmetric() {
                 match inverse.solve(body, matrix, &self.right, dx, tolerance) {
                     Found::Solution(iterations) => return Ok(Some(iterations)),
                     Found::NotDefinite if self.must_be_definite => return Err(not_definite()),

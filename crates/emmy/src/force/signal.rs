@@ -1,13 +1,12 @@
 //! Smooth functions of time that act on a body, for the check that the steps resolve them.
 
-use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-use super::system::Body;
-use crate::force::FieldLoad;
-use crate::force::field_load::POINTS_OF_SIGNALS;
-use crate::input::{SignalTarget, TimeFunction};
+use crate::input::{Field, SignalTarget, TimeFunction};
+
+/// Points of a field at which its change over time is checked.
+pub(crate) const POINTS_OF_SIGNALS: usize = 4;
 
 /// Largest number of components.
 pub(crate) const MAX_COMPONENTS: usize = 3 * POINTS_OF_SIGNALS;
@@ -34,16 +33,20 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
-    /// The signal of a field.
-    fn of_field(field: &FieldLoad) -> Self {
-        let (n_components, function) = field.components();
+    /// The signal of the field of a load, with the function of its components.
+    pub(super) fn of_field(
+        field: &Field,
+        load: usize,
+        n_components: usize,
+        function: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
         Signal {
-            target: SignalTarget::Load(field.load),
-            text: field.field.text().into(),
+            target: SignalTarget::Load(load),
+            text: field.text().into(),
             until: None,
             arm: 0.0,
             n_components,
-            is_costly: field.field.is_costly(),
+            is_costly: field.is_costly(),
             function: Arc::new(function),
         }
     }
@@ -54,7 +57,12 @@ impl Signal {
     }
 
     /// The signal of a smooth time function; `None` for a table, which is integrated exactly.
-    fn of(time_function: &TimeFunction, target: SignalTarget, until: Option<f64>, arm: f64) -> Option<Self> {
+    pub(crate) fn of(
+        time_function: &TimeFunction,
+        target: SignalTarget,
+        until: Option<f64>,
+        arm: f64,
+    ) -> Option<Self> {
         let text = time_function.text()?.into();
         let is_costly = time_function.is_costly();
         let time_function = time_function.clone();
@@ -67,32 +75,5 @@ impl Signal {
 impl fmt::Debug for Signal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Signal").field("target", &self.target).field("text", &self.text).finish()
-    }
-}
-
-impl Body {
-    /// The smooth functions of time that act on the body, without repetition.
-    ///
-    /// A field contributes its components at some of its points.
-    pub(crate) fn signals(&self) -> Vec<Signal> {
-        let loads = self.loads.iter().map(|load| (load.load, &load.time_function));
-        let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.time_function));
-        let of_loads = loads.chain(pressures).filter_map(|(load, time_function)| {
-            Signal::of(time_function, SignalTarget::Load(load), None, 0.0)
-        });
-        let of_supports = self.space.drives().iter().flat_map(|drive| {
-            let target = SignalTarget::Support(drive.support);
-            drive
-                .arms()
-                .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
-        });
-        let mut known = HashSet::new();
-        let is_new = |signal: &Signal| {
-            signal.text.is_empty()
-                || known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
-        };
-        let mut signals: Vec<Signal> = of_loads.chain(of_supports).filter(is_new).collect();
-        signals.extend(self.fields.iter().map(Signal::of_field).filter(|signal| signal.n_components > 0));
-        signals
     }
 }
