@@ -72,6 +72,11 @@ pub mod tensor {
     pub use crate::tensor::*;
 }
 
+/// Rigid links.
+pub mod unknowns {
+    pub use crate::unknowns::RigidLink;
+}
+
 /// Tables of schemes and estimators, and the steppers behind [`Motion`](crate::motion::Motion).
 pub mod time {
     pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper, StaticStepper};

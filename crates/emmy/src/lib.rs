@@ -51,6 +51,7 @@ pub mod mesh;
 pub mod modes;
 pub mod motion;
 mod newton;
+mod nodal;
 mod number;
 mod polynomial;
 pub mod prelude;
@@ -60,5 +61,6 @@ mod sparse;
 pub mod team;
 mod tensor;
 pub mod time;
+mod unknowns;
 
 pub use error::{Error, Result};

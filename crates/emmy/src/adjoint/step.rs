@@ -64,7 +64,7 @@ pub(super) struct AdjointStep<'a> {
     combined: Vec<f64>,
     sum: Vec<f64>,
     /// Pressures of cells with a projected volume, `[function][n]`.
-    pressures: Vec<f64>,
+    local: Vec<f64>,
     product: Vec<f64>,
     /// Iterations of the last system, and of the first one after the stiffness was refactorised; `None`: there is no
     /// stiffness.
@@ -115,7 +115,7 @@ impl<'a> AdjointStep<'a> {
             correction: vec![0.0; k * n],
             combined: vec![0.0; k * n],
             sum: vec![0.0; n],
-            pressures: vec![0.0; body.n_pressures() * coefficients.rule.n_pressures()],
+            local: vec![0.0; body.n_local() * coefficients.rule.n_pressures()],
             product: vec![0.0; n],
             iterations: None,
             is_direct: false,
@@ -196,9 +196,9 @@ impl<'a> AdjointStep<'a> {
     fn solve_iteratively(&mut self, step: &StepData<'_>) -> Result<bool> {
         let is_new = self.iterations.is_none_or(|[last, first]| last > first + SLOWER);
         if is_new {
-            self.body.copy_pressures(&self.assembly, &mut self.pressures);
+            self.body.copy_local(&self.assembly, &mut self.local);
             let StepData { displacement, rates, size, .. } = *step;
-            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.pressures, size)?;
+            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.local, size)?;
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }
@@ -246,6 +246,7 @@ impl<'a> AdjointStep<'a> {
 /// # Errors
 /// [`Error::Adjoint`].
 pub(super) fn check_body(body: &Body) -> Result<()> {
+    body.check_unconstrained("adjoint")?;
     let not_covered = [
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),

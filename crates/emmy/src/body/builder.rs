@@ -15,6 +15,7 @@ use crate::space::{InternalNodes, Space, Supports};
 
 use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
+use crate::unknowns::{Constraints, RigidLink};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -36,6 +37,7 @@ pub struct BodyBuilder {
     supports: Vec<Support>,
     loads: Vec<Load>,
     drag: f64,
+    rigid_links: Vec<RigidLink>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -47,7 +49,8 @@ impl BodyBuilder {
         let ranks = Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours);
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
         let (point_terms, ranks) = (PointTerms::default(), Arc::new(ranks));
-        BodyBuilder { mesh, regions, point_terms, supports, loads, drag: 0.0, ranks, rank }
+        let rigid_links = Vec::new();
+        BodyBuilder { mesh, regions, point_terms, supports, loads, drag: 0.0, rigid_links, ranks, rank }
     }
 
     /// Adds a region. The regions together cover every cell exactly once.
@@ -96,6 +99,13 @@ impl BodyBuilder {
     /// decay like `exp(-rate t)`.
     pub fn drag(mut self, rate: f64) -> Self {
         self.drag = rate;
+        self
+    }
+
+    /// Adds a rigid link.
+    #[doc(hidden)]
+    pub fn rigid_link(mut self, link: RigidLink) -> Self {
+        self.rigid_links.push(link);
         self
     }
 
@@ -185,7 +195,9 @@ impl Body {
     }
 
     fn from_parts(parts: BodyBuilder, sizes: &GroupSizes) -> Result<Self> {
-        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag, ranks, .. } = parts;
+        let BodyBuilder {
+            mesh, regions, point_terms: nodal, supports, loads, drag, rigid_links, ranks, ..
+        } = parts;
         if !(drag >= 0.0 && drag.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: drag });
         }
@@ -212,7 +224,7 @@ impl Body {
         let mut lumped_mass = masses(MassKind::Lumped);
         let counts = |cell: u32| ranks.counts()[cell as usize];
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let has_pressures = cells::check(&mesh, &regions, of_cell.indices())?;
+        let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
@@ -254,6 +266,12 @@ impl Body {
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
+        let constraints =
+            rigid_links.iter().map(|link| link.constraint(&mesh)).collect::<Result<Vec<_>>>()?;
+        let constraints = Constraints::new(constraints, rigid_links.iter().any(RigidLink::is_grounded));
+        if ranks.size() > 1 && !constraints.is_empty() {
+            return Err(Error::NotOnTeam { what: "a body with rigid links".to_string() });
+        }
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;
         points::check_masses(&mesh, &lumped_mass, &held.inactive)?;
@@ -262,6 +280,7 @@ impl Body {
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         let body = Body {
             forces: Forces { cells: Arc::new(OnceLock::new()), others },
+            constraints: Arc::new(constraints),
             release: None,
             viscous_time: 0.0,
             mass: Arc::new(mass),
@@ -270,7 +289,7 @@ impl Body {
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
             node_order: Arc::new(OnceLock::new()),
-            has_pressures,
+            has_local,
             lumped: None,
             pattern: Arc::new(pattern),
             parts,

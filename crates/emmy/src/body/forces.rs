@@ -169,6 +169,13 @@ impl Body {
         }
     }
 
+    /// The same for the steps of a rule.
+    pub(crate) fn assembly_of(&self, rule: &Rule) -> Assembly {
+        let mut assembly = self.assembly(rule.degree());
+        self.prepare(rule, &mut assembly.acting);
+        assembly
+    }
+
     /// Begins a step: evaluates what is given over time. Returns whether some force does work from outside.
     ///
     /// # Errors
@@ -399,9 +406,9 @@ impl Body {
         self.others().any(is_ground)
     }
 
-    /// Whether the body is free: no supports, no springs and attractions to the ground.
+    /// Whether the body is free: no supports, no springs, attractions and constraints to the ground.
     pub(crate) fn is_free(&self) -> bool {
-        !self.has_ground() && !self.space.is_supported()
+        !self.has_ground() && !self.space.is_supported() && !self.constraints().is_grounded()
     }
 
     /// Strain energy and smallest det F of the forces that count here.

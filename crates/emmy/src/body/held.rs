@@ -6,6 +6,7 @@ use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::force::StepInput;
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::number::short_vector;
 use crate::quadrature::gauss;
 use crate::sparse::null_space;
@@ -161,7 +162,7 @@ impl<'a> Part<'a> {
         for (node, component) in dofs() {
             let row = self.row(node, component);
             all.add(&row, &row);
-            if body.fixed()[3 * node as usize + component] {
+            if nodal::at(body.fixed(), node as usize)[component] {
                 held.add(&row, &row);
             }
         }
@@ -191,14 +192,14 @@ impl<'a> Part<'a> {
                 let X = self.mesh.points()[node as usize];
                 let r = [0, 1, 2].map(|d| X[d] - self.centre[d]);
                 let turned = turned(r, motion % 3, angle);
-                (0..3).for_each(|d| displacement[3 * node as usize + d] = turned[d] - r[d]);
+                *nodal::at_mut(&mut displacement, node as usize) = [0, 1, 2].map(|d| turned[d] - r[d]);
                 if motion >= 3 {
-                    displacement[3 * node as usize + motion - 3] = sign * SMALL * self.radius;
+                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] = sign * SMALL * self.radius;
                 }
             }
             body.ground_force_at(&displacement, assembly, &mut force)?;
             for &node in &self.nodes {
-                let own = [0, 1, 2].map(|d| sign * force[3 * node as usize + d]);
+                let own = nodal::at(&force, node as usize).map(|f| sign * f);
                 let own = turned(own, motion % 3, -angle);
                 let mut unit = [0.0; MOTIONS];
                 unit[motion] = 1.0;

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::system::Body;
 use crate::error::{Error, Result};
+use crate::nodal;
 use crate::sparse::BlockCholesky;
 
 /// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom with mass, with v_c given for the
@@ -78,9 +79,9 @@ impl MassSolver {
             return iteration.solve(body, momentum, velocity);
         }
         for (axes, factor) in &mut self.factors {
-            let read = |_: &&mut [f64], column: usize, node: usize| momentum[3 * node + axes[column]];
+            let read = |_: &&mut [f64], column: usize, node: usize| nodal::at(momentum, node)[axes[column]];
             let write = |velocity: &mut &mut [f64], column: usize, node: usize, value: f64| {
-                velocity[3 * node + axes[column]] = value;
+                nodal::at_mut(velocity, node)[axes[column]] = value;
             };
             factor.solve(axes.len(), &mut &mut *velocity, read, write);
         }

@@ -3,13 +3,13 @@
 #![allow(non_snake_case)]
 
 mod builder;
-mod elimination;
 pub(crate) mod entries;
 mod fields;
 pub(crate) mod forces;
 mod frequency_bound;
 mod held;
 pub(crate) mod invariants;
+mod local_unknowns;
 mod mass;
 mod proportional;
 mod start;

@@ -3,6 +3,7 @@
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::input::InitialVelocity;
+use crate::nodal;
 
 /// Part of the momentum of a node at the largest velocity that rounding may change, also by the solution of
 /// `M v = p` for driven bodies.
@@ -27,7 +28,7 @@ impl Body {
             };
             let mut set = nodes.into_iter().map(|node| {
                 let v = field.at(self.mesh().points()[node as usize]);
-                velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
+                *nodal::at_mut(&mut velocity, node as usize) = v;
                 let wrong = v.into_iter().find(|value| !value.is_finite());
                 wrong.map_or(Ok(()), |value| Err(Error::NotFinite { what: "initial velocity".into(), value }))
             });
@@ -57,14 +58,15 @@ impl Body {
     /// [`Error::StartMomentum`], [`Error::StartHeld`].
     pub(crate) fn fit_momentum(&self, velocity: &[f64], momentum: &mut [f64]) -> Result<()> {
         let norm = |vector: [f64; 3]| vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let at = |field: &[f64], node: usize| [0, 1, 2].map(|d| field[3 * node + d]);
+        let at = |field: &[f64], node: usize| nodal::at(field, node);
         let nodes = || 0..self.mesh().n_nodes();
         let (_, fastest) = self.space.largest_node(nodes().map(|node| norm(at(velocity, node))));
 
         let mut held = self.fixed().to_vec();
         self.space.driven_dofs().for_each(|dof| held[dof] = false);
+        let at_held = |node: usize| nodal::at(&held, node);
         let held_velocity =
-            |node| [0, 1, 2].map(|d| if held[3 * node + d] { velocity[3 * node + d] } else { 0.0 });
+            |node| [0, 1, 2].map(|d| if at_held(node)[d] { at(velocity, node)[d] } else { 0.0 });
         let (node, speed) = self.space.largest_node(nodes().map(|node| norm(held_velocity(node))));
         if speed > OF_ROUNDING * fastest {
             return Err(Error::StartHeld {

@@ -4,13 +4,14 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use super::forces::Forces;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
 use crate::space::Space;
 use crate::sparse::{Pattern, nested_dissection};
 use crate::team::Subdomain;
+use crate::unknowns::Constraints;
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -30,8 +31,9 @@ pub struct Body {
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
     pub(super) forces: Forces,
+    pub(super) constraints: Arc<Constraints>,
     /// Whether some cell, of any rank, has pressures.
-    pub(super) has_pressures: bool,
+    pub(super) has_local: bool,
     pub(super) pattern: Arc<Pattern>,
     pub(super) parts: Vec<Range<usize>>,
     /// Computed on first use.
@@ -80,6 +82,23 @@ impl Body {
     /// Number of degrees of freedom on all ranks of a team; [`Body::n_dofs`] of a body that is whole.
     pub fn n_dofs_of_ranks(&self) -> usize {
         self.space.n_dofs_of_ranks()
+    }
+
+    /// The constraints of the motion beside supports.
+    pub(crate) fn constraints(&self) -> &Constraints {
+        &self.constraints
+    }
+
+    /// Checks that the body has no constraints.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`] names who has no multipliers.
+    pub(crate) fn check_unconstrained(&self, who: &str) -> Result<()> {
+        if self.constraints.is_empty() {
+            return Ok(());
+        }
+        let reason = "rigid links need a time element, such as DGM".to_string();
+        Err(Error::Scheme { scheme: who.to_string(), reason })
     }
 
     /// Number of degrees of freedom that are neither fixed nor driven.

@@ -46,7 +46,7 @@ impl Body {
             let parts: Vec<RegionSummary> = of_ranks.chunks_exact(parts.len()).map(part).collect();
             *region = RegionSummary { group: region.group.take(), ..of_parts(parts) };
         }
-        [self.has_pressures] = ranks.any("cells with pressures", [self.has_pressures]);
+        [self.has_local] = ranks.any("cells with pressures", [self.has_local]);
         let mut of_cells = if self.is_viscous() { self.viscosity_and_stiffness() } else { [0.0; 2] };
         ranks.sum("viscosity and stiffness", &mut of_cells);
         self.viscous_time = viscous_time(of_cells);
@@ -61,10 +61,10 @@ impl Body {
         self.space = self.space.with_sums_of_ranks();
         let lumped_mass = &self.lumped_mass;
         let (regions, viscous_time) = (&self.regions, self.viscous_time);
-        let has_pressures = self.has_pressures;
+        let has_local = self.has_local;
         self.release = self.release.take().map(|(time, body)| {
             let body = Body {
-                has_pressures,
+                has_local,
                 lumped_mass: lumped_mass.clone(),
                 regions: regions.clone(),
                 viscous_time,

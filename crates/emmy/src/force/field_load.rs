@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use super::dead::{DeadLoad, cells_of, finite_factor, not_finite};
-use super::force::{Book, Force, ForceMemory, Side};
-use super::over_time::OverTime;
+use super::force::{Book, Force, ForceMemory, OverTime, Side};
 use super::signal::{POINTS_OF_SIGNALS, Signal};
 use super::source::Site;
 use super::step::{Sampling, StepStart};
@@ -12,6 +11,7 @@ use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::input::pole::pole;
 use crate::input::{Field, FieldDomain, Load, SignalTarget, TimeFunction};
+use crate::nodal;
 use crate::number::short_vector;
 use crate::space::geometry::{for_each_facet_point, for_each_mass_point};
 use crate::team::Subdomain;
@@ -234,7 +234,7 @@ impl FieldLoad {
             }
             for &(node, weight) in &self.node_weights[begin..end] {
                 for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(stage_weights) {
-                    (0..3).for_each(|i| force[3 * node as usize + i] += stage_weight * weight * value[i]);
+                    nodal::add(force, node as usize, value.map(|value| stage_weight * weight * value));
                 }
             }
             begin = end;

@@ -2,15 +2,17 @@
 
 use std::any::Any;
 use std::fmt;
+use std::sync::Arc;
 
 use super::integral::Scratch;
-use super::over_time::OverTime;
 use super::pressures::PressureCells;
+use super::signal::Signal;
 use super::step::{StepInput, StepStart};
 use super::strain_state::StrainState;
 use crate::average::{Request, Rule};
 use crate::error::Result;
 use crate::sparse::RowPart;
+use crate::team::Subdomain;
 
 /// The term of the energy balance in which a force counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,6 +154,30 @@ pub(crate) trait Force: fmt::Debug + Send + Sync {
 
     /// Nodes and pressures of cells with a projected volume; `None` for other forces.
     fn pressure_cells(&self) -> Option<PressureCells<'_>> {
+        None
+    }
+}
+
+/// What a force has that is given over time: a load.
+pub(crate) trait OverTime {
+    /// Number of the load.
+    fn number(&self) -> usize;
+
+    /// The first time after another with a kink or a jump; of a measured table only its corners count.
+    fn next_corner(&self, after: f64) -> Option<f64>;
+
+    /// The smooth functions of time in it. A call of all ranks.
+    fn signals(&self, ranks: &Subdomain) -> Vec<Signal>;
+
+    /// The load of a time, before a jump there, in proportion to a fraction from 0 to 1 that takes the place of time.
+    fn in_proportion(&self, time: f64, n_dofs: usize) -> Arc<dyn Force>;
+
+    /// Adds the force at factor 1 in the reference configuration, `force: [n_nodes][3]`; of a field, with its time
+    /// function, at t = 0, or NaN if it is not finite there.
+    fn add_unit_force(&self, force: &mut [f64]);
+
+    /// A point and a time of a span at which a field is not a finite number.
+    fn find_not_finite(&self, _span: [f64; 2]) -> Option<([f64; 3], f64)> {
         None
     }
 }

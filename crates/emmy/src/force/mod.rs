@@ -12,7 +12,6 @@ mod field_load;
 mod force;
 mod integral;
 mod load;
-mod over_time;
 pub(crate) mod pressures;
 pub(crate) mod projection;
 pub(crate) mod signal;
@@ -24,9 +23,8 @@ mod strain_state;
 mod surface_pressure;
 
 pub(crate) use drag::Drag;
-pub(crate) use force::{Book, Force, ForceMemory, Side};
+pub(crate) use force::{Book, Force, ForceMemory, OverTime, Side};
 pub(crate) use integral::Scratch;
-pub(crate) use over_time::OverTime;
 pub(crate) use pressures::{PressureCells, PressureResults};
 pub(crate) use signal::{MAX_COMPONENTS, Signal};
 pub(crate) use source::{ForceSource, Site};

@@ -11,6 +11,7 @@ use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::input::GroundSpring;
 use crate::mass::points::own_nodes;
+use crate::nodal;
 use crate::space::geometry::for_each_facet_point;
 use crate::sparse::RowPart;
 
@@ -117,7 +118,7 @@ impl Force for GroundSprings {
     }
 
     fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        let at = |node: u32| &displacement[3 * node as usize..][..3];
+        let at = |node: u32| nodal::at(displacement, node as usize);
         let product = |a: u32, b: u32| at(a).iter().zip(at(b)).map(|(a, b)| a * b).sum::<f64>();
         let energies = self.pairs.iter().map(|&(row, column, k)| 0.5 * k * product(row, column));
         StrainState { strain_energy: energies.sum(), ..StrainState::NONE }
@@ -130,7 +131,7 @@ fn spring_force(stiffness: f64, node: usize, step: &StepInput<'_>, stage: usize)
     let mean = step.rule.mean();
     let n = step.displacement.len();
     [0, 1, 2].map(|d| {
-        let dof = 3 * node + d;
+        let dof = nodal::dof(node, d);
         let rates = (0..k).map(|j| mean.rates[stage * k + j] * step.rates[j * n + dof]);
         stiffness * (mean.start[stage] * step.displacement[dof] + rates.sum::<f64>())
     })

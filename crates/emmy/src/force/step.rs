@@ -16,8 +16,9 @@ pub struct StepInput<'a> {
     pub rates: &'a [f64],
     /// Damping of the strain rates.
     pub damping: StepDamping,
-    /// Pressures of cells with a projected volume, `[function][l]`; `None`: those of the deformation.
-    pub pressures: Option<&'a [f64]>,
+    /// Local unknowns, such as the pressures of cells with a projected volume, `[function][l]`; `None`: those of the
+    /// deformation.
+    pub local: Option<&'a [f64]>,
 }
 
 impl<'a> StepInput<'a> {
@@ -29,7 +30,7 @@ impl<'a> StepInput<'a> {
             displacement,
             rates,
             damping: StepDamping::default(),
-            pressures: None,
+            local: None,
         }
     }
 }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use super::dead::{finite_factor, not_finite};
 use super::facets::{FacetOfTable, FacetTable, NodalVectors};
-use super::force::{Book, Force, ForceMemory, Side};
+use super::force::{Book, Force, ForceMemory, OverTime, Side};
 use super::integral::Scratch;
-use super::over_time::OverTime;
 use super::signal::Signal;
 use super::source::Site;
 use super::step::{Sampling, StepInput, StepStart};
 use crate::average::{FollowerRule, Request, Rule};
 use crate::error::{Error, Result};
 use crate::input::{Load, SignalTarget, TimeFunction};
+use crate::nodal;
 use crate::sparse::RowPart;
 use crate::team::Subdomain;
 
@@ -231,7 +231,7 @@ fn displacement_at(step: &StepInput<'_>, integrals: &[f64], dof: usize) -> f64 {
 fn positions(facet: &FacetOfTable<'_>, step: &StepInput<'_>, integrals: &[f64]) -> NodalVectors {
     let mut q = NodalVectors::default();
     for ((q, X), &node) in q.iter_mut().zip(facet.points).zip(facet.nodes) {
-        *q = [0, 1, 2].map(|i| X[i] + displacement_at(step, integrals, 3 * node as usize + i));
+        *q = [0, 1, 2].map(|i| X[i] + displacement_at(step, integrals, nodal::dof(node as usize, i)));
     }
     q
 }

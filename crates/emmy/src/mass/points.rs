@@ -4,6 +4,7 @@ use super::RegionSummary;
 use crate::error::{Error, Result};
 use crate::input::PointMass;
 use crate::mesh::Mesh;
+use crate::nodal;
 
 /// Point mass of every node, `[n_nodes]`.
 pub(crate) fn point_masses(mesh: &Mesh, masses: &[PointMass]) -> Result<Vec<f64>> {
@@ -19,7 +20,7 @@ pub(crate) fn point_masses(mesh: &Mesh, masses: &[PointMass]) -> Result<Vec<f64>
 
 /// A node that is free to move in some direction must have a mass.
 pub(crate) fn check_masses(mesh: &Mesh, lumped_mass: &[f64], fixed: &[bool]) -> Result<()> {
-    let is_lost = |node: &usize| lumped_mass[*node] == 0.0 && fixed[3 * node..3 * node + 3].contains(&false);
+    let is_lost = |node: &usize| lumped_mass[*node] == 0.0 && nodal::at(fixed, *node).contains(&false);
     match (0..mesh.n_nodes()).find(is_lost) {
         Some(node) => Err(Error::NoMass { node, position: mesh.points()[node] }),
         None => Ok(()),

@@ -34,6 +34,7 @@ impl Linearised {
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
+        body.check_unconstrained("a search for natural modes")?;
         let mut forces = Forces::new(body);
         forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {

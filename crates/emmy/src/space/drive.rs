@@ -2,6 +2,7 @@
 
 use crate::average::Rule;
 use crate::input::{NotFinite, Rotation, TimeFunction};
+use crate::nodal;
 
 /// Displacement `B (r, 1)` of a node from its offset `r = X - about`, row by row.
 pub(crate) type Map = [[f64; 4]; 3];
@@ -84,7 +85,7 @@ impl Drive {
         let nodes = self.nodes.iter().zip(&self.offsets);
         nodes.flat_map(move |(&node, offset)| {
             let components = (0..3).filter(|&i| self.components[i]);
-            components.map(move |i| (3 * node as usize + i, i, offset))
+            components.map(move |i| (nodal::dof(node as usize, i), i, offset))
         })
     }
 

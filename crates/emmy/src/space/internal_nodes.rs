@@ -18,6 +18,7 @@ use crate::element::{element, jacobian};
 use crate::error::Result;
 use crate::input::Region;
 use crate::mesh::{Cell, CellKind, Mesh};
+use crate::nodal;
 use crate::tensor::{Mat3, det};
 
 /// The internal nodes of a body, numbered after the nodes of its mesh, cell by cell.
@@ -92,8 +93,8 @@ impl InternalNodes {
     /// Sets a nodal field, `[n_nodes][3]`, to the mean over the corners of their cells: a field without modes.
     pub(crate) fn set_means(&self, mesh: &Mesh, field: &mut [f64]) {
         for (node, cell) in self.with_cells(mesh) {
-            let mean = middle(cell, |node| [0, 1, 2].map(|d| field[3 * node + d]));
-            field[3 * node..3 * node + 3].copy_from_slice(&mean);
+            let mean = middle(cell, |node| nodal::at(field, node));
+            *nodal::at_mut(field, node) = mean;
         }
     }
 
@@ -105,7 +106,7 @@ impl InternalNodes {
     /// ```
     pub(crate) fn share(&self, mesh: &Mesh, force: &mut [f64]) {
         for (node, cell) in self.with_cells(mesh) {
-            let share = [0, 1, 2].map(|d| force[3 * node + d] / cell.nodes.len() as f64);
+            let share = nodal::at(force, node).map(|f| f / cell.nodes.len() as f64);
             for &corner in cell.nodes {
                 (0..3).for_each(|d| force[3 * corner as usize + d] += share[d]);
             }
@@ -151,8 +152,8 @@ impl ModeGradients {
 
 /// Displacement of the modes of a cell, `a_m`: the displacement of its internal nodes less the mean over its nodes.
 pub(crate) fn mode_displacement(cell: Cell<'_>, node: usize, displacement: &[f64]) -> [f64; 3] {
-    let mean = middle(cell, |node| [0, 1, 2].map(|d| displacement[3 * node + d]));
-    [0, 1, 2].map(|d| displacement[3 * node + d] - mean[d])
+    let mean = middle(cell, |node| nodal::at(displacement, node));
+    [0, 1, 2].map(|d| nodal::at(displacement, node)[d] - mean[d])
 }
 
 impl CellTable {

@@ -21,6 +21,7 @@ pub(crate) use supports::Supports;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::team::Subdomain;
 
 /// The nodes of a body on one rank: own nodes, guests, and the internal nodes of cells; which of their components supports
@@ -160,7 +161,7 @@ impl Space {
     /// Number of a degree of freedom in the whole body.
     pub(crate) fn dof_of_ranks(&self, dof: usize) -> usize {
         let node = self.ranks.nodes.get(dof / 3).map_or(dof / 3, |&node| node as usize);
-        3 * node + dof % 3
+        nodal::dof(node, dof % 3)
     }
 
     /// Reference position of every node: those of the mesh, then the internal ones.
@@ -177,7 +178,7 @@ impl Space {
     /// Position of a node at a displacement.
     pub(crate) fn position(&self, displacement: &[f64], node: usize) -> [f64; 3] {
         let X = self.point(node);
-        [0, 1, 2].map(|d| X[d] + displacement[3 * node + d])
+        [0, 1, 2].map(|d| X[d] + displacement[nodal::dof(node, d)])
     }
 
     /// Which degrees of freedom are fixed, at rest or driven.

@@ -7,6 +7,7 @@ use super::internal_nodes::InternalNodes;
 use crate::error::{Error, Result};
 use crate::input::{GroundSpring, Rotation, Support};
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::number::{short, short_vector};
 use crate::team::Subdomain;
 
@@ -70,7 +71,7 @@ impl Supports {
     fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
         let fixed = support.fixed_components(mesh)?;
         for node in mesh.group_nodes(&support.group)? {
-            (0..3).for_each(|i| self.fixed[3 * node as usize + i] |= fixed[i]);
+            (0..3).for_each(|i| self.fixed[nodal::dof(node as usize, i)] |= fixed[i]);
         }
         Ok(())
     }
@@ -78,10 +79,10 @@ impl Supports {
     /// Plane strain: nodes of plane cells stay in the plane.
     fn fix_planes(&mut self, mesh: &Mesh, internal: &InternalNodes) {
         for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
-            cell.nodes.iter().for_each(|&node| self.fixed[3 * node as usize + 2] = true);
+            cell.nodes.iter().for_each(|&node| self.fixed[nodal::dof(node as usize, 2)] = true);
         }
         for (node, _) in internal.with_cells(mesh).filter(|(_, cell)| cell.kind.dimension() == 2) {
-            self.fixed[3 * node + 2] = true;
+            self.fixed[nodal::dof(node, 2)] = true;
         }
     }
 
@@ -144,7 +145,8 @@ fn supported_groups(
         }
         let fixed = support.fixed_components(mesh)?;
         for node in mesh.group_nodes(&support.group)? {
-            let dofs = (0..3).filter(|&d| fixed[d] || support.drives(d)).map(|d| 3 * node as usize + d);
+            let dofs =
+                (0..3).filter(|&d| fixed[d] || support.drives(d)).map(|d| nodal::dof(node as usize, d));
             let own = dofs.filter(|&dof| dof < 3 * n_own && !std::mem::replace(&mut is_held[dof], true));
             group.dofs.extend(own);
         }

@@ -43,6 +43,7 @@
 
 use crate::average::Rule;
 use crate::body::Body;
+use crate::nodal;
 use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a dissipative time element.
@@ -252,11 +253,11 @@ impl RigidProjection {
         let start: f64 = eta.iter().sum();
         let mut square = 0.0;
         for node in 0..self.row_sums.len() {
-            let at = |values: &[f64]| [values[3 * node], values[3 * node + 1], values[3 * node + 2]];
+            let at = |values: &[f64]| nodal::at(values, node);
             let moved = self.multipliers.at(at(&self.arm));
             let weighted = self.multipliers.times(self.row_sums[node], at(&self.weighted_arm));
             for d in 0..3 {
-                let dof = 3 * node + d;
+                let dof = nodal::dof(node, d);
                 let delta = self.change.velocity[dof] / h - start * velocity[dof];
                 square += (delta - moved[d]) * (self.momentum[dof] - weighted[d]);
                 new[dof] += end_weight * moved[d];

@@ -55,14 +55,14 @@ impl<'a> TimeElementStepper<'a> {
         let n = body.n_dofs();
         let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
-        let n_pressures = system.n_pressures();
+        let n_unknowns = system.n_unknowns();
         Ok(TimeElementStepper {
             iteration: Iteration::new(&system, settings),
             end_basis: (0..k).map(|j| system.coefficients.rule.basis(j, 1.0)).collect(),
             system,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
-            residual: vec![0.0; k * n + n_pressures],
+            residual: vec![0.0; n_unknowns],
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
@@ -118,7 +118,8 @@ impl<'a> TimeElementStepper<'a> {
         if body.has_ground() {
             self.system.ground_force(rates, &mut self.ground)?;
         }
-        if !has_supports && !self.is_loaded && !body.has_ground() && body.drag() == 0.0 {
+        let is_joined = body.constraints().is_grounded();
+        if !has_supports && !self.is_loaded && !body.has_ground() && !is_joined && body.drag() == 0.0 {
             return Ok(impulses);
         }
         let rule = &self.system.coefficients.rule;
@@ -142,6 +143,9 @@ impl<'a> TimeElementStepper<'a> {
             impulses.work += b * body.space.dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
             force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
+            if is_joined {
+                self.system.add_constraint_force(&self.iteration.unknowns, i, force);
+            }
             if body.drag() > 0.0 {
                 force.iter_mut().enumerate().for_each(|(dof, f)| *f += self.system.drag_force(i * n + dof));
             }

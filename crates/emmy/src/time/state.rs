@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::Body;
 use crate::error::Result;
 use crate::input::InitialVelocity;
+use crate::nodal;
 use crate::tensor::cross;
 
 /// State of a body in motion.
@@ -120,7 +121,7 @@ impl State {
 
     /// Current position of a node.
     pub fn position(&self, body: &Body, node: usize) -> [f64; 3] {
-        [0, 1, 2].map(|i| body.space.point(node)[i] + self.displacement[3 * node + i])
+        body.space.position(&self.displacement, node)
     }
 
     /// Displacement of the first node of a free body (on a team, of the first rank), zero for any other body: strains and forces do not depend on it.
@@ -158,7 +159,7 @@ impl State {
         let nodes = body.mesh().points().iter().zip(self.momentum.as_chunks::<3>().0).enumerate();
         for (node, (X, p)) in nodes.take(body.space.own_nodes().end) {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
-            let at = 3 * node;
+            let at = nodal::dof(node, 0);
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
             add(&mut moment, cross(q, *p));
             add(&mut total, *p);

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 25] = [
+    "nodal",
     "number",
     "error",
     "team",
@@ -21,6 +22,7 @@ const ORDER: [&str; 23] = [
     "space",
     "mass",
     "force",
+    "unknowns",
     "body",
     "time",
     "modes",
@@ -31,7 +33,7 @@ const ORDER: [&str; 23] = [
 ];
 
 /// The same for the files and folders inside a module.
-const INSIDE: [(&str, &[&str]); 8] = [
+const INSIDE: [(&str, &[&str]); 9] = [
     (
         "sparse",
         &[
@@ -92,9 +94,8 @@ const INSIDE: [(&str, &[&str]); 8] = [
             "step",
             "pressures",
             "integral",
-            "force",
             "signal",
-            "over_time",
+            "force",
             "source",
             "solid",
             "cells",
@@ -107,12 +108,13 @@ const INSIDE: [(&str, &[&str]); 8] = [
             "load",
         ],
     ),
+    ("unknowns", &["affine", "constraint", "rigid_link", "constraints"]),
     (
         "body",
         &[
             "system",
             "forces",
-            "elimination",
+            "local_unknowns",
             "frequency_bound",
             "team",
             "builder",

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::system::Body;
 use crate::input::Region;
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::space::geometry::for_each_volume_point;
 use crate::team::Subdomain;
 
@@ -172,7 +173,7 @@ impl Fields {
     ) -> Vec<f64> {
         match name.info().formula {
             Formula::Vector(vector) => {
-                let of_node = |node: usize| motion.map(|own| [0, 1, 2].map(|d| own[3 * node + d]));
+                let of_node = |node: usize| motion.map(|own| nodal::at(own, node));
                 members.flat_map(|(node, density)| vector(density, of_node(node))).collect()
             }
             Formula::OfCell(number) | Formula::OfMass(number) => {
@@ -228,7 +229,7 @@ impl Fields {
         for_each_volume_point(&self.mesh, std::iter::once(cell as u32), |_, nodes, point| {
             let component = |d: usize| {
                 let terms = nodes.iter().zip(point.shapes);
-                terms.map(|(&node, N)| N * velocity[3 * node as usize + d]).sum::<f64>()
+                terms.map(|(&node, N)| N * nodal::at(velocity, node as usize)[d]).sum::<f64>()
             };
             sum += point.weight * (0..3).map(|d| component(d).powi(2)).sum::<f64>();
             measure += point.weight;

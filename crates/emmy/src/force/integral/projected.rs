@@ -151,7 +151,7 @@ pub(crate) fn integrate<R: Register>(
             cells,
             projection,
             point,
-            step.pressures.is_some(),
+            step.local.is_some(),
             &memory.volume,
             &mut registers.pressure,
         );

@@ -36,7 +36,7 @@ impl SolidForce {
     pub(super) fn gather_pressures(&self, batch: usize, step: &StepInput<'_>, memory: &mut BatchMemory) {
         let Some(projection) = &self.projection else { return };
         memory.volume.fit(step.rule, projection.n_functions, self.cells.n_nodes);
-        let Some(pressures) = step.pressures else { return };
+        let Some(pressures) = step.local else { return };
         let given = &mut memory.volume.given;
         let of_term = &pressures[self.pressures.first * step.rule.n_pressures()..];
         let last = self.cells.cells.len() - 1;

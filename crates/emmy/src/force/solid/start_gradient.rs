@@ -9,6 +9,7 @@ use crate::average::StartTangent;
 use crate::force::integral;
 use crate::force::integral::RegisterCells;
 use crate::force::step::StepInput;
+use crate::nodal;
 use crate::tensor::{LANES, Mat3, Packed};
 
 /// Working memory for a batch of cells.
@@ -68,7 +69,7 @@ impl SolidForce {
             },
         );
         for (&node, sum) in self.cells.nodes.iter().zip(&of_cells) {
-            (0..3).for_each(|i| gradient[3 * node as usize + i] += sum[i]);
+            nodal::add(gradient, node as usize, *sum);
         }
     }
 

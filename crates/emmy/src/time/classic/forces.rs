@@ -22,7 +22,7 @@ impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         let rule = configurations(&[(1.0, 1.0)]);
-        Forces { body, rule, assembly: body.assembly(1), rest: zero.clone(), internal: zero }
+        Forces { body, assembly: body.assembly_of(&rule), rule, rest: zero.clone(), internal: zero }
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -38,31 +38,31 @@ impl<'a> Forces<'a> {
         self.assemble_with((displacement, &[]), request)
     }
 
-    /// Sets the force of the body at a displacement with given pressures, `[function]`, and its derivative if wanted.
+    /// Sets the force of the body at a displacement with given local unknowns, `[function]`, and its derivative if wanted.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble_with(
         &mut self,
-        (displacement, pressures): (&[f64], &[f64]),
+        (displacement, local): (&[f64], &[f64]),
         request: Request,
     ) -> Result<()> {
         let step = StepInput {
             tangent_factor: 1.0,
-            pressures: (!pressures.is_empty()).then_some(pressures),
+            local: (!local.is_empty()).then_some(local),
             ..StepInput::undamped(&self.rule, displacement, &self.rest)
         };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
-    /// Adds the forces of pressures to a force, with the derivatives assembled last.
-    pub(crate) fn add_pressure_force(&self, factor: f64, pressures: &[f64], force: &mut [f64]) {
-        self.body.add_pressure_force(&self.rule, &self.assembly, factor, pressures, force);
+    /// Adds the forces of local unknowns to a force, with the derivatives assembled last.
+    pub(crate) fn add_local_force(&self, factor: f64, local: &[f64], force: &mut [f64]) {
+        self.body.add_local_force(&self.rule, &self.assembly, factor, local, force);
     }
 
-    /// Adds the changes of the pressures with a change of the displacement, with the derivatives assembled last.
-    pub(crate) fn add_pressure_response(&self, change: &[f64], pressures: &mut [f64]) {
-        self.body.add_pressure_response(&self.rule, &self.assembly, change, pressures);
+    /// Adds the changes of the local unknowns with a change of the displacement, with the derivatives assembled last.
+    pub(crate) fn add_local_response(&self, change: &[f64], local: &mut [f64]) {
+        self.body.add_local_response(&self.rule, &self.assembly, change, local);
     }
 
     /// Subtracts the derivative of the loads of a time from the K assembled last.
@@ -117,19 +117,19 @@ impl<'a> Forces<'a> {
         self.net_with((displacement, &[]), time, external, net)
     }
 
-    /// [`Forces::net`] with given pressures, `[function]`.
+    /// [`Forces::net`] with given local unknowns, `[function]`.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn net_with(
         &mut self,
-        (displacement, pressures): (&[f64], &[f64]),
+        (displacement, local): (&[f64], &[f64]),
         time: f64,
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
         self.external(displacement, time, external)?;
-        self.assemble_with((displacement, pressures), Request::Stress)?;
+        self.assemble_with((displacement, local), Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);

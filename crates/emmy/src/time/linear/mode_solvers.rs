@@ -208,7 +208,7 @@ impl ModeSolvers {
         let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
         let ranks = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
-        let is_mixed = body.has_pressures();
+        let is_mixed = body.has_local();
         for mode in &self.modes {
             if let (Some(sweep), Some(ranks), Some(engine)) = (&sweep, ranks(), engine(body, choice.kind)) {
                 self.choice = Some(SolverChoice { engine: Some(engine.name()), ..choice });

@@ -11,6 +11,7 @@ use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::body::Body;
 use crate::error::Result;
+use crate::nodal;
 use crate::tensor::rotation::{exp, image, skew};
 use crate::tensor::{Mat3, cross};
 
@@ -109,6 +110,11 @@ impl Prediction {
     /// Whether there was no step before.
     pub(super) fn is_first(&self) -> bool {
         self.last_size.is_none()
+    }
+
+    /// Size of the last step.
+    pub(super) fn last_size(&self) -> Option<f64> {
+        self.last_size
     }
 
     /// Keeps the memory that the next steps depend on.
@@ -219,7 +225,7 @@ impl Prediction {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
             for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.space.own_nodes().end) {
                 for d in 0..3 {
-                    let at = i * n + 3 * node + d;
+                    let at = i * n + nodal::dof(node, d);
                     let force = system.known[at] + s * s * system.external_force(at);
                     sum[d] += force;
                     (0..3).for_each(|e| moments[d][e] += force * y[e]);
@@ -287,7 +293,7 @@ impl Prediction {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             let residual = residual.as_chunks::<3>().0;
             for node in system.body.space.counted_nodes() {
-                let (at, r) = (3 * node, residual[node]);
+                let (at, r) = (nodal::dof(node, 0), residual[node]);
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
                     (0..3).for_each(|d| q[d] += a[i * k + j] * rates[j * n + at + d]);
@@ -380,7 +386,7 @@ impl Prediction {
             for (node, (x, y)) in nodes {
                 let mut carried = [0.0; 3];
                 for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
-                    (0..3).for_each(|d| carried[d] += e * z[3 * node + d]);
+                    (0..3).for_each(|d| carried[d] += e * z[nodal::dof(node, d)]);
                 }
                 let rigid = image(D, y);
                 let carried = image(&turn, &carried);

@@ -278,6 +278,9 @@ impl Scheme {
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;
         }
+        if !matches!(self, Scheme::TimeElement(_)) {
+            body.check_unconstrained(&self.name())?;
+        }
         if body.dissipates() {
             self.check_feature(BodyFeature::Damping)?;
         }

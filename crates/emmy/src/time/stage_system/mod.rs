@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Memory;
 use super::dissipation::RigidProjection;
-use super::linear::ApproximateTangent;
+use super::linear::{ApproximateTangent, Border};
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
@@ -14,6 +14,7 @@ use crate::body::{Assembly, Body, Reaction};
 use crate::error::{Error, Result};
 use crate::force::{Span, StepDamping, StepInput};
 use crate::sparse::{Gmres, Solver, SolverChoice};
+use crate::unknowns::BorderStep;
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
 #[derive(Debug)]
@@ -42,9 +43,13 @@ pub(super) struct StageSystem<'a> {
     /// Squares of its terms, of each chunk of each stage.
     squares: Vec<[f64; 3]>,
     approximate_tangent: ApproximateTangent,
+    border: Border,
+    /// Forces of constraints in a stage; empty without constraints.
+    constraint_force: Vec<f64>,
     gmres: Gmres,
+    /// Right side of a correction: of the rates, then of the multipliers.
     negative: Vec<f64>,
-    /// Residual with the pressures eliminated.
+    /// Residual with the local unknowns eliminated.
     condensed: Vec<f64>,
     floor: f64,
 }
@@ -65,7 +70,7 @@ impl<'a> StageSystem<'a> {
         let k = coefficients.rule.degree();
         Ok(StageSystem {
             body,
-            assembly: body.assembly(k),
+            assembly: body.assembly_of(&coefficients.rule),
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
@@ -81,9 +86,11 @@ impl<'a> StageSystem<'a> {
             mass_rates: vec![0.0; k * n],
             squares: vec![[0.0; 3]; k * n.div_ceil(CHUNK)],
             approximate_tangent: ApproximateTangent::new(body, &coefficients, solver)?,
+            border: Border::new(body, k),
+            constraint_force: vec![0.0; if body.constraints().is_empty() { 0 } else { n }],
             gmres: Gmres::default(),
-            negative: vec![0.0; k * n],
-            condensed: vec![0.0; if body.n_pressures() > 0 { k * n } else { 0 }],
+            negative: vec![0.0; k * (n + body.constraints().len())],
+            condensed: vec![0.0; if body.n_local() > 0 { k * n } else { 0 }],
             floor: 0.0,
             coefficients,
         })
@@ -141,39 +148,63 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Number of pressures of a step.
-    pub(super) fn n_pressures(&self) -> usize {
-        self.body.n_pressures() * self.coefficients.rule.n_pressures()
+    /// Number of local unknowns of a step.
+    pub(super) fn n_local(&self) -> usize {
+        self.body.n_local() * self.coefficients.rule.n_pressures()
     }
 
-    /// The rates among the unknowns, and the pressures after them, `[function][n]`.
-    pub(super) fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
-        unknowns.split_at(self.force.len())
+    /// Number of rates.
+    pub(super) fn n_rates(&self) -> usize {
+        self.force.len()
     }
 
-    /// Sets the pressures to those of the configuration at the start of the step.
+    /// Number of all unknowns.
+    pub(super) fn n_unknowns(&self) -> usize {
+        self.n_rates() + self.n_multipliers() + self.n_local()
+    }
+
+    /// Number of multipliers of constraints in a step.
+    pub(super) fn n_multipliers(&self) -> usize {
+        self.coefficients.rule.degree() * self.body.constraints().len()
+    }
+
+    /// The rates among the unknowns, the multipliers after them, `[k][n]`, then the local unknowns, `[function][n]`.
+    pub(super) fn split<'x>(&self, unknowns: &'x [f64]) -> [&'x [f64]; 3] {
+        let (rates, others) = unknowns.split_at(self.force.len());
+        let (multipliers, local) = others.split_at(self.n_multipliers());
+        [rates, multipliers, local]
+    }
+
+    /// The same of a vector that changes.
+    fn split_mut<'x>(&self, unknowns: &'x mut [f64]) -> [&'x mut [f64]; 3] {
+        let (rates, others) = unknowns.split_at_mut(self.force.len());
+        let (multipliers, local) = others.split_at_mut(self.n_multipliers());
+        [rates, multipliers, local]
+    }
+
+    /// Sets the local unknowns to those of the configuration at the start of the step.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub(super) fn set_pressures_at_start(&mut self, pressures: &mut [f64]) -> Result<()> {
-        if !self.body.has_pressures() {
+    pub(super) fn set_local_at_start(&mut self, local: &mut [f64]) -> Result<()> {
+        if !self.body.has_local() {
             return Ok(());
         }
         self.force.fill(0.0);
         let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, &self.force);
         self.body.assemble(&step, Request::Stress, &[], &mut self.assembly)?;
-        self.body.copy_pressures(&self.assembly, pressures);
+        self.body.copy_local(&self.assembly, local);
         Ok(())
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the pressures of
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the local unknowns of
     /// the step less those of its rates; and the squares of the three parts of the first over the free ones of this rank.
     pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(unknowns, Request::Stress)?;
-        let (x, pressures) = self.split(unknowns);
-        let (residual, of_pressures) = residual.split_at_mut(x.len());
-        self.body.copy_pressures(&self.assembly, of_pressures);
-        of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
+        let [x, multipliers, local] = self.split(unknowns);
+        let [residual, of_constraints, of_local] = self.split_mut(residual);
+        self.body.copy_local(&self.assembly, of_local);
+        of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
         self.assembly.matrix.copy_force(&mut self.force);
         self.evaluate_external(x)?;
         let n = self.body.n_dofs();
@@ -211,7 +242,50 @@ impl<'a> StageSystem<'a> {
             projection.set(body, x, &self.mass_rates, &self.momentum, s);
             projection.add_to_residual(s, residual);
         }
-        Ok([0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>()))
+        let [inertia, internal, external] =
+            [0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>());
+        let of_joints = self.add_constraints(x, multipliers, residual, of_constraints);
+        Ok([inertia, internal + of_joints, external])
+    }
+
+    /// Adds the forces of constraints to the residual of the rates, and sets their own. Returns the square of the forces.
+    fn add_constraints(
+        &mut self,
+        x: &[f64],
+        multipliers: &[f64],
+        residual: &mut [f64],
+        of_constraints: &mut [f64],
+    ) -> f64 {
+        let constraints = self.body.constraints();
+        if constraints.is_empty() {
+            return 0.0;
+        }
+        let mut force = std::mem::take(&mut self.constraint_force);
+        let step = self.border_step(x);
+        constraints.set_residual(step, of_constraints);
+        let n = self.body.n_dofs();
+        let mut square = 0.0;
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            force.fill(0.0);
+            constraints.add_force(step, i, (1.0, multipliers), &mut force);
+            residual.iter_mut().zip(&force).for_each(|(r, f)| *r += f);
+            let free = force.iter().zip(self.body.fixed()).filter(|(_, fixed)| !**fixed);
+            square += free.map(|(f, _)| f * f).sum::<f64>();
+        }
+        self.constraint_force = force;
+        square
+    }
+
+    /// The step at some rates, as constraints see it.
+    fn border_step<'s>(&'s self, rates: &'s [f64]) -> BorderStep<'s> {
+        BorderStep { rule: &self.coefficients.rule, displacement: &self.displacement, rates }
+    }
+
+    /// Adds the force of the constraints on the body in a stage, `force: [n_nodes][3]`.
+    pub(super) fn add_constraint_force(&self, unknowns: &[f64], stage: usize, force: &mut [f64]) {
+        let [x, multipliers, _] = self.split(unknowns);
+        let factor = -1.0 / (self.time_scale * self.time_scale);
+        self.body.constraints().add_force(self.border_step(x), stage, (factor, multipliers), force);
     }
 
     /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
@@ -266,6 +340,7 @@ impl<'a> StageSystem<'a> {
         self.coefficients.rule.is_energy_momentum()
             && self.coefficients.dissipation.is_none()
             && !self.body.has_ground()
+            && !self.body.constraints().is_grounded()
     }
 
     /// Stage averages of the force on the ground, on all degrees of freedom.
@@ -364,9 +439,9 @@ impl<'a> StageSystem<'a> {
     }
 
     fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
-        let (x, pressures) = self.split(unknowns);
+        let [x, _, local] = self.split(unknowns);
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
-        let step = StepInput { pressures: (!pressures.is_empty()).then_some(pressures), ..step };
+        let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
         self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
         if request == Request::Tangent {
             self.body.add_external_tangent(&step, &mut self.assembly)?;
@@ -377,6 +452,7 @@ impl<'a> StageSystem<'a> {
     /// Rotates the approximate tangent with the body in the present step.
     pub(super) fn turn(&mut self, rotation: &RigidStep) {
         self.approximate_tangent.turn(rotation, &self.coefficients.rule);
+        self.border.forget();
     }
 
     /// Keeps the memory that the next steps depend on.

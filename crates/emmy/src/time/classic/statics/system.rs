@@ -5,6 +5,7 @@ use crate::average::Request;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
+use crate::nodal;
 use crate::sparse::{Gmres, LinearSystem, SparseLu, StageMatrix};
 use crate::time::classic::forces::Forces;
 
@@ -20,8 +21,8 @@ const FLOOR: f64 = 0.25;
 /// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
 const LARGEST_CORRECTION: f64 = 1e6;
 
-/// The equations of equilibrium at a time. The unknowns are the displacement, then the pressures of cells with a
-/// projected volume, `[function]`.
+/// The equations of equilibrium at a time. The unknowns are the displacement, then the local unknowns,
+/// `[function]`.
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
     pub(super) forces: Forces<'a>,
@@ -58,7 +59,7 @@ impl<'a> StaticSystem<'a> {
             gmres: Gmres::default(),
             lu: None,
             must_be_definite: true,
-            first: vec![0.0; zero.len() + body.n_pressures()],
+            first: vec![0.0; zero.len() + body.n_local()],
             shift: zero.clone(),
             predicted: None,
             size: body.mesh().extent().into_iter().fold(0.0, f64::max),
@@ -72,10 +73,10 @@ impl<'a> StaticSystem<'a> {
 
     /// Number of unknowns.
     pub(super) fn n_unknowns(&self) -> usize {
-        self.rest.len() + self.forces.body.n_pressures()
+        self.rest.len() + self.forces.body.n_local()
     }
 
-    /// Displacement and pressures among the unknowns.
+    /// Displacement and local unknowns among the unknowns.
     fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
         unknowns.split_at(self.rest.len())
     }
@@ -88,7 +89,7 @@ impl<'a> StaticSystem<'a> {
         let n = displacement.len();
         unknowns[..n].copy_from_slice(displacement);
         self.forces.assemble(displacement, Request::Stress)?;
-        body.copy_pressures(&self.forces.assembly, &mut unknowns[n..]);
+        body.copy_local(&self.forces.assembly, &mut unknowns[n..]);
         let mut first = std::mem::take(&mut self.first);
         let outcome = self.residual(unknowns, &mut first);
         self.first = first;
@@ -102,19 +103,19 @@ impl<'a> StaticSystem<'a> {
         self.factorize(unknowns)?;
         let step = self.linear_step(displacement)?;
         self.predicted = Some(body.space.norm(&step));
-        let (u, pressures) = unknowns.split_at_mut(n);
+        let (u, local) = unknowns.split_at_mut(n);
         u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
-        self.forces.add_pressure_response(&step, pressures);
+        self.forces.add_local_response(&step, local);
         // Exactly there, not but for rounding.
         body.space.set_driven_displacement(self.time, u);
         Ok(())
     }
 
-    /// Sets the right side of a correction: the negative residual, without the pressures after the first tangent.
-    fn condense(&mut self, residual: &[f64], of_pressures: &[f64]) {
+    /// Sets the right side of a correction: the negative residual, without the local unknowns after the first tangent.
+    fn condense(&mut self, residual: &[f64], of_local: &[f64]) {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
-            self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
+            self.forces.add_local_force(1.0, of_local, &mut self.right);
             self.forces.body.space.clear_inactive(&mut self.right);
         }
     }
@@ -136,8 +137,8 @@ impl<'a> StaticSystem<'a> {
 
     /// Sets the exact tangent, and factorises it without the follower loads.
     fn factorize(&mut self, unknowns: &[f64]) -> Result<()> {
-        let (displacement, pressures) = self.split(unknowns);
-        self.forces.assemble_with((displacement, pressures), Request::Tangent)?;
+        let (displacement, local) = self.split(unknowns);
+        self.forces.assemble_with((displacement, local), Request::Tangent)?;
         self.is_linearised = true;
         let body = self.forces.body;
         self.lu = None;
@@ -206,7 +207,7 @@ impl<'a> StaticSystem<'a> {
         body.space.largest_of_ranks("largest stiffness", &mut largest);
         let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
         let node = body.space.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
-        let position = |node: usize| [0, 1, 2].map(|d| body.space.point(node)[d] + x[3 * node + d]);
+        let position = |node: usize| body.space.position(x, node);
         Error::Singular { fraction: self.time, node, position: body.space.at_node(node, position) }
     }
 }
@@ -220,16 +221,16 @@ const PREDICTION: f64 = 1e-6;
 
 impl System for StaticSystem<'_> {
     fn residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        let (x, pressures) = self.split(unknowns);
-        let (residual, of_pressures) = residual.split_at_mut(x.len());
-        self.forces.net_with((x, pressures), self.time, &mut self.external, residual)?;
+        let (x, local) = self.split(unknowns);
+        let (residual, of_local) = residual.split_at_mut(x.len());
+        self.forces.net_with((x, local), self.time, &mut self.external, residual)?;
         let body = self.forces.body;
-        body.copy_pressures(&self.forces.assembly, of_pressures);
-        of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
+        body.copy_local(&self.forces.assembly, of_local);
+        of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
         let scale = body.space.norm(&self.external).max(body.space.norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
         body.space.clear_inactive(residual);
-        self.condense(residual, of_pressures);
+        self.condense(residual, of_local);
         Ok(Sizes { residual: self.forces.body.space.norm(&self.right), scale, floor: self.floor })
     }
 
@@ -244,13 +245,13 @@ impl System for StaticSystem<'_> {
         if tangent != Tangent::LastExact {
             self.factorize(x)?;
         }
-        let (of_displacement, of_pressures) = self.split(residual);
-        self.condense(of_displacement, of_pressures);
+        let (of_displacement, of_local) = self.split(residual);
+        self.condense(of_displacement, of_local);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
         self.forces.body.space.update_guests("correction", dx);
-        change.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
-        self.forces.add_pressure_response(dx, change);
+        change.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
+        self.forces.add_local_response(dx, change);
         let body = self.forces.body;
         self.predicted.get_or_insert_with(|| body.space.norm(dx));
         Ok(iterations)
@@ -305,7 +306,7 @@ fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> 
                 sum[i] += row.iter().zip(u).map(|(k, u)| (k * u).abs()).sum::<f64>();
             }
         }
-        let free = (0..3).filter(|i| !body.fixed()[3 * node + i]);
+        let free = (0..3).filter(|i| !nodal::at(body.fixed(), node)[*i]);
         square += free.map(|i| sum[i] * sum[i]).sum::<f64>();
     }
     let mut square = [square];

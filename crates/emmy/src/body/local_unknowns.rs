@@ -25,17 +25,17 @@ struct Function<'a> {
 
 impl Body {
     /// Number of functions of the pressure in all cells; on a team, those of cells that count here come first.
-    pub(crate) fn n_pressures(&self) -> usize {
+    pub(crate) fn n_local(&self) -> usize {
         self.pressure_cells().map(|cells| cells.n_pressures()).sum()
     }
 
     /// Whether some cell, of any rank, has pressures.
-    pub(crate) fn has_pressures(&self) -> bool {
-        self.has_pressures
+    pub(crate) fn has_local(&self) -> bool {
+        self.has_local
     }
 
     /// Number of functions of the pressure in the cells that count here.
-    fn n_counted_pressures(&self) -> usize {
+    fn n_counted_local(&self) -> usize {
         let cells = self.counted_forces().filter_map(|force| force.pressure_cells());
         cells.map(|cells| cells.n_pressures()).sum()
     }
@@ -45,7 +45,7 @@ impl Body {
     }
 
     /// Copies the pressures of the deformation assembled last, `[function][l]`.
-    pub(crate) fn copy_pressures(&self, assembly: &Assembly, pressures: &mut [f64]) {
+    pub(crate) fn copy_local(&self, assembly: &Assembly, pressures: &mut [f64]) {
         let mut copied = 0;
         for cells in self.pressure_cells() {
             for results in assembly.pressure_results(cells.numbers.term) {
@@ -89,7 +89,7 @@ impl Body {
     /// ```math
     /// f_i = factor sum_l weight_il g_l pi_l
     /// ```
-    pub(crate) fn add_pressure_force(
+    pub(crate) fn add_local_force(
         &self,
         rule: &Rule,
         assembly: &Assembly,
@@ -117,7 +117,7 @@ impl Body {
     /// ```math
     /// dpi_l = sum_j W_lj dx_j
     /// ```
-    pub(crate) fn add_pressure_response(
+    pub(crate) fn add_local_response(
         &self,
         rule: &Rule,
         assembly: &Assembly,
@@ -136,14 +136,14 @@ impl Body {
     }
 
     /// Trace of the part of a stiffness that comes through the pressures of cells that count here, `sum g . W`.
-    pub(crate) fn pressure_stiffness(&self, assembly: &Assembly) -> f64 {
-        let n = self.n_counted_pressures();
+    pub(crate) fn local_stiffness(&self, assembly: &Assembly) -> f64 {
+        let n = self.n_counted_local();
         let functions = self.pressure_functions(assembly, 1, 1).filter(|function| function.number < n);
         functions.map(|function| dot(function.forces, function.responses)).sum()
     }
 
-    /// [`Body::add_pressure_force`] with one tangent for all stages, that of a rule with one stage.
-    pub(crate) fn add_kept_pressure_force(
+    /// [`Body::add_local_force`] with one tangent for all stages, that of a rule with one stage.
+    pub(crate) fn add_kept_local_force(
         &self,
         rule: &Rule,
         assembly: &Assembly,
@@ -161,13 +161,13 @@ impl Body {
         }
     }
 
-    /// [`Body::add_pressure_response`] with one tangent for all stages, that of a rule with one stage; `damping`: over the
+    /// [`Body::add_local_response`] with one tangent for all stages, that of a rule with one stage; `damping`: over the
     /// stiffness of the volumes.
     ///
     /// ```math
     /// dpi_l = factor sum_j (integral_lj + damping_lj) W dx_j
     /// ```
-    pub(crate) fn add_kept_pressure_response(
+    pub(crate) fn add_kept_local_response(
         &self,
         (rule, damping): (&Rule, &VolumeDamping),
         assembly: &Assembly,
