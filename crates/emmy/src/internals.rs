@@ -10,7 +10,8 @@ pub mod average {
 pub mod body {
     pub use crate::body::entries::Entries;
     pub use crate::body::forces::Assembly;
-    pub use crate::force::step::{Sampling, Span, StepDamping, StepInput};
+    pub use crate::force::step::{Sampling, StepDamping, StepInput};
+    pub use crate::input::Span;
     pub use crate::input::models::{MODELS, RegionModel};
     pub use crate::input::pole::pole;
     pub use crate::input::symmetry::symmetry_axis;

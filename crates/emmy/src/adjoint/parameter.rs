@@ -5,7 +5,8 @@ use crate::average::Request;
 use crate::body::{Assembly, Body};
 use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
-use crate::force::{Sampling, Span, StepDamping, StepInput};
+use crate::force::{Sampling, StepDamping, StepInput};
+use crate::input::Span;
 use crate::sparse::reduce::dot;
 use crate::time::State;
 

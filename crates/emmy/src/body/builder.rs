@@ -3,10 +3,9 @@
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
-use super::forces::Forces;
 use super::system::Body;
 use crate::error::{Error, Result};
-use crate::force::{Drag, Force, ForceSource, Site, cells, dead};
+use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
 use crate::input::{GroundSpring, Load, PointTerms, Region, Support};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};

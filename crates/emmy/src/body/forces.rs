@@ -1,56 +1,21 @@
 //! The forces of a body as one list, and what a step asks of it.
 
 use std::collections::HashSet;
-use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 use super::system::Body;
 use crate::average::{FollowerRule, Request, Rule};
 use crate::error::Result;
-use crate::force::solid::SolidForce;
 use crate::force::{
-    Book, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side, Signal, Span, StepInput,
+    Book, Cells, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side, Signal, StepInput,
     StepStart, StrainState, cells,
 };
 use crate::input::SignalTarget;
+use crate::input::Span;
 use crate::quadrature::Quadrature;
 use crate::space::Reaction;
 use crate::sparse::{RowPart, StageMatrix};
-
-/// The forces of a body: those of its cells, which are made on first use, then the others.
-#[derive(Debug, Clone)]
-pub(super) struct Forces {
-    pub(super) cells: Arc<OnceLock<Cells>>,
-    pub(super) others: Arc<Vec<Arc<dyn Force>>>,
-}
-
-/// Forces of the cells, one for each region and kind; those of cells that count on another rank are last.
-#[derive(Debug)]
-pub(super) struct Cells {
-    all: Vec<SolidForce>,
-    n_counted: usize,
-}
-
-impl Cells {
-    fn new(body: &Body) -> Self {
-        let counts = |cell: u32| body.ranks().counts()[cell as usize];
-        let of_cells = |chosen: &dyn Fn(u32) -> bool| {
-            let (mesh, internal) = (body.mesh(), body.space.internal());
-            let forces = cells::forces(mesh, &body.made_of, &body.region_of_cell, internal, chosen);
-            // The builder has checked all else.
-            forces.unwrap_or_else(|error| panic!("{error}"))
-        };
-        let mut all = of_cells(&counts);
-        let n_counted = all.len();
-        if body.space.is_shared() {
-            all.extend(of_cells(&|cell| !counts(cell)));
-        }
-        all.iter_mut().for_each(|force| force.attach(&body.pattern, &body.parts));
-        cells::number_pressures(&mut all, &body.parts);
-        Cells { all, n_counted }
-    }
-}
 
 /// Stage forces and matrix of a body, with the working memory of their assembly.
 #[derive(Debug)]
@@ -123,8 +88,27 @@ fn is_ground(force: &dyn Force) -> bool {
 }
 
 impl Body {
+    /// Makes the forces of the cells.
+    fn make_cells(&self) -> Cells {
+        let counts = |cell: u32| self.ranks().counts()[cell as usize];
+        let of_cells = |chosen: &dyn Fn(u32) -> bool| {
+            let (mesh, internal) = (self.mesh(), self.space.internal());
+            let forces = cells::forces(mesh, &self.made_of, &self.region_of_cell, internal, chosen);
+            // The builder has checked all else.
+            forces.unwrap_or_else(|error| panic!("{error}"))
+        };
+        let mut all = of_cells(&counts);
+        let n_counted = all.len();
+        if self.space.is_shared() {
+            all.extend(of_cells(&|cell| !counts(cell)));
+        }
+        all.iter_mut().for_each(|force| force.attach(&self.pattern, &self.parts));
+        cells::number_pressures(&mut all, &self.parts);
+        Cells { all, n_counted }
+    }
+
     fn cells(&self) -> &Cells {
-        self.forces.cells.get_or_init(|| Cells::new(self))
+        self.forces.cells.get_or_init(|| self.make_cells())
     }
 
     /// All forces.
@@ -462,17 +446,6 @@ impl Body {
                 || known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
         };
         of_loads.into_iter().chain(of_supports).filter(is_new).chain(of_fields).collect()
-    }
-}
-
-impl Forces {
-    /// The forces under the loads of a time, all in proportion to a load fraction that takes the place of time.
-    pub(super) fn in_proportion(&self, time: f64, n_dofs: usize) -> Forces {
-        let grown = |force: &Arc<dyn Force>| match force.over_time() {
-            Some(load) => load.in_proportion(time, n_dofs),
-            None => force.clone(),
-        };
-        Forces { others: Arc::new(self.others.iter().map(grown).collect()), ..self.clone() }
     }
 }
 

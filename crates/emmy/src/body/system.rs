@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use super::forces::Forces;
 use crate::error::{Error, Result};
+use crate::force::Forces;
 use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;

@@ -3,11 +3,38 @@
 use super::{Space, Supports};
 use crate::average::Rule;
 use crate::error::{Error, Result};
-use crate::input::SignalTarget;
+use crate::input::{SignalTarget, Span};
 use crate::space::drive::{AT_ONCE, Drive, Fault, apply};
 
 /// Times closer together than this part of a step are equal: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;
+
+/// Rates of the degrees of freedom with a given motion in a step; nothing for a body without.
+#[derive(Debug)]
+pub(crate) struct DrivenRates(Vec<f64>);
+
+impl DrivenRates {
+    /// Memory for k stages.
+    pub(crate) fn new(space: &Space, k: usize) -> Self {
+        DrivenRates(vec![0.0; if space.is_driven() { k * space.n_dofs() } else { 0 }])
+    }
+
+    /// Sets the rates of a step that starts at a displacement.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(crate) fn set(&mut self, space: &Space, rule: &Rule, span: Span, displacement: &[f64]) -> Result<()> {
+        space.driven_rates(rule, span.start, span.size, displacement, &mut self.0)
+    }
+
+    /// Inserts the rates among those of all degrees of freedom, `[k][n_nodes][3]`.
+    pub(crate) fn insert(&self, space: &Space, rates: &mut [f64]) {
+        let n = space.n_dofs();
+        for (rates, driven) in rates.chunks_exact_mut(n).zip(self.0.chunks_exact(n)) {
+            space.driven_dofs().for_each(|dof| rates[dof] = driven[dof]);
+        }
+    }
+}
 
 impl Space {
     /// The given motions.
@@ -50,7 +77,7 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::NotFiniteAt`].
-    pub(crate) fn driven_rates(
+    fn driven_rates(
         &self,
         rule: &Rule,
         time: f64,

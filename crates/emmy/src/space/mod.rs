@@ -13,6 +13,7 @@ pub(crate) mod supports;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub(crate) use driven::DrivenRates;
 pub(crate) use geometry::CellTable;
 pub(crate) use internal_nodes::InternalNodes;
 pub use reactions::Reaction;

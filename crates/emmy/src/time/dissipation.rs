@@ -92,9 +92,81 @@ impl Dissipation {
     }
 }
 
+/// What a dissipative scheme adds to the stage equations; nothing for other schemes.
+#[derive(Debug)]
+pub(super) struct SchemeForce {
+    projection: Option<RigidProjection>,
+    /// Momentum at the start of the step.
+    momentum: Vec<f64>,
+}
+
+impl SchemeForce {
+    /// Memory for a body.
+    pub(super) fn new(body: &Body, dissipation: Option<Dissipation>) -> Self {
+        let momentum = vec![0.0; if dissipation.is_some() { body.n_dofs() } else { 0 }];
+        let projection = dissipation.map(|dissipation| RigidProjection::new(body, dissipation));
+        SchemeForce { projection, momentum }
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.projection.is_none()
+    }
+
+    /// Begins a step with a momentum.
+    pub(super) fn begin(&mut self, momentum: &[f64]) {
+        if !self.is_zero() {
+            self.momentum.copy_from_slice(momentum);
+        }
+    }
+
+    /// Adds the force at the rates x, with M x, to the residuals of the stages.
+    pub(super) fn add_to_residual(
+        &mut self,
+        body: &Body,
+        (rates, mass_rates): (&[f64], &[f64]),
+        h: f64,
+        residual: &mut [f64],
+    ) {
+        if let Some(projection) = &mut self.projection {
+            projection.set(body, rates, mass_rates, &self.momentum, h);
+            projection.add(projection.multipliers, h, residual);
+        }
+    }
+
+    /// Adds the derivatives of the force along dx.
+    pub(super) fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
+        if let Some(projection) = &mut self.projection {
+            projection.add_derivative(body, h, dx, residual);
+        }
+    }
+
+    /// Corrects a right-hand side for the approximate tangent, which does not know the force.
+    pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
+        if let Some(projection) = &mut self.projection {
+            projection.correct(body, right);
+            body.space.clear_inactive(right);
+        }
+    }
+
+    /// Completes the new velocity by that of the force at the rates x, with M x, and returns the energy dissipated through
+    /// velocities; `velocity`: at the start of the step.
+    pub(super) fn complete_end_velocity(
+        &mut self,
+        body: &Body,
+        (rates, mass_rates): (&[f64], &[f64]),
+        velocity: &[f64],
+        h: f64,
+        new: &mut [f64],
+    ) -> f64 {
+        let Some(projection) = &mut self.projection else { return 0.0 };
+        projection.set(body, rates, mass_rates, &self.momentum, h);
+        projection.complete_end_velocity(body, rates, velocity, h, new)
+    }
+}
+
 /// Projection on translations and rotations without dissipation, for the unknowns of a step.
 #[derive(Debug)]
-pub(super) struct RigidProjection {
+struct RigidProjection {
     dissipation: Dissipation,
     /// Directions without a fixed node.
     translations: [bool; 3],
@@ -136,7 +208,7 @@ const NO_TURN: f64 = 1e-13;
 
 impl RigidProjection {
     /// Memory for a body.
-    pub(super) fn new(body: &Body, dissipation: Dissipation) -> Self {
+    fn new(body: &Body, dissipation: Dissipation) -> Self {
         let n = body.n_dofs();
         let nodes = || body.fixed().as_chunks::<3>().0.iter();
         let holds = |axis: usize| {
@@ -173,7 +245,7 @@ impl RigidProjection {
     }
 
     /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
-    pub(super) fn set(&mut self, body: &Body, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
+    fn set(&mut self, body: &Body, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
         let Dissipation { highest_mode, eta, .. } = &self.dissipation;
         combine(highest_mode, rates, &mut self.arm);
         combine(highest_mode, mass_rates, &mut self.weighted_arm);
@@ -188,17 +260,12 @@ impl RigidProjection {
             self.projected(body.space.sum(&self.momentum), moment(body, (&self.arm, &self.momentum)));
     }
 
-    /// Adds `h weight_i M U lambda` to the residuals of the stages.
-    pub(super) fn add_to_residual(&self, h: f64, residual: &mut [f64]) {
-        self.add(self.multipliers, h, residual);
-    }
-
-    /// Adds the derivatives of [`RigidProjection::add_to_residual`] along dx, `[k][dof]`.
+    /// Adds the derivatives of `h weight_i M U lambda` along dx, `[k][dof]`.
     ///
     /// ```math
     /// d(M U lambda) = M U dlambda + lambda x M d(arm)
     /// ```
-    pub(super) fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
+    fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
         let multipliers = self.multipliers;
         let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
         combine(&self.dissipation.highest_mode, dx, arm);
@@ -231,7 +298,7 @@ impl RigidProjection {
 
     /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
     /// in that subspace, where the strain response is neglected.
-    pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
+    fn correct(&mut self, body: &Body, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
         let part = self.projected(body.space.sum(momentum), moment(body, (&self.arm, momentum)));
@@ -240,7 +307,7 @@ impl RigidProjection {
 
     /// Adds `end_weight U lambda` to the new velocity, which already has its first part, and returns the energy
     /// dissipated through velocities, `beta gamma . M gamma`; `velocity`: v_1.
-    pub(super) fn complete_end_velocity(
+    fn complete_end_velocity(
         &mut self,
         body: &Body,
         rates: &[f64],

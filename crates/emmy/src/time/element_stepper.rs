@@ -1,11 +1,13 @@
 //! One step of a time element: prediction, iteration, update, impulses.
 
-use super::iteration::Iteration;
+use super::equations::Equations;
+use super::implicit::ImplicitStep;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
 use crate::body::{Body, MassSolver, Reaction};
 use crate::error::Result;
-use crate::force::{Span, StrainState};
+use crate::force::StrainState;
+use crate::input::Span;
 use crate::newton::NewtonSettings;
 
 /// Stepper of a time element.
@@ -24,8 +26,7 @@ use crate::newton::NewtonSettings;
 /// ```
 #[derive(Debug)]
 pub struct TimeElementStepper<'a> {
-    system: StageSystem<'a>,
-    iteration: Iteration,
+    step: ImplicitStep<'a>,
     /// Solver for the velocity beside driven degrees of freedom; `None` if there are none.
     mass_solver: Option<MassSolver>,
     /// Momentum at the start of the step.
@@ -36,8 +37,6 @@ pub struct TimeElementStepper<'a> {
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     end_velocity: Vec<f64>,
-    /// Force on the ground in every stage; empty without springs and attractions to the ground.
-    ground: Vec<f64>,
     is_loaded: bool,
     reactions: Vec<Reaction>,
     /// Origin of the displacement in the stage system.
@@ -54,18 +53,17 @@ impl<'a> TimeElementStepper<'a> {
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let n = body.n_dofs();
         let k = element.degree;
-        let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
-        let n_unknowns = system.n_unknowns();
+        let step = ImplicitStep::new(body, element.coefficients(), settings)?;
+        let n_unknowns = step.system.equations.n_unknowns();
+        let rule = &step.system.equations.coefficients.rule;
         Ok(TimeElementStepper {
-            iteration: Iteration::new(&system, settings),
-            end_basis: (0..k).map(|j| system.coefficients.rule.basis(j, 1.0)).collect(),
-            system,
+            end_basis: (0..k).map(|j| rule.basis(j, 1.0)).collect(),
+            step,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
             residual: vec![0.0; n_unknowns],
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
-            ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
             reactions: body.space.no_reactions(),
             origin: [0.0; 3],
@@ -75,18 +73,17 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Rates x_j of the last step, `[k][n_nodes][3]` \[length\].
     pub fn rates(&self) -> &[f64] {
-        self.iteration.rates()
+        self.step.rates()
     }
 
     /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
     fn start(&mut self, state: &State, h: f64) -> Result<()> {
         self.momentum.copy_from_slice(&state.momentum);
-        state.set_relative_displacement(self.system.body, &mut self.position);
-        self.origin = state.origin(self.system.body);
+        state.set_relative_displacement(self.step.system.equations.body, &mut self.position);
+        self.origin = state.origin(self.step.system.equations.body);
         self.reactions.fill(Reaction::default());
-        self.system.start(&self.position, h);
-        self.system.set_momentum(&state.momentum);
-        let StageSystem { coefficients, known, .. } = &mut self.system;
+        self.step.system.start(&self.position, h);
+        let Equations { coefficients, known, .. } = &mut self.step.system.equations;
         let n = self.momentum.len();
         for (sum, known) in coefficients.mass_sums(h).zip(known.chunks_exact_mut(n)) {
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = weighted(sum, *p));
@@ -94,39 +91,33 @@ impl<'a> TimeElementStepper<'a> {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        self.is_loaded = self.system.begin(Span::new(state.time, h))?;
-        self.system.set_driven_rates(state.time, h)
+        self.is_loaded = self.step.system.equations.begin(Span::new(state.time, h), &state.momentum)?;
+        Ok(())
     }
 
-    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground
-    /// contributes to the impulses; its work is a change of the body's own energy.
+    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. Forces from
+    /// outside that have a potential contribute to the impulses; their work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
-        let body = self.system.body;
-        let n = self.system.body.n_dofs();
+        let unknowns = &self.step.iteration.unknowns;
+        let rates = self.step.iteration.rates();
+        let equations = &mut self.step.system.equations;
+        let (body, n) = (equations.body, equations.body.n_dofs());
         let has_supports = body.space.is_supported();
-        let mut impulses = Impulses::default();
         if has_supports {
-            self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
+            equations.full_residual(unknowns, &mut self.residual)?;
         } else {
-            self.system.evaluate_external(self.iteration.rates())?;
+            equations.evaluate_external(rates)?;
         }
-        let is_braked = self.system.is_braked();
-        if is_braked {
-            impulses.dissipated = self.system.dissipated(self.iteration.rates());
-        }
-        let rates = self.iteration.rates();
-        if body.has_ground() {
-            self.system.ground_force(rates, &mut self.ground)?;
-        }
-        let is_joined = body.constraints().is_grounded();
-        if !has_supports && !self.is_loaded && !body.has_ground() && !is_joined && body.drag() == 0.0 {
+        let mut impulses = Impulses { dissipated: equations.dissipated(rates), ..Impulses::default() };
+        equations.evaluate_outside(rates)?;
+        if !has_supports && !self.is_loaded && !equations.has_outside() {
             return Ok(impulses);
         }
-        let rule = &self.system.coefficients.rule;
+        let rule = &equations.coefficients.rule;
         let k = rule.degree();
         for i in 0..k {
             let b = rule.weights()[i];
-            let relative = self.position.iter_mut().zip(&self.system.displacement).enumerate();
+            let relative = self.position.iter_mut().zip(&equations.displacement).enumerate();
             relative.for_each(|(dof, (u, relative))| *u = self.origin[dof % 3] + relative);
             for j in 0..k {
                 let a = rule.coefficients()[i * k + j];
@@ -135,20 +126,13 @@ impl<'a> TimeElementStepper<'a> {
             let force = &mut self.residual[i * n..(i + 1) * n];
             let reactions = &mut self.reactions;
             body.space.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
-            self.system.add_spring_reactions(rates, i, b, &self.position, reactions);
+            equations.add_spring_reactions(rates, i, b, &self.position, reactions);
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
-                force[dof] = lambda + self.system.external_force(i * n + dof);
+                force[dof] = lambda + equations.external_force(i * n + dof);
             }
             impulses.work += b * body.space.dot(force, &rates[i * n..(i + 1) * n]);
-            let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
-            force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
-            if is_joined {
-                self.system.add_constraint_force(&self.iteration.unknowns, i, force);
-            }
-            if body.drag() > 0.0 {
-                force.iter_mut().enumerate().for_each(|(dof, f)| *f += self.system.drag_force(i * n + dof));
-            }
+            equations.add_outside(unknowns, i, force);
             impulses.add_force(body, h * b, &self.position, force);
         }
         Ok(impulses)
@@ -159,22 +143,23 @@ impl<'a> TimeElementStepper<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`]: a rule may not evaluate the end, and no step can start from an inverted state.
     fn strain_state_at_end(&mut self) -> Result<StrainState> {
-        self.position.copy_from_slice(&self.system.displacement);
+        self.position.copy_from_slice(&self.step.system.equations.displacement);
         let n = self.position.len();
-        for (rates, b) in self.iteration.rates().chunks_exact(n).zip(self.system.coefficients.rule.weights())
+        for (rates, b) in
+            self.step.rates().chunks_exact(n).zip(self.step.system.equations.coefficients.rule.weights())
         {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
-        self.system.body.strain_state(&self.position).check_not_inverted()
+        self.step.system.equations.body.strain_state(&self.position).check_not_inverted()
     }
 
     /// Adds the rates of the step to a displacement.
     fn displace(&self, state: &mut State) {
         let n = state.displacement.len();
-        let weights = self.system.coefficients.rule.weights();
+        let weights = self.step.system.equations.coefficients.rule.weights();
         state.displacement_low.resize(n, 0.0);
         for dof in 0..n {
-            let rates = self.iteration.rates()[dof..].iter().step_by(n);
+            let rates = self.step.rates()[dof..].iter().step_by(n);
             state.displace(dof, rates.zip(weights).map(|(x, b)| b * x).sum());
         }
     }
@@ -190,16 +175,16 @@ impl<'a> TimeElementStepper<'a> {
         given: Option<&[f64]>,
     ) -> Result<StepOutcome> {
         self.start(state, step_size)?;
-        let newton = self.iteration.solve(&mut self.system, state, step_size, given)?;
+        let newton = self.step.solve(state, step_size, given)?;
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses)?;
-        self.system.body.space.sum_reactions(&mut self.reactions);
+        self.step.system.equations.body.space.sum_reactions(&mut self.reactions);
         if !self.mass_shares.is_empty() {
-            state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
+            state.note_momentum_error(self.step.system.equations.body, &self.momentum, impulses.linear);
         }
-        self.iteration.remember(&mut self.system, step_size);
-        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
+        self.step.remember(step_size);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.step.solver() })
     }
 
     /// Advances a state by a step with given rates, corrected by a function of the equations and the rates; false if
@@ -215,9 +200,10 @@ impl<'a> TimeElementStepper<'a> {
         correct: impl FnOnce(&mut StageSystem<'_>, &mut [f64]) -> Result<bool>,
     ) -> Result<bool> {
         self.start(state, step_size)?;
-        self.iteration.begin(&mut self.system, state, step_size)?;
-        self.iteration.set_rates(given, &mut self.system)?;
-        if !correct(&mut self.system, &mut self.iteration.unknowns)? {
+        let ImplicitStep { system, iteration } = &mut self.step;
+        iteration.begin(system, state, step_size)?;
+        iteration.set_rates(given, system)?;
+        if !correct(system, &mut iteration.unknowns)? {
             return Ok(false);
         }
         self.update(state, step_size, &mut Impulses::default())?;
@@ -231,14 +217,14 @@ impl<'a> TimeElementStepper<'a> {
     /// the momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         self.displace(state);
-        if self.system.body.is_driven() {
+        if self.step.system.equations.body.is_driven() {
             self.update_momentum(state, h);
             self.set_driven_end(state, h, impulses)?;
         } else {
             impulses.dissipated += self.update_velocity(state, h);
         }
-        let body = self.system.body;
-        body.space.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
+        let body = self.step.system.equations.body;
+        body.space.set_internal_velocity(&self.end_basis, self.step.rates(), h, &mut state.velocity);
         Ok(())
     }
 
@@ -246,23 +232,24 @@ impl<'a> TimeElementStepper<'a> {
     fn update_velocity(&mut self, state: &mut State, h: f64) -> f64 {
         let n = state.velocity.len();
         self.position.copy_from_slice(&state.velocity);
-        for (j, rates) in self.iteration.rates().chunks_exact(n).enumerate() {
+        for (j, rates) in self.step.rates().chunks_exact(n).enumerate() {
             let beta = self.end_weight(j);
             let terms = rates.iter().zip(&self.position);
             state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += weighted(beta, x / h - v_1));
         }
-        let dissipated =
-            self.system.complete_end_velocity(self.iteration.rates(), &self.position, &mut state.velocity);
-        self.system.body.mass_product(&state.velocity, &mut state.momentum);
+        let ImplicitStep { system, iteration } = &mut self.step;
+        let (equations, new) = (&mut system.equations, &mut state.velocity);
+        let dissipated = equations.complete_end_velocity(iteration.rates(), &self.position, new);
+        equations.body.mass_product(new, &mut state.momentum);
         dissipated
     }
 
     /// `p_2 = p_1 + sum_j beta_j (M x_j/h - p_1)`.
     fn update_momentum(&mut self, state: &mut State, h: f64) {
         let n = state.momentum.len();
-        for (j, rates) in self.iteration.rates().chunks_exact(n).enumerate() {
+        for (j, rates) in self.step.rates().chunks_exact(n).enumerate() {
             let beta = self.end_weight(j);
-            self.system.body.mass_product(rates, &mut self.position);
+            self.step.system.equations.body.mass_product(rates, &mut self.position);
             let terms = self.position.iter().zip(&self.momentum);
             state
                 .momentum
@@ -274,13 +261,13 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`, in two parts.
     fn end_weight(&self, j: usize) -> [f64; 2] {
-        self.system.coefficients.velocity_weight(j)
+        self.step.system.equations.coefficients.velocity_weight(j)
     }
 
     /// Sets the velocity of the driven degrees of freedom after the step, the velocity of the free ones from their
     /// momentum, and the momentum of the driven ones: p = M v with the complete M.
     fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
-        let body = self.system.body;
+        let body = self.step.system.equations.body;
         self.set_end_velocity(&state.velocity, h);
         body.space.set_given_velocity(state.time + h, h, &mut state.velocity)?;
         if let Some(mass_solver) = &mut self.mass_solver {
@@ -296,12 +283,12 @@ impl<'a> TimeElementStepper<'a> {
     /// Sets the velocity `v_c` at the end of the step's polynomial at the driven degrees of freedom; `velocity`: at the
     /// start.
     fn set_end_velocity(&mut self, velocity: &[f64], h: f64) {
-        let body = self.system.body;
+        let body = self.step.system.equations.body;
         let n = velocity.len();
         self.end_velocity.copy_from_slice(velocity);
         for j in 0..self.end_basis.len() {
             let beta = self.end_weight(j);
-            let rates = &self.iteration.rates()[j * n..(j + 1) * n];
+            let rates = &self.step.rates()[j * n..(j + 1) * n];
             body.space
                 .driven_dofs()
                 .for_each(|dof| self.end_velocity[dof] += weighted(beta, rates[dof] / h - velocity[dof]));
@@ -311,7 +298,7 @@ impl<'a> TimeElementStepper<'a> {
     /// Adds the impulse of the reactions at the end of the step, where the given velocity `v_c^+` replaces the velocity
     /// of the polynomial: the impulse `p_c^+ - p_c` with the work `(v_c + v_c^+)/2 . (p_c^+ - p_c)`.
     fn add_jump(&mut self, state: &State, h: f64, impulses: &mut Impulses) {
-        let body = self.system.body;
+        let body = self.step.system.equations.body;
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
         let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
         // The momentum of guests is zero.
@@ -346,7 +333,7 @@ impl Stepper for TimeElementStepper<'_> {
     }
 
     fn rates(&self) -> &[f64] {
-        self.iteration.rates()
+        self.step.rates()
     }
 
     fn reactions(&self) -> &[Reaction] {
@@ -354,18 +341,14 @@ impl Stepper for TimeElementStepper<'_> {
     }
 
     fn newton_history(&self) -> &[f64] {
-        self.iteration.history()
+        self.step.history()
     }
 
     fn memory(&self) -> Memory {
-        let mut memory = Memory::default();
-        self.iteration.keep(&mut memory);
-        self.system.keep(&mut memory);
-        memory
+        self.step.memory()
     }
 
     fn restore(&mut self, memory: &Memory) -> Result<()> {
-        self.iteration.restore(memory)?;
-        self.system.restore(memory)
+        self.step.restore(memory)
     }
 }

@@ -53,17 +53,17 @@ const ATTEMPTS: [(Guess, bool); 8] = [
 impl Iteration {
     /// Memory for the equations of a system.
     pub(super) fn new(system: &StageSystem<'_>, settings: NewtonSettings) -> Self {
-        let k = system.coefficients.rule.degree();
-        let n = system.body.n_dofs();
-        let n_unknowns = system.n_unknowns();
+        let k = system.equations.coefficients.rule.degree();
+        let n = system.equations.body.n_dofs();
+        let n_unknowns = system.equations.n_unknowns();
         Iteration {
             settings,
             newton: Newton::default(),
             unknowns: vec![0.0; n_unknowns],
             n_rates: k * n,
-            n_multipliers: system.n_multipliers(),
-            multipliers: Vec::with_capacity(system.n_multipliers()),
-            local: Vec::with_capacity(system.n_local()),
+            n_multipliers: system.equations.n_multipliers(),
+            multipliers: Vec::with_capacity(system.equations.n_multipliers()),
+            local: Vec::with_capacity(system.equations.n_local()),
             prediction: Prediction::new(k, n),
             residual: vec![0.0; n_unknowns],
         }
@@ -91,7 +91,7 @@ impl Iteration {
             _ => multipliers.fill(0.0),
         }
         if self.prediction.is_first() {
-            return system.set_local_at_start(local);
+            return system.equations.set_local_at_start(local);
         }
         local.copy_from_slice(&self.local);
         Ok(())
@@ -146,12 +146,12 @@ impl Iteration {
         state: &State,
         step_size: f64,
     ) -> Result<()> {
-        if system.assembly.varies() {
+        if system.equations.assembly.varies() {
             self.set_straight(state, step_size);
-            system.drive(self.rates_mut());
-            system.evaluate_external(self.rates())?;
+            system.equations.drive(self.rates_mut());
+            system.equations.evaluate_external(self.rates())?;
         }
-        self.prediction.start(system, state);
+        self.prediction.start(&system.equations, state);
         system.turn(self.prediction.rotation());
         Ok(())
     }
@@ -162,8 +162,8 @@ impl Iteration {
     /// [`Error::Inverted`].
     pub(super) fn set_rates(&mut self, given: &[f64], system: &mut StageSystem<'_>) -> Result<()> {
         self.rates_mut().copy_from_slice(given);
-        system.drive(self.rates_mut());
-        system.set_local_at_start(&mut self.unknowns[self.n_rates + self.n_multipliers..])
+        system.equations.drive(self.rates_mut());
+        system.equations.set_local_at_start(&mut self.unknowns[self.n_rates + self.n_multipliers..])
     }
 
     /// Solves the equations of a step from the first starting point with a solution; given rates come first.
@@ -188,7 +188,11 @@ impl Iteration {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
                         let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
-                        self.prediction.balance(system, rates, &mut residual[..self.n_rates])?;
+                        self.prediction.balance(
+                            &mut system.equations,
+                            rates,
+                            &mut residual[..self.n_rates],
+                        )?;
                         outcome.rounding = self.rounding(system, state)?;
                     }
                     if outcome.rounding <= LARGEST_ROUNDING {
@@ -212,12 +216,12 @@ impl Iteration {
     /// Newton's iteration from the present unknowns.
     fn solve_from_here(&mut self, system: &mut StageSystem<'_>, line_search: bool) -> Result<Outcome> {
         let outcome = self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)?;
-        if !outcome.converged || outcome.iterations > 0 || !system.body.has_local() {
+        if !outcome.converged || outcome.iterations > 0 || !system.equations.body.has_local() {
             return Ok(outcome);
         }
         // Nothing moves freely, so no correction has taken the local unknowns to those of the rates.
         let local = &mut self.unknowns[self.n_rates + self.n_multipliers..];
-        system.body.copy_local(&system.assembly, local);
+        system.equations.body.copy_local(&system.equations.assembly, local);
         self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)
     }
 
@@ -226,14 +230,15 @@ impl Iteration {
         system.residual(&self.unknowns, &mut self.residual)?;
         let rates = &self.unknowns[..self.n_rates];
         let residual = &self.residual[..self.n_rates];
-        let [work, impulse, moment] = self.prediction.imbalance(system, rates, residual);
-        let kinetic = 0.5 * system.body.space.dot(&state.momentum, &state.velocity);
-        let moved = system.mean_kinetic_energy(rates);
-        let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
+        let [work, impulse, moment] = self.prediction.imbalance(&system.equations, rates, residual);
+        let kinetic = 0.5 * system.equations.body.space.dot(&state.momentum, &state.velocity);
+        let moved = system.equations.mean_kinetic_energy(rates);
+        let energy = kinetic.max(moved)
+            + system.equations.body.strain_state(&system.equations.displacement).strain_energy.abs();
         if energy == 0.0 {
             return Ok(0.0);
         }
-        let of_momenta = self.prediction.momentum_scales(system.body, energy);
+        let of_momenta = self.prediction.momentum_scales(system.equations.body, energy);
         let work = work + system.rounding_energy(self.rates());
         let parts = [work / energy, impulse / of_momenta[0], moment / of_momenta[1]];
         Ok(parts.into_iter().filter(|part| part.is_finite()).fold(0.0, f64::max))
@@ -252,7 +257,7 @@ impl Iteration {
             return not_a_number(self.newton.residual(), system, state, step_size);
         }
         let sizes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size);
-        let (node, _) = system.body.space.largest_node(sizes);
+        let (node, _) = system.equations.body.space.largest_node(sizes);
         Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
@@ -260,15 +265,19 @@ impl Iteration {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: system.body.space.at_node(node, |node| state.position(system.body, node)),
+            position: system
+                .equations
+                .body
+                .space
+                .at_node(node, |node| state.position(system.equations.body, node)),
         }
     }
 
     /// Keeps what the next step needs of one that counts: its rates for the prediction, and the memory of forces.
     pub(super) fn remember(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
         let rates = &self.unknowns[..self.n_rates];
-        system.accept(rates);
-        self.prediction.remember(&system.coefficients, rates, step_size);
+        system.equations.accept(rates);
+        self.prediction.remember(&system.equations.coefficients, rates, step_size);
         let (multipliers, local) = self.unknowns[self.n_rates..].split_at(self.n_multipliers);
         self.multipliers.clear();
         self.multipliers.extend_from_slice(multipliers);
@@ -278,13 +287,13 @@ impl Iteration {
 
     /// Predicts the rates by the carry of the last deviation with the smaller residual; for k = 1 they are equal.
     fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
-        if system.coefficients.rule.degree() == 1 {
+        if system.equations.coefficients.rule.degree() == 1 {
             return self.carry(Carry::Repeated, system, step_size);
         }
         let mut sizes = [f64::INFINITY; 2];
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
             self.carry(carry, system, step_size);
-            system.drive(self.rates_mut());
+            system.equations.drive(self.rates_mut());
             if let Ok(sizes) = system.residual(&self.unknowns, &mut self.residual) {
                 *size = sizes.residual;
             }
@@ -297,7 +306,7 @@ impl Iteration {
     /// Predicts the rates by a carry of the last deviation.
     fn carry(&mut self, carry: Carry, system: &StageSystem<'_>, step_size: f64) {
         let rates = &mut self.unknowns[..self.n_rates];
-        self.prediction.predict(carry, &system.coefficients, step_size, rates);
+        self.prediction.predict(carry, &system.equations.coefficients, step_size, rates);
     }
 
     /// Sets the rates to h v.
@@ -326,7 +335,7 @@ impl Iteration {
             Guess::Velocity => self.set_straight(state, step_size),
             Guess::Rest => self.rates_mut().fill(0.0),
         }
-        system.drive(self.rates_mut());
+        system.equations.drive(self.rates_mut());
         true
     }
 }
@@ -342,8 +351,8 @@ fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
 
 /// The error of an iteration whose residual is not a number, at the first such node.
 fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_size: f64) -> Error {
-    let body = system.body;
-    let of_rates = residual.iter().take(system.n_rates());
+    let body = system.equations.body;
+    let of_rates = residual.iter().take(system.equations.n_rates());
     let dofs = of_rates.enumerate().filter(|(_, r)| !r.is_finite()).map(|(at, _)| at % body.n_dofs());
     let own = dofs.map(|dof| dof / 3).find(|node| body.space.own_nodes().contains(node));
     let node = body.space.lowest_node(own).unwrap_or(0);

@@ -6,7 +6,9 @@
 pub(crate) mod classic;
 mod dissipation;
 pub(crate) mod element_stepper;
+mod equations;
 pub(crate) mod error;
+mod implicit;
 mod iteration;
 mod linear;
 pub(crate) mod memory;

@@ -26,7 +26,9 @@ fn residuals(body: &Body, element: TimeElement) -> Vec<f64> {
     let h = 0.3;
     system.start(&state.displacement, h);
     let n_dofs = body.n_dofs();
-    for (row, known) in system.coefficients.mass.chunks(degree).zip(system.known.chunks_mut(n_dofs)) {
+    for (row, known) in
+        system.equations.coefficients.mass.chunks(degree).zip(system.equations.known.chunks_mut(n_dofs))
+    {
         known.iter_mut().zip(&state.momentum).for_each(|(g, p)| *g = row.iter().sum::<f64>() * h * p);
     }
     let n = degree * n_dofs;

@@ -37,35 +37,28 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Positions by elliptic functions, and the errors of an independent implementation of the method.
+/// The position at t = 2 by elliptic functions, and the errors of an independent implementation of the method.
 #[test]
 fn a_pendulum_on_a_rigid_link_has_the_errors_of_the_method() {
-    let exact = [
-        (0.5, [0.9963213962432422, 0.0, 0.08569524717226916]),
-        (1.0, [-0.8397213098423872, 0.0, -0.5430176072620347]),
-        (2.0, [-0.8593287654041214, 0.0, 0.5114235748858558]),
-    ];
+    let exact = [-0.8593287654041214, 0.0, 0.5114235748858558];
     let body = pendulum();
     for (k, h, expected) in [(1, 0.01, 3.384_576e-4), (2, 0.02, 5.765_248e-7), (3, 0.05, 5.732_235e-8)] {
         let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
         let energy = 2.0 * GRAVITY * -(2.5f64.cos());
-        let (mut error, mut drift, mut length, mut corrections) = (0f64, 0f64, 0f64, 0);
-        for (time, position) in exact {
-            while motion.time() < time - 1e-9 {
-                let record = motion.step(h).unwrap().clone();
-                let [x, y, z] = motion.state().position(&body, 1);
-                let potential = 2.0 * GRAVITY * z;
-                drift = drift.max((record.total_energy + potential - energy).abs());
-                length = length.max((distance([x, y, z], [0.0; 3]) - 1.0).abs());
-                corrections += record.newton_iterations;
-                assert!(record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12);
-            }
-            error = error.max(distance(motion.state().position(&body, 1), position));
+        let (mut drift, mut length, mut corrections) = (0f64, 0f64, 0);
+        let steps = (2.0f64 / h).round() as usize;
+        for _ in 0..steps {
+            let record = motion.step(h).unwrap().clone();
+            let position = motion.state().position(&body, 1);
+            drift = drift.max((record.total_energy + 2.0 * GRAVITY * position[2] - energy).abs());
+            length = length.max((distance(position, [0.0; 3]) - 1.0).abs());
+            corrections += record.newton_iterations;
+            assert!(record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12);
         }
-        let steps = (2.0 / h).round();
+        let error = distance(motion.state().position(&body, 1), exact);
         assert!((error / expected - 1.0).abs() < 0.02, "k = {k}: {error:e} is not {expected:e}");
         assert!(drift < 1e-12 * energy.abs() && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
-        assert!(corrections as f64 / steps < 6.0, "k = {k}: {corrections} corrections in {steps} steps");
+        assert!(corrections < 6 * steps, "k = {k}: {corrections} corrections in {steps} steps");
     }
 }
 
@@ -77,27 +70,30 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
     let ends = [[0.0; 3], [1.0; 3]];
     let node = |X: [f64; 3]| mesh.points().iter().position(|Y| distance(*Y, X) < 1e-12).unwrap() as u32;
     let link = ends.map(node);
-    let body = Body::builder(mesh.clone())
-        .region(Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0))
-        .rigid_link(RigidLink::Nodes(link))
-        .build()
-        .unwrap();
+    let builder = || {
+        let rubber = NeoHooke::new(100.0, 50.0).unwrap();
+        Body::builder(mesh.clone()).region(Region::new(rubber, 1.0))
+    };
+    let body = builder().rigid_link(RigidLink::Nodes(link)).build().unwrap();
+    let without = builder().build().unwrap();
     let flies = InitialVelocity {
         velocity: [0.3, -0.2, 0.1],
         angular_velocity: [1.0, 2.0, -3.0],
         ..InitialVelocity::default()
     };
+    let start = |body: &Body| State::initial(body, 0.0, &[flies.clone()]).unwrap();
     for k in 1..=3 {
-        let state = State::initial(&body, 0.0, &[flies.clone()]).unwrap();
-        let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(state).unwrap();
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start(&body)).unwrap();
+        let mut other = Motion::new(&without, at(DGM, k)).unwrap().from(start(&without)).unwrap();
         let (mut length, mut energy) = (0f64, Vec::new());
-        let (mut corrections, mut moved) = (0, 0f64);
+        let (mut corrections, mut corrections_without, mut moved) = (0, 0, 0f64);
         for _ in 0..50 {
             let record = motion.step(0.05).unwrap().clone();
             let [a, b] = link.map(|node| motion.state().position(&body, node as usize));
             length = length.max((distance(a, b) - 3f64.sqrt()).abs());
             energy.push(record.total_energy);
             corrections += record.newton_iterations;
+            corrections_without += other.step(0.05).unwrap().newton_iterations;
             moved = moved.max(record.strain_energy / record.total_energy);
             assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
             assert!(record.linear_momentum_residual < 1e-12 && record.angular_momentum_residual < 1e-12);
@@ -105,7 +101,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         let drift = energy.iter().map(|e| (e / energy[0] - 1.0).abs()).fold(0.0, f64::max);
         assert!(drift < 1e-12 && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
         assert!(moved > 1e-3, "the block must deform, {moved:e}");
-        assert!(corrections < 50 * 12, "k = {k}: {corrections} corrections in 50 steps");
+        assert!(2 * corrections < 3 * corrections_without, "k = {k}: {corrections}, {corrections_without}");
     }
 }
 
@@ -113,7 +109,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
 #[test]
 fn rigid_links_are_refused_where_they_have_no_multipliers() {
     let body = pendulum();
-    for scheme in ["HHT(0.05)", "Bathe", "central-differences", "static"] {
+    for scheme in ["HHT(0.05)", "Bathe", "central-differences"] {
         let scheme: Scheme = scheme.parse().unwrap();
         let error = scheme.check_body(&body).unwrap_err().to_string();
         assert!(error.contains("rigid links need a time element"), "{error}");

@@ -4,10 +4,9 @@ use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
 use crate::body::{Body, Reaction};
 use crate::error::Result;
-use crate::force::Span;
+use crate::input::Span;
 use crate::newton::{NewtonSettings, Outcome};
-use crate::time::iteration::Iteration;
-use crate::time::stage_system::StageSystem;
+use crate::time::implicit::ImplicitStep;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
 /// Fraction of the step at which it is split: 2 - sqrt 2.
@@ -30,18 +29,17 @@ const WEIGHTS: [f64; 3] = [0.5 / (2.0 - SPLIT), 0.5 / (2.0 - SPLIT), (1.0 - SPLI
 /// (1985).) The second part starts from the displacement u_s.
 #[derive(Debug)]
 pub struct BatheStepper<'a> {
-    system: StageSystem<'a>,
-    iteration: Iteration,
+    step: ImplicitStep<'a>,
     forces: Forces<'a>,
-    acceleration: Vec<f64>,
-    /// M a at the start of the step.
-    inertia: Vec<f64>,
+    /// Acceleration, M a and forces at the start of the step.
+    start: Start,
     /// Increment of the whole step.
     increment: Vec<f64>,
     work: Vec<f64>,
     /// State at the split; its momentum is not used.
     split: State,
-    points: [TimePoint; 3],
+    /// At the split and at the end.
+    points: [TimePoint; 2],
     reactions: Vec<Reaction>,
 }
 
@@ -52,23 +50,17 @@ impl<'a> BatheStepper<'a> {
     /// [`crate::Error::Linear`], [`crate::Error::Inverted`].
     pub fn new(body: &'a Body, settings: NewtonSettings, state: &State) -> Result<Self> {
         let mut forces = Forces::new(body);
-        let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
+        let start = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
-        let system = StageSystem::new(
-            body,
-            stage_coefficients(configurations(&[(1.0, 1.0)]), 1.0, 1.0),
-            settings.solver,
-        )?;
+        let coefficients = stage_coefficients(configurations(&[(1.0, 1.0)]), 1.0, 1.0);
         Ok(BatheStepper {
-            iteration: Iteration::new(&system, settings),
-            system,
+            step: ImplicitStep::new(body, coefficients, settings)?,
             forces,
-            acceleration,
-            inertia,
+            start,
             increment: vec![0.0; n],
             work: vec![0.0; n],
             split: state.clone(),
-            points: [point, TimePoint::new(body), TimePoint::new(body)],
+            points: [(); 2].map(|()| TimePoint::new(body)),
             reactions: body.space.no_reactions(),
         })
     }
@@ -77,23 +69,24 @@ impl<'a> BatheStepper<'a> {
     fn first_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
         let s = 0.5 * SPLIT * h;
         let part = SPLIT * h;
-        self.system.start(&state.displacement, s);
-        let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
+        self.step.system.start(&state.displacement, s);
+        let known =
+            self.step.system.equations.known.iter_mut().zip(state.momentum.iter().zip(&self.start.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
-        self.system.begin(Span::new(state.time, part))?;
-        let outcome = self.iteration.solve(&mut self.system, state, part, None)?;
-        self.iteration.remember(&mut self.system, part);
+        self.step.equations().begin(Span::new(state.time, part), &state.momentum)?;
+        let outcome = self.step.solve(state, part, None)?;
+        self.step.remember(part);
         self.split.time = state.time + part;
         self.split.step = state.step;
-        for (dof, x) in self.iteration.rates().iter().enumerate() {
+        for (dof, x) in self.step.rates().iter().enumerate() {
             self.increment[dof] = *x;
             self.split.displacement[dof] = state.displacement[dof] + x;
             self.split.velocity[dof] = x / s - state.velocity[dof];
         }
         let body = self.forces.body;
-        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
-        self.points[1].displacement.copy_from_slice(&self.split.displacement);
-        self.points[1].evaluate_for_reactions(&mut self.forces, self.split.time)?;
+        body.space.set_internal_velocity(&[1.0], self.step.rates(), part, &mut self.split.velocity);
+        self.points[0].displacement.copy_from_slice(&self.split.displacement);
+        self.points[0].evaluate_for_reactions(&mut self.forces, self.split.time)?;
         Ok(outcome)
     }
 
@@ -101,18 +94,19 @@ impl<'a> BatheStepper<'a> {
     fn second_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
         let s = 0.5 * SPLIT * h;
         let [c_1, c_2, c_3] = backward_coefficients(h);
-        self.system.start(&self.split.displacement, s);
+        self.step.system.start(&self.split.displacement, s);
         for (dof, work) in self.work.iter_mut().enumerate() {
             let old = c_1 * state.velocity[dof] + c_2 * self.split.velocity[dof];
             *work = s * s * (c_1 * c_3 * self.increment[dof] - old);
         }
-        self.system.body.mass_product(&self.work, &mut self.system.known);
+        self.forces.body.mass_product(&self.work, &mut self.step.equations().known);
         let part = (1.0 - SPLIT) * h;
-        self.system.begin(Span { start: self.split.time, size: part, end: state.time + h })?;
-        let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
-        self.iteration.remember(&mut self.system, part);
-        let end = &mut self.points[2];
-        let parts = self.split.displacement.iter().zip(self.iteration.rates());
+        let span = Span { start: self.split.time, size: part, end: state.time + h };
+        self.step.equations().begin(span, &state.momentum)?;
+        let outcome = self.step.solve(&self.split, part, None)?;
+        self.step.remember(part);
+        let end = &mut self.points[1];
+        let parts = self.split.displacement.iter().zip(self.step.rates());
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);
         end.evaluate_for_reactions(&mut self.forces, state.time + h)?;
         Ok(outcome)
@@ -123,30 +117,30 @@ impl<'a> BatheStepper<'a> {
         let s = 0.5 * SPLIT * h;
         for (dof, work) in self.work.iter_mut().enumerate() {
             let change = self.split.velocity[dof] - state.velocity[dof];
-            *work = change / s - self.acceleration[dof];
+            *work = change / s - self.start.acceleration[dof];
         }
-        self.forces.body.mass_product(&self.work, &mut self.inertia);
-        self.points[1].set_reactions(self.forces.body, &self.inertia);
+        self.forces.body.mass_product(&self.work, &mut self.start.inertia);
+        self.points[0].set_reactions(self.forces.body, &self.start.inertia);
     }
 
     /// The state at the end of the step: `v_2 = c_3 x - c_1 (u_s - u_1)` and `a_2 = c_1 v_1 + c_2 v_s + c_3 v_2`.
     fn update(&mut self, state: &mut State, h: f64) {
         let body = self.forces.body;
         let [c_1, c_2, c_3] = backward_coefficients(h);
-        for (dof, x) in self.iteration.rates().iter().enumerate() {
+        for (dof, x) in self.step.rates().iter().enumerate() {
             let old = state.velocity[dof];
             let split = self.split.velocity[dof];
             let new = c_3 * x - c_1 * self.increment[dof];
             state.velocity[dof] = new;
-            self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
+            self.start.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
             self.increment[dof] += x;
         }
-        self.acceleration[body.space.internal_dofs()].fill(0.0);
+        self.start.acceleration[body.space.internal_dofs()].fill(0.0);
         body.space.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
-        state.displacement.copy_from_slice(&self.points[2].displacement);
+        state.displacement.copy_from_slice(&self.points[1].displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
-        body.mass_product(&self.acceleration, &mut self.inertia);
-        self.points[2].set_reactions(body, &self.inertia);
+        body.mass_product(&self.start.acceleration, &mut self.start.inertia);
+        self.points[1].set_reactions(body, &self.start.inertia);
     }
 }
 
@@ -163,11 +157,12 @@ impl Stepper for BatheStepper<'_> {
         self.set_reactions_at_split(state, step_size);
         self.update(state, step_size);
         let mut impulses = Impulses::default();
-        for (point, weight) in self.points.iter().zip(WEIGHTS) {
+        let points = || std::iter::once(&self.start.point).chain(&self.points).zip(WEIGHTS);
+        for (point, weight) in points() {
             point.add_to(&mut impulses, self.forces.body, weight, step_size, &self.increment);
         }
-        sum_reactions(self.points.iter().zip(WEIGHTS), &mut self.reactions);
-        self.points.swap(0, 2);
+        sum_reactions(points(), &mut self.reactions);
+        std::mem::swap(&mut self.start.point, &mut self.points[1]);
         let newton = Outcome {
             iterations: first.iterations + second.iterations,
             linear_iterations: first.linear_iterations + second.linear_iterations,
@@ -177,8 +172,8 @@ impl Stepper for BatheStepper<'_> {
             rounding: first.rounding + second.rounding,
             ..second
         };
-        let strain_state = self.system.body.strain_state(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
+        let strain_state = self.forces.body.strain_state(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.step.solver() })
     }
 
     fn reactions(&self) -> &[Reaction] {
@@ -187,24 +182,17 @@ impl Stepper for BatheStepper<'_> {
 
     /// Weights of the second part.
     fn newton_history(&self) -> &[f64] {
-        self.iteration.history()
+        self.step.history()
     }
 
     fn memory(&self) -> Memory {
-        let mut memory = Memory::default();
-        self.iteration.keep(&mut memory);
-        self.system.keep(&mut memory);
-        memory.keep_nodal("acceleration", &self.acceleration);
-        memory.keep_nodal("inertia", &self.inertia);
-        self.points[0].keep(&mut memory);
+        let mut memory = self.step.memory();
+        self.start.keep(&mut memory);
         memory
     }
 
     fn restore(&mut self, memory: &Memory) -> Result<()> {
-        self.iteration.restore(memory)?;
-        self.system.restore(memory)?;
-        memory.fill("acceleration", &mut self.acceleration)?;
-        memory.fill("inertia", &mut self.inertia)?;
-        self.points[0].restore(memory)
+        self.step.restore(memory)?;
+        self.start.restore(memory)
     }
 }

@@ -4,7 +4,8 @@ use super::configurations;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, MassSolver, Reaction};
 use crate::error::Result;
-use crate::force::{Sampling, Span, StepDamping, StepInput};
+use crate::force::{Sampling, StepDamping, StepInput};
+use crate::input::Span;
 use crate::quadrature::gauss;
 use crate::time::{Impulses, Memory, State};
 
@@ -315,5 +316,22 @@ impl Start {
         body.mass_product(&acceleration, &mut inertia);
         point.set_reactions(body, &inertia);
         Ok(Start { acceleration, inertia, point })
+    }
+
+    /// Keeps what the next step depends on.
+    pub(crate) fn keep(&self, memory: &mut Memory) {
+        memory.keep_nodal("acceleration", &self.acceleration);
+        memory.keep_nodal("inertia", &self.inertia);
+        self.point.keep(memory);
+    }
+
+    /// Restores the data of [`Start::keep`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub(crate) fn restore(&mut self, memory: &Memory) -> Result<()> {
+        memory.fill("acceleration", &mut self.acceleration)?;
+        memory.fill("inertia", &mut self.inertia)?;
+        self.point.restore(memory)
     }
 }

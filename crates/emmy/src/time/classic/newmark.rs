@@ -4,10 +4,9 @@ use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
-use crate::force::Span;
+use crate::input::Span;
 use crate::newton::NewtonSettings;
-use crate::time::iteration::Iteration;
-use crate::time::stage_system::StageSystem;
+use crate::time::implicit::ImplicitStep;
 use crate::time::time_element::{check_spectral_radius, named};
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
@@ -139,13 +138,10 @@ pub struct NewmarkParameters {
 #[derive(Debug)]
 pub struct NewmarkStepper<'a> {
     parameters: NewmarkParameters,
-    system: StageSystem<'a>,
-    iteration: Iteration,
+    step: ImplicitStep<'a>,
     forces: Forces<'a>,
-    acceleration: Vec<f64>,
-    /// M a.
-    inertia: Vec<f64>,
-    start: TimePoint,
+    /// Acceleration, M a and forces at the start of the step.
+    start: Start,
     end: TimePoint,
     reactions: Vec<Reaction>,
 }
@@ -167,20 +163,13 @@ impl<'a> NewmarkStepper<'a> {
             _ => configurations(&[(1.0, 1.0 - alpha_f), (0.0, alpha_f)]),
         };
         let mut forces = Forces::new(body);
-        let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
-        let system = StageSystem::new(
-            body,
-            stage_coefficients(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f),
-            settings.solver,
-        )?;
+        let start = Start::new(&mut forces, state)?;
+        let coefficients = stage_coefficients(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f);
         Ok(NewmarkStepper {
             parameters,
-            iteration: Iteration::new(&system, settings),
-            system,
+            step: ImplicitStep::new(body, coefficients, settings)?,
             forces,
-            acceleration,
-            inertia,
-            start: point,
+            start,
             end: TimePoint::new(body),
             reactions: body.space.no_reactions(),
         })
@@ -189,18 +178,18 @@ impl<'a> NewmarkStepper<'a> {
     /// Sets the equations of the step.
     fn start(&mut self, state: &State, h: f64) -> Result<()> {
         let NewmarkParameters { alpha_m, beta, .. } = self.parameters;
-        let system = &mut self.system;
-        system.start(&state.displacement, h);
+        self.step.system.start(&state.displacement, h);
+        let equations = self.step.equations();
         let c = (1.0 - alpha_m) / beta;
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
-        let known = system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
+        let known = equations.known.iter_mut().zip(state.momentum.iter().zip(&self.start.inertia));
         known.for_each(|(g, (p, ma))| *g = c * h * p + of_inertia * ma);
-        system.begin(Span::new(state.time, h)).map(|_| ())
+        equations.begin(Span::new(state.time, h), &state.momentum).map(|_| ())
     }
 
     /// Forces at the end of the step.
     fn evaluate_end(&mut self, state: &State, h: f64) -> Result<()> {
-        let old = state.displacement.iter().zip(self.iteration.rates());
+        let old = state.displacement.iter().zip(self.step.rates());
         self.end.displacement.iter_mut().zip(old).for_each(|(new, (u, x))| *new = u + x);
         self.end.evaluate_for_reactions(&mut self.forces, state.time + h)
     }
@@ -209,30 +198,30 @@ impl<'a> NewmarkStepper<'a> {
     fn update(&mut self, state: &mut State, h: f64) {
         let NewmarkParameters { beta, gamma, .. } = self.parameters;
         let body = self.forces.body;
-        for (dof, x) in self.iteration.rates().iter().enumerate() {
+        for (dof, x) in self.step.rates().iter().enumerate() {
             let v = state.velocity[dof];
-            let a = self.acceleration[dof];
+            let a = self.start.acceleration[dof];
             let new = (x - h * v) / (beta * h * h) - (0.5 - beta) / beta * a;
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
-            self.acceleration[dof] = new;
+            self.start.acceleration[dof] = new;
         }
-        self.acceleration[body.space.internal_dofs()].fill(0.0);
-        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
+        self.start.acceleration[body.space.internal_dofs()].fill(0.0);
+        body.space.set_internal_velocity(&[1.0], self.step.rates(), h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.end.displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
-        body.mass_product(&self.acceleration, &mut self.inertia);
+        body.mass_product(&self.start.acceleration, &mut self.start.inertia);
     }
 
     /// Work and impulses with the weights 1 - gamma at the start and gamma at the end, the weights of the velocity.
     fn impulses(&mut self, h: f64) -> Impulses {
         let body = self.forces.body;
         let gamma = self.parameters.gamma;
-        let x = self.iteration.rates();
-        self.end.set_reactions(body, &self.inertia);
+        let x = self.step.rates();
+        self.end.set_reactions(body, &self.start.inertia);
         let mut impulses = Impulses::default();
-        self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);
+        self.start.point.add_to(&mut impulses, body, 1.0 - gamma, h, x);
         self.end.add_to(&mut impulses, body, gamma, h, x);
-        sum_reactions([(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
+        sum_reactions([(&self.start.point, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
         impulses
     }
 }
@@ -240,14 +229,14 @@ impl<'a> NewmarkStepper<'a> {
 impl Stepper for NewmarkStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         self.start(state, step_size)?;
-        let newton = self.iteration.solve(&mut self.system, state, step_size, None)?;
+        let newton = self.step.solve(state, step_size, None)?;
         self.evaluate_end(state, step_size)?;
-        self.iteration.remember(&mut self.system, step_size);
+        self.step.remember(step_size);
         self.update(state, step_size);
         let impulses = self.impulses(step_size);
-        std::mem::swap(&mut self.start, &mut self.end);
-        let strain_state = self.system.body.strain_state(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
+        std::mem::swap(&mut self.start.point, &mut self.end);
+        let strain_state = self.forces.body.strain_state(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.step.solver() })
     }
 
     fn reactions(&self) -> &[Reaction] {
@@ -255,24 +244,17 @@ impl Stepper for NewmarkStepper<'_> {
     }
 
     fn newton_history(&self) -> &[f64] {
-        self.iteration.history()
+        self.step.history()
     }
 
     fn memory(&self) -> Memory {
-        let mut memory = Memory::default();
-        self.iteration.keep(&mut memory);
-        self.system.keep(&mut memory);
-        memory.keep_nodal("acceleration", &self.acceleration);
-        memory.keep_nodal("inertia", &self.inertia);
+        let mut memory = self.step.memory();
         self.start.keep(&mut memory);
         memory
     }
 
     fn restore(&mut self, memory: &Memory) -> Result<()> {
-        self.iteration.restore(memory)?;
-        self.system.restore(memory)?;
-        memory.fill("acceleration", &mut self.acceleration)?;
-        memory.fill("inertia", &mut self.inertia)?;
+        self.step.restore(memory)?;
         self.start.restore(memory)
     }
 }

@@ -50,7 +50,7 @@ impl DefectCorrection {
         self.residual.resize(unknowns.len(), 0.0);
         self.correction.resize(unknowns.len(), 0.0);
         self.at_end.clear();
-        self.at_end.resize(2 * system.body.n_dofs(), 0.0);
+        self.at_end.resize(2 * system.equations.body.n_dofs(), 0.0);
         let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.refactorization_cost());
         let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut is_fresh = is_old;
@@ -61,7 +61,7 @@ impl DefectCorrection {
             }
             system.correction(unknowns, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
             unknowns.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
-            let change = self.change_at_end(system.body, &system.coefficients);
+            let change = self.change_at_end(system.equations.body, &system.equations.coefficients);
             let sizes = system.residual(unknowns, &mut self.residual)?;
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);

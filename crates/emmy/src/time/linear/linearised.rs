@@ -4,14 +4,14 @@ use super::approximate_tangent::ApproximateTangent;
 use super::border::Border;
 use crate::body::{Assembly, Body};
 use crate::sparse::LinearSystem;
-use crate::time::dissipation::RigidProjection;
+use crate::time::dissipation::SchemeForce;
 
 /// The linear system of a Newton iteration, on the free degrees of freedom.
 pub(crate) struct LinearisedStages<'a> {
     pub body: &'a Body,
     pub assembly: &'a mut Assembly,
     pub approximate_tangent: &'a mut ApproximateTangent,
-    pub projection: Option<&'a mut RigidProjection>,
+    pub scheme_force: &'a mut SchemeForce,
     /// Constraints; their multipliers follow the rates in all vectors.
     pub border: &'a mut Border,
     pub time_scale: f64,
@@ -25,9 +25,7 @@ impl LinearSystem for LinearisedStages<'_> {
         let (x, multipliers) = x.split_at(n_rates);
         let (y, rows) = y.split_at_mut(n_rates);
         self.assembly.matrix.multiply(self.body.pattern(), x, y);
-        if let Some(projection) = &mut self.projection {
-            projection.add_derivative(self.body, self.time_scale, x, y);
-        }
+        self.scheme_force.add_derivative(self.body, self.time_scale, x, y);
         if !multipliers.is_empty() {
             self.border.add_product((x, multipliers), (y, rows));
         }
@@ -35,17 +33,13 @@ impl LinearSystem for LinearisedStages<'_> {
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        let LinearisedStages { body, approximate_tangent, projection, border, right, .. } = self;
+        let LinearisedStages { body, approximate_tangent, scheme_force, border, right, .. } = self;
         let n_rates = right.len();
         let (y, multipliers) = y.split_at_mut(n_rates);
-        let mut precondition = |x: &[f64], y: &mut [f64]| match projection {
-            Some(projection) => {
-                right.copy_from_slice(x);
-                projection.correct(body, right);
-                body.space.clear_inactive(right);
-                approximate_tangent.precondition(right, y);
-            }
-            None => approximate_tangent.precondition(x, y),
+        let mut precondition = |x: &[f64], y: &mut [f64]| {
+            right.copy_from_slice(x);
+            scheme_force.correct(body, right);
+            approximate_tangent.precondition(right, y);
         };
         precondition(&x[..n_rates], y);
         if !multipliers.is_empty() {

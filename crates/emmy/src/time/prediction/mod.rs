@@ -4,10 +4,10 @@
 #[cfg(test)]
 mod tests;
 
+use super::equations::Equations;
 use super::rigid_step;
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
-use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::body::Body;
 use crate::error::Result;
@@ -134,9 +134,9 @@ impl Prediction {
     }
 
     /// Finds the rigid motion of a step whose known vectors and loads, including followers, are set.
-    pub(super) fn start(&mut self, system: &StageSystem<'_>, state: &State) {
-        let body = system.body;
-        let stage = &system.coefficients;
+    pub(super) fn start(&mut self, equations: &Equations<'_>, state: &State) {
+        let body = equations.body;
+        let stage = &equations.coefficients;
         let k = stage.rule.degree();
         self.free = Free::of(body);
         let mass = body.total_mass();
@@ -154,8 +154,8 @@ impl Prediction {
             return;
         }
         self.mass = mass;
-        self.set_arm(body, &system.displacement, mass);
-        self.set_known(system);
+        self.set_arm(body, &equations.displacement, mass);
+        self.set_known(equations);
         for (j, rate) in self.translation.iter_mut().enumerate() {
             for d in (0..3).filter(|d| shifts[*d]) {
                 let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * self.sums[i][d]).sum();
@@ -218,22 +218,22 @@ impl Prediction {
     }
 
     /// Sets the sums and the moments of G.
-    fn set_known(&mut self, system: &StageSystem<'_>) {
+    fn set_known(&mut self, equations: &Equations<'_>) {
         let n = self.arm.len();
-        let s = system.time_scale;
+        let s = equations.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
-            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.space.own_nodes().end) {
+            for (node, y) in self.arm.chunks_exact(3).enumerate().take(equations.body.space.own_nodes().end) {
                 for d in 0..3 {
                     let at = i * n + nodal::dof(node, d);
-                    let force = system.known[at] + s * s * system.external_force(at);
+                    let force = equations.known[at] + s * s * equations.external_force(at);
                     sum[d] += force;
                     (0..3).for_each(|e| moments[d][e] += force * y[e]);
                 }
             }
         }
-        system.body.space.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
-        system
+        equations.body.space.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
+        equations
             .body
             .space
             .sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
@@ -246,28 +246,28 @@ impl Prediction {
     /// force. `residual`: memory for k n numbers.
     ///
     /// # Errors
-    /// As [`StageSystem::unbalanced`].
+    /// As [`Equations::unbalanced`].
     pub(super) fn balance(
         &mut self,
-        system: &mut StageSystem<'_>,
+        equations: &mut Equations<'_>,
         rates: &mut [f64],
         residual: &mut [f64],
     ) -> Result<()> {
-        if self.mass == 0.0 || !system.is_self_balanced() {
+        if self.mass == 0.0 || !equations.is_self_balanced() {
             return Ok(());
         }
         let k = self.changes.len();
         let n = self.arm.len();
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
-            system.unbalanced(rates, residual)?;
-            self.set_resultants(system, rates, residual);
-            let left = self.resultant_size(system.body);
+            equations.unbalanced(rates, residual)?;
+            self.set_resultants(equations, rates, residual);
+            let left = self.resultant_size(equations.body);
             if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
                 break;
             }
             last = left;
-            let inverse_mass = &system.coefficients.inverse_mass;
+            let inverse_mass = &equations.coefficients.inverse_mass;
             self.rigid.balance(&self.moment, self.free.turns, &mut self.changes);
             for (j, rates) in rates.chunks_exact_mut(n).enumerate() {
                 let shift = [0, 1, 2].map(|d| {
@@ -285,14 +285,14 @@ impl Prediction {
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
     /// step.
-    fn set_resultants(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) {
-        let a = system.coefficients.rule.coefficients();
+    fn set_resultants(&mut self, equations: &Equations<'_>, rates: &[f64], residual: &[f64]) {
+        let a = equations.coefficients.rule.coefficients();
         let k = self.moment.len();
         let n = self.arm.len();
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             let residual = residual.as_chunks::<3>().0;
-            for node in system.body.space.counted_nodes() {
+            for node in equations.body.space.counted_nodes() {
                 let (at, r) = (nodal::dof(node, 0), residual[node]);
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
@@ -303,8 +303,8 @@ impl Prediction {
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
         }
-        system.body.space.sum_ranks("resultants", self.sums.as_flattened_mut());
-        system.body.space.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
+        equations.body.space.sum_ranks("resultants", self.sums.as_flattened_mut());
+        equations.body.space.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
     }
 
     /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
@@ -321,21 +321,21 @@ impl Prediction {
     /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
     pub(super) fn imbalance(
         &mut self,
-        system: &StageSystem<'_>,
+        equations: &Equations<'_>,
         rates: &[f64],
         residual: &[f64],
     ) -> [f64; 3] {
         let n = self.arm.len();
-        let s = system.time_scale;
-        let rule = &system.coefficients.rule;
+        let s = equations.time_scale;
+        let rule = &equations.coefficients.rule;
         let mut work = 0.0;
         let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
         if self.mass > 0.0 {
-            self.set_resultants(system, rates, residual);
+            self.set_resultants(equations, rates, residual);
         }
         let stages = residual.chunks_exact(n).zip(rates.chunks_exact(n)).zip(rule.weights()).enumerate();
         for (i, ((residual, rates), b)) in stages {
-            work += b * system.body.space.dot(residual, rates) / (s * s);
+            work += b * equations.body.space.dot(residual, rates) / (s * s);
             for d in (0..3).filter(|_| self.mass > 0.0) {
                 impulse[d] += if self.free.shifts[d] { b / s * self.sums[i][d] } else { 0.0 };
                 moment[d] += if self.free.turns[d] { b / s * self.moment[i][d] } else { 0.0 };

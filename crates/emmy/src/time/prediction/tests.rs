@@ -5,11 +5,10 @@ use crate::body::Body;
 use crate::input::{InitialVelocity, Region, Support};
 use crate::material::NeoHooke;
 use crate::mesh::{Mesh, block};
-use crate::sparse::Solver;
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{IDENTITY, exp, image, product, product_transposed, skew};
+use crate::time::equations::Equations;
 use crate::time::rigid_step::RigidStep;
-use crate::time::stage_system::StageSystem;
 use crate::time::{State, TimeElement};
 
 fn body_of(mesh: Mesh) -> Body {
@@ -17,11 +16,11 @@ fn body_of(mesh: Mesh) -> Body {
     Body::builder(mesh).region(rubber).build().unwrap()
 }
 
-fn system(body: &Body, k: usize) -> StageSystem<'_> {
-    StageSystem::new(body, TimeElement::discrete_gradient(k).unwrap().coefficients(), Solver::Auto).unwrap()
+fn system(body: &Body, k: usize) -> Equations<'_> {
+    Equations::new(body, TimeElement::discrete_gradient(k).unwrap().coefficients())
 }
 
-fn start(system: &mut StageSystem<'_>, prediction: &mut Prediction, state: &State, h: f64) {
+fn start(system: &mut Equations<'_>, prediction: &mut Prediction, state: &State, h: f64) {
     system.start(&state.displacement, h);
     let k = system.coefficients.rule.degree();
     let n = state.momentum.len();
@@ -39,7 +38,7 @@ fn spinning(body: &Body, angular_velocity: [f64; 3]) -> State {
 }
 
 /// The rotation of the whole step, `I + sum_j b_j D_j`.
-fn whole_turn(prediction: &Prediction, system: &StageSystem<'_>) -> Mat3<f64> {
+fn whole_turn(prediction: &Prediction, system: &Equations<'_>) -> Mat3<f64> {
     let mut end = IDENTITY;
     for (D, b) in prediction.rigid.rates.iter().zip(system.coefficients.rule.weights()) {
         (0..3).for_each(|i| (0..3).for_each(|j| end[i][j] += b * D[i][j]));
@@ -228,14 +227,12 @@ fn resultants_and_moments_are_balanced_to_rounding() {
             (0..3).for_each(|d| x[d] += turned[d] + 1e-6 * (d as f64 - 0.5));
         }
         let size: f64 = state.momentum.iter().map(|p| 0.3 * p.abs()).sum();
-        let unbalanced = |prediction: &mut Prediction,
-                          system: &mut StageSystem<'_>,
-                          rates: &[f64],
-                          residual: &mut [f64]| {
-            system.unbalanced(rates, residual).unwrap();
-            let [_, impulse, moment] = prediction.imbalance(system, rates, residual);
-            impulse.max(moment) * 0.3 / size
-        };
+        let unbalanced =
+            |prediction: &mut Prediction, system: &mut Equations<'_>, rates: &[f64], residual: &mut [f64]| {
+                system.unbalanced(rates, residual).unwrap();
+                let [_, impulse, moment] = prediction.imbalance(system, rates, residual);
+                impulse.max(moment) * 0.3 / size
+            };
         assert!(unbalanced(&mut prediction, &mut system, &rates, &mut residual) > 1e-8);
         prediction.balance(&mut system, &mut rates, &mut residual).unwrap();
         let left = unbalanced(&mut prediction, &mut system, &rates, &mut residual);

@@ -1,0 +1,434 @@
+//! The non-linear equations of a step: their residual, and what balances and records take from them.
+
+use rayon::prelude::*;
+
+use super::dissipation::SchemeForce;
+use super::stage_coefficients::StageCoefficients;
+use crate::average::Request;
+use crate::body::{Assembly, Body, Reaction};
+use crate::error::Result;
+use crate::force::{StepDamping, StepInput};
+use crate::input::Span;
+use crate::space::DrivenRates;
+use crate::unknowns::BorderStep;
+
+/// The stage equations of a body and their memory; a step is set with [`Equations::start`].
+#[derive(Debug)]
+pub(super) struct Equations<'a> {
+    pub body: &'a Body,
+    pub coefficients: StageCoefficients,
+    pub assembly: Assembly,
+    /// The time s: the step size of a time element.
+    pub time_scale: f64,
+    /// Displacement at the start of the step, relative to [`super::State::origin`].
+    pub displacement: Vec<f64>,
+    /// Known part g_i of the inertia.
+    pub known: Vec<f64>,
+    /// m_ij with the drag, for the time s.
+    dragged_mass: Vec<f64>,
+    /// The same in [`StageCoefficients::parts`].
+    mass_parts: Vec<[f64; 2]>,
+    pub scheme_force: SchemeForce,
+    driven: DrivenRates,
+    /// Internal force of the last residual; memory for a right side otherwise.
+    pub force: Vec<f64>,
+    /// M x_j of the last residual.
+    mass_rates: Vec<f64>,
+    /// Squares of its terms, of each chunk of each stage.
+    squares: Vec<[f64; 3]>,
+    /// Forces of constraints in a stage; empty without constraints.
+    constraint_force: Vec<f64>,
+    /// Force on the ground through potentials in every stage; empty without such forces.
+    on_ground: Vec<f64>,
+}
+
+/// Degrees of freedom of one task.
+const CHUNK: usize = 4096;
+
+impl<'a> Equations<'a> {
+    /// The equations with their memory.
+    pub(super) fn new(body: &'a Body, coefficients: StageCoefficients) -> Self {
+        let n = body.n_dofs();
+        let k = coefficients.rule.degree();
+        Equations {
+            body,
+            assembly: body.assembly_of(&coefficients.rule),
+            time_scale: 0.0,
+            displacement: vec![0.0; n],
+            known: vec![0.0; k * n],
+            dragged_mass: coefficients.mass.clone(),
+            mass_parts: mass_parts(&coefficients, &coefficients.mass).collect(),
+            scheme_force: SchemeForce::new(body, coefficients.dissipation.clone()),
+            driven: DrivenRates::new(&body.space, k),
+            force: vec![0.0; k * n],
+            mass_rates: vec![0.0; k * n],
+            squares: vec![[0.0; 3]; k * n.div_ceil(CHUNK)],
+            constraint_force: vec![0.0; if body.constraints().is_empty() { 0 } else { n }],
+            on_ground: vec![0.0; if body.has_ground() { k * n } else { 0 }],
+            coefficients,
+        }
+    }
+
+    /// Sets displacement and time scale of the step. The stepper fills `known` and calls [`Equations::begin`].
+    pub(super) fn start(&mut self, displacement: &[f64], time_scale: f64) {
+        self.displacement.copy_from_slice(displacement);
+        let rate = self.body.drag();
+        if self.time_scale != time_scale && rate > 0.0 {
+            self.set_mass(time_scale * rate);
+        }
+        self.time_scale = time_scale;
+    }
+
+    /// Evaluates what is given over time in the step; `momentum`: at its start. Returns whether some force does work from
+    /// outside.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(super) fn begin(&mut self, span: Span, momentum: &[f64]) -> Result<bool> {
+        let StageCoefficients { rule, sampling, .. } = &self.coefficients;
+        self.scheme_force.begin(momentum);
+        let is_loaded = self.body.begin(rule, (span, *sampling), &mut self.assembly)?;
+        self.driven.set(&self.body.space, rule, span, &self.displacement)?;
+        Ok(is_loaded)
+    }
+
+    /// Inserts the rates of the degrees of freedom whose motion is given into a starting point of the iteration.
+    pub(super) fn drive(&self, rates: &mut [f64]) {
+        self.driven.insert(&self.body.space, rates);
+    }
+
+    /// Sets the coefficients of the inertia, with a further part of the diagonal ones.
+    fn set_mass(&mut self, further: f64) {
+        let k = self.coefficients.rule.degree();
+        self.dragged_mass.copy_from_slice(&self.coefficients.mass);
+        (0..k).for_each(|i| self.dragged_mass[i * k + i] += further);
+        let parts = mass_parts(&self.coefficients, &self.dragged_mass);
+        self.mass_parts.iter_mut().zip(parts).for_each(|(own, parts)| *own = parts);
+    }
+
+    /// Number of local unknowns of a step.
+    pub(super) fn n_local(&self) -> usize {
+        self.body.n_local() * self.coefficients.rule.n_pressures()
+    }
+
+    /// Number of rates.
+    pub(super) fn n_rates(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Number of all unknowns.
+    pub(super) fn n_unknowns(&self) -> usize {
+        self.n_rates() + self.n_multipliers() + self.n_local()
+    }
+
+    /// Number of multipliers of constraints in a step.
+    pub(super) fn n_multipliers(&self) -> usize {
+        self.coefficients.rule.degree() * self.body.constraints().len()
+    }
+
+    /// The rates among the unknowns, the multipliers after them, `[k][n]`, then the local unknowns, `[function][n]`.
+    pub(super) fn split<'x>(&self, unknowns: &'x [f64]) -> [&'x [f64]; 3] {
+        let (rates, others) = unknowns.split_at(self.force.len());
+        let (multipliers, local) = others.split_at(self.n_multipliers());
+        [rates, multipliers, local]
+    }
+
+    /// The same of a vector that changes.
+    pub(super) fn split_mut<'x>(&self, unknowns: &'x mut [f64]) -> [&'x mut [f64]; 3] {
+        let (rates, others) = unknowns.split_at_mut(self.force.len());
+        let (multipliers, local) = others.split_at_mut(self.n_multipliers());
+        [rates, multipliers, local]
+    }
+
+    /// Sets the local unknowns to those of the configuration at the start of the step.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(super) fn set_local_at_start(&mut self, local: &mut [f64]) -> Result<()> {
+        if !self.body.has_local() {
+            return Ok(());
+        }
+        self.force.fill(0.0);
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, &self.force);
+        self.body.assemble(&step, Request::Stress, &[], &mut self.assembly)?;
+        self.body.copy_local(&self.assembly, local);
+        Ok(())
+    }
+
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the local unknowns of
+    /// the step less those of its rates; and the squares of the three parts of the first over the free ones of this rank.
+    pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
+        self.assemble(unknowns, Request::Stress)?;
+        let [x, multipliers, local] = self.split(unknowns);
+        let [residual, of_constraints, of_local] = self.split_mut(residual);
+        self.body.copy_local(&self.assembly, of_local);
+        of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
+        self.assembly.matrix.copy_force(&mut self.force);
+        self.evaluate_external(x)?;
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
+        self.set_mass_rates(x);
+        let Equations { body, force, mass_rates, mass_parts, known, assembly, squares, .. } = self;
+        let inactive = body.space.inactive();
+        let counted = 3 * body.space.counted_ranges()[1].end;
+        let [steady, varying] = assembly.external_parts();
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            let mass = &mass_parts[i * k..(i + 1) * k];
+            let chunks =
+                residual.par_chunks_mut(CHUNK).zip(&mut squares[i * n.div_ceil(CHUNK)..]).enumerate();
+            chunks.for_each(|(chunk, (residual, squares))| {
+                *squares = [0.0; 3];
+                for (dof, residual) in (CHUNK * chunk..).zip(residual) {
+                    let at = i * n + dof;
+                    let sum =
+                        |part: usize| (0..k).map(|j| mass[j][part] * mass_rates[j * n + dof]).sum::<f64>();
+                    let inertia = sum(0) + sum(1);
+                    let internal = s * s * force[at];
+                    let external = s * s * (steady[at] + varying[at]);
+                    *residual = inertia - known[at] + (internal - external);
+                    if dof < counted && !inactive[dof] {
+                        squares[0] += inertia * inertia;
+                        squares[1] += internal * internal;
+                        squares[2] += external * external;
+                    }
+                }
+            });
+        }
+        self.scheme_force.add_to_residual(body, (x, &self.mass_rates), s, residual);
+        let [inertia, internal, external] =
+            [0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>());
+        let of_joints = self.add_constraints(x, multipliers, residual, of_constraints);
+        Ok([inertia, internal + of_joints, external])
+    }
+
+    /// Adds the forces of constraints to the residual of the rates, and sets their own. Returns the square of the forces.
+    fn add_constraints(
+        &mut self,
+        x: &[f64],
+        multipliers: &[f64],
+        residual: &mut [f64],
+        of_constraints: &mut [f64],
+    ) -> f64 {
+        let constraints = self.body.constraints();
+        if constraints.is_empty() {
+            return 0.0;
+        }
+        let mut force = std::mem::take(&mut self.constraint_force);
+        let step = self.border_step(x);
+        constraints.set_residual(step, of_constraints);
+        let n = self.body.n_dofs();
+        let mut square = 0.0;
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            force.fill(0.0);
+            constraints.add_force(step, i, (1.0, multipliers), &mut force);
+            residual.iter_mut().zip(&force).for_each(|(r, f)| *r += f);
+            let free = force.iter().zip(self.body.fixed()).filter(|(_, fixed)| !**fixed);
+            square += free.map(|(f, _)| f * f).sum::<f64>();
+        }
+        self.constraint_force = force;
+        square
+    }
+
+    /// The step at some rates, as constraints see it.
+    pub(super) fn border_step<'s>(&'s self, rates: &'s [f64]) -> BorderStep<'s> {
+        BorderStep { rule: &self.coefficients.rule, displacement: &self.displacement, rates }
+    }
+
+    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
+    /// loads at the rates x.
+    ///
+    /// ```math
+    /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
+    /// ```
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) -> Result<()> {
+        self.evaluate_external(x)?;
+        self.set_mass_rates(x);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            let mass = &self.dragged_mass[i * k..(i + 1) * k];
+            for (dof, residual) in residual.iter_mut().enumerate() {
+                let inertia: f64 = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
+                *residual = inertia - self.known[i * n + dof] - s * s * self.external_force(i * n + dof);
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean kinetic energy of the step `sum_i b_i x_i . M x_i / (2 s^2)`.
+    pub(super) fn mean_kinetic_energy(&mut self, x: &[f64]) -> f64 {
+        self.mean_square(x) / (2.0 * self.time_scale * self.time_scale)
+    }
+
+    /// `sum_i b_i x_i . M x_i`.
+    fn mean_square(&mut self, x: &[f64]) -> f64 {
+        self.set_mass_rates(x);
+        let n = self.body.n_dofs();
+        let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
+        stages
+            .zip(self.coefficients.rule.weights())
+            .map(|((x, mass_x), b)| b * self.body.space.dot(x, mass_x))
+            .sum()
+    }
+
+    /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone
+    /// determine the rigid motion of the body.
+    pub(super) fn is_self_balanced(&self) -> bool {
+        self.coefficients.rule.is_energy_momentum()
+            && self.coefficients.dissipation.is_none()
+            && !self.body.has_ground()
+            && !self.body.constraints().is_grounded()
+    }
+
+    /// Evaluates the forces of the ground at the rates x, after [`Equations::dissipated`].
+    ///
+    /// # Errors
+    /// As the residual.
+    pub(super) fn evaluate_outside(&mut self, x: &[f64]) -> Result<()> {
+        if self.on_ground.is_empty() {
+            return Ok(());
+        }
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
+        self.body.ground_force(&step, &mut self.assembly, &mut self.on_ground)
+    }
+
+    /// Whether some force from outside has an impulse, but no work in the energy balance: of a potential, of constraints, of
+    /// the surrounding medium.
+    pub(super) fn has_outside(&self) -> bool {
+        !self.on_ground.is_empty() || self.body.constraints().is_grounded() || self.body.drag() > 0.0
+    }
+
+    /// Adds these forces in a stage, `force: [n_nodes][3]`, as they were evaluated last.
+    pub(super) fn add_outside(&self, unknowns: &[f64], stage: usize, force: &mut [f64]) {
+        let n = force.len();
+        let on_ground = self.on_ground.chunks_exact(n).nth(stage).into_iter().flatten();
+        force.iter_mut().zip(on_ground).for_each(|(force, on_ground)| *force -= on_ground);
+        if self.body.constraints().is_grounded() {
+            let [x, multipliers, _] = self.split(unknowns);
+            let factor = -1.0 / (self.time_scale * self.time_scale);
+            self.body.constraints().add_force(self.border_step(x), stage, (factor, multipliers), force);
+        }
+        let rate = self.body.drag();
+        if rate > 0.0 {
+            let mass_rates = &self.mass_rates[stage * n..(stage + 1) * n];
+            let forces = force.iter_mut().zip(mass_rates);
+            forces.for_each(|(force, mass_rate)| *force += -rate / self.time_scale * mass_rate);
+        }
+    }
+
+    /// Adds the forces of the springs of supports in a stage at the rates x, times a weight; `displacement`: in the
+    /// stage.
+    pub(super) fn add_spring_reactions(
+        &self,
+        x: &[f64],
+        stage: usize,
+        weight: f64,
+        displacement: &[f64],
+        reactions: &mut [Reaction],
+    ) {
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
+        self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
+    }
+
+    /// Stage average of the forces that do work from outside, at the rates evaluated last; `at`: position in
+    /// `[k][n_nodes][3]`.
+    pub(super) fn external_force(&self, at: usize) -> f64 {
+        self.assembly.external(at)
+    }
+
+    /// Evaluates these forces at the rates x.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn evaluate_external(&mut self, x: &[f64]) -> Result<()> {
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        self.body.evaluate_external(&step, &mut self.assembly)
+    }
+
+    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a solved step.
+    ///
+    /// ```math
+    /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
+    /// ```
+    pub(super) fn dissipated(&mut self, x: &[f64]) -> f64 {
+        if !self.body.dissipates() && self.scheme_force.is_zero() {
+            return 0.0;
+        }
+        let s = self.time_scale;
+        let drag = self.body.drag();
+        let step = step_input(&self.coefficients, s, &self.displacement, x);
+        let mut sum = self.body.dissipated(&step, &mut self.assembly);
+        if drag > 0.0 {
+            sum += drag / s * self.mean_square(x);
+        }
+        sum
+    }
+
+    /// Completes the end velocity by the force of the scheme, and returns the energy dissipated through velocities;
+    /// `velocity`: at the start of the step.
+    pub(super) fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
+        if self.scheme_force.is_zero() {
+            return 0.0;
+        }
+        self.set_mass_rates(x);
+        let s = self.time_scale;
+        self.scheme_force.complete_end_velocity(self.body, (x, &self.mass_rates), velocity, s, new)
+    }
+
+    /// The step at some rates.
+    pub(super) fn step_at<'s>(&'s self, rates: &'s [f64]) -> StepInput<'s> {
+        step_input(&self.coefficients, self.time_scale, &self.displacement, rates)
+    }
+
+    /// Tells the forces that the step with some rates counts.
+    pub(super) fn accept(&mut self, rates: &[f64]) {
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        self.body.accept(&step, &mut self.assembly);
+    }
+
+    fn set_mass_rates(&mut self, x: &[f64]) {
+        let n = self.body.n_dofs();
+        for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
+            self.body.mass_product(x, mass_rate);
+        }
+    }
+
+    pub(super) fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
+        let [x, _, local] = self.split(unknowns);
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
+        self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
+        if request == Request::Tangent {
+            self.body.add_external_tangent(&step, &mut self.assembly)?;
+        }
+        Ok(())
+    }
+}
+
+/// The coefficients of the inertia in two parts, `[i k + j]`.
+fn mass_parts<'a>(
+    coefficients: &'a StageCoefficients,
+    mass: &'a [f64],
+) -> impl Iterator<Item = [f64; 2]> + 'a {
+    mass.iter().zip(&coefficients.mass_low).map(|(m, low)| coefficients.parts([*m, *low]))
+}
+
+fn step_input<'a>(
+    coefficients: &'a StageCoefficients,
+    s: f64,
+    displacement: &'a [f64],
+    rates: &'a [f64],
+) -> StepInput<'a> {
+    let dissipation = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
+    let damping = StepDamping { inverse_step_size: 1.0 / s, dissipation };
+    StepInput {
+        tangent_factor: s * s,
+        damping,
+        ..StepInput::undamped(&coefficients.rule, displacement, rates)
+    }
+}
