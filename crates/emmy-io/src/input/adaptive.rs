@@ -1,15 +1,12 @@
 //! `time.adaptive`: steps chosen by their error.
 
-use emmy::body::Body;
 use emmy::internals::time::ESTIMATORS;
 use emmy::motion::{Adaptivity, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
-use super::description::{Described, Kind, POSITIVE, Section, whole};
+use super::description::{BELOW_ONE, Described, Kind, POSITIVE, Section, whole};
 use super::fault::{Fault, Place};
-use super::settings::BELOW_ONE;
 use super::table::{Item, Table, spelled};
-use super::time::Time;
 
 /// `time.adaptive`.
 pub(super) static ADAPTIVE: Described = Described::new(|| {
@@ -134,18 +131,6 @@ fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
 pub(super) fn check(item: &Item<'_>) -> Result<(), Fault> {
     let adaptivity = read(&item.table(&ADAPTIVE)?)?;
     adaptivity.check().map_err(|error| item.fault(error.to_string(), "here"))
-}
-
-/// Checks that there is a scale of positions.
-pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
-    let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());
-    match &time.adaptive {
-        Some(place) if !has_scale && body.radius_of_gyration() == 0.0 => {
-            let message = "`adaptive` needs a `length`: the body is a point and has none";
-            Err(Fault::at(place, message, "needs `length`"))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// `until` without `adaptive`.

@@ -6,10 +6,10 @@ use emmy::internals::material::IfAbsent;
 use emmy::motion::{Phase, StepPlan};
 
 use super::Start;
+use super::catalogue::ROOT;
 use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
-use super::history;
-use super::problem::ROOT;
+use super::histories;
 use super::tree::{self, Node, Value};
 use crate::{link, message};
 
@@ -79,7 +79,7 @@ pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>)
 /// Makes the files of histories absolute, or else relative to the output directory, and returns their paths.
 pub(super) fn resolve_histories(tree: &mut Node, directory: &Path, output: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
-    history::for_each_file(tree, &mut |node| {
+    histories::for_each_file(tree, &mut |node| {
         let Value::String(name) = &mut node.value else { return };
         let file = directory.join(&*name);
         let absolute = std::path::absolute(&file).unwrap_or_else(|_| file.clone());

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use emmy::body::Region;
 use emmy::material::{EnergyFormula, Expression as Energy, Invariant};
 
-use super::derived;
 use super::description::{Described, Kind, NUMBER, Others, Section, vector};
 use super::expression::{self, CONSTANTS, Expression, FUNCTIONS, Operator, Vocabulary};
 use super::fault::Fault;
+use super::finite;
 use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
 
@@ -93,7 +93,7 @@ pub(super) fn region(item: &Item<'_>, density: f64) -> Result<Region, Fault> {
         guilty.unwrap_or(formula).fault(error.to_string(), "not an energy of a solid")
     })?;
     let region = Region::new(material, density);
-    derived::check_moduli(&formula, &region)?;
+    finite::check_moduli(&formula, &region)?;
     Ok(region)
 }
 
@@ -118,7 +118,7 @@ fn parameters<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, f64)>, Fault> {
                 Some(advice) => fault.help(advice),
                 None => fault,
             })?;
-            Ok((name, derived::within(&item, number)?))
+            Ok((name, finite::within(&item, number)?))
         })
         .collect()
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 
-use super::excerpt::Excerpt;
 use crate::message::shown;
 
 /// A place in a source: in the input file, in a flag of the command line, or in a tree that a program has built.
@@ -170,11 +169,6 @@ impl Fault {
     /// The places with their labels.
     pub(super) fn labels(&self) -> &[(Place, String)] {
         &self.labels
-    }
-
-    /// The fault with the relevant lines, ready to be shown.
-    pub fn excerpt(&self) -> Excerpt {
-        Excerpt::new(self)
     }
 
     /// Advice.

@@ -11,7 +11,7 @@ use emmy::time::Scheme;
 
 use super::fault::Fault;
 use super::groups;
-use super::region::Placed;
+use super::placed::Placed;
 use super::table::{Item, Table};
 use super::time::Time;
 

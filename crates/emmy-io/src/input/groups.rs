@@ -5,16 +5,8 @@ use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Faults, Place};
 use super::nodal::PlacedNodal;
-use super::region::Placed;
+use super::placed::{Members, Placed};
 use super::suggest::{did_you_mean, listed};
-
-/// Required members of a group.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Members {
-    Cells,
-    Facets,
-    Nodes,
-}
 
 /// Checks every group that is named.
 pub(super) fn check(

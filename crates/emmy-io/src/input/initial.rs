@@ -4,7 +4,7 @@ use emmy::body::InitialVelocity;
 
 use super::description::{Described, Kind, Section, exactly, vector};
 use super::fault::Fault;
-use super::region::{Placed, group};
+use super::placed::{Placed, group};
 use super::table::Item;
 
 /// `[initial]` or `[[initial]]`.

@@ -6,9 +6,8 @@ use emmy::internals::material::{Bounds, IfAbsent};
 use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
 use super::expression;
 use super::fault::{Fault, Place};
-use super::groups::Members;
 use super::history::{self, Context};
-use super::region::{Placed, group};
+use super::placed::{Members, Placed, group};
 use super::table::{Item, Table};
 
 /// A kind of load.

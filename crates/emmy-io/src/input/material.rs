@@ -10,7 +10,7 @@ use emmy::material::Volumetric;
 use super::description::{Described, Key, Kind, Rule, Section};
 use super::fault::Fault;
 use super::table::{Item, Table};
-use super::{derived, energy};
+use super::{energy, finite};
 
 /// `material`.
 pub(super) static MATERIAL: Described = Described::new(|| {
@@ -92,7 +92,7 @@ pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     check_terms(&table, &values)?;
     let values = Values::from_iter(values);
     let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
-    engineering.map_or(Ok(()), |(youngs, poissons)| derived::check_lame(&item, youngs, poissons))?;
+    engineering.map_or(Ok(()), |(youngs, poissons)| finite::check_lame(&item, youngs, poissons))?;
     model.region(density, &values).map_err(|error| {
         let guilty = match &error {
             emmy::Error::MaterialParameter { parameter, .. } | emmy::Error::Direction { parameter, .. } => {
@@ -128,7 +128,7 @@ fn value(table: &Table<'_>, parameter: &Parameter) -> Result<Option<(&'static st
         _ => table.require(parameter.name)?,
     };
     let value = match parameter.kind {
-        ParameterKind::Number(_) => Value::Number(derived::within(&item, item.number()?)?),
+        ParameterKind::Number(_) => Value::Number(finite::within(&item, item.number()?)?),
         ParameterKind::Numbers => Value::Numbers(each(&item, |entry| entry.number())?),
         ParameterKind::Direction => Value::Direction(item.numbers()?),
         ParameterKind::Directions => Value::Directions(each(&item, |entry| entry.numbers())?),

@@ -12,9 +12,7 @@ use super::history::Context;
 use super::source::Source;
 use super::table::Item;
 use super::tree::{Entry, Node, Value};
-use super::{
-    Overrides, Problem, adaptive, complete, initial, load, material, nodal, problem, region, support,
-};
+use super::{Overrides, Problem, adaptive, complete, initial, load, material, nodal, read, region, support};
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a
 /// program may give the object itself.
@@ -97,7 +95,7 @@ fn entry(path: &str, key: &str, tree: &Tree) -> Entry {
 /// # Errors
 /// [`InputError`] with every fault; its places are paths ([`Place::path`]).
 pub fn build(tree: &Tree, overrides: &Overrides, known: Option<&Problem>) -> Result<Problem, InputError> {
-    problem::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
+    read::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
 }
 
 /// The file that an input in memory would have: it gives the default of `output.directory`.

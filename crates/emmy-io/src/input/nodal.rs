@@ -5,7 +5,7 @@ use emmy::internals::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section};
 use super::fault::{Fault, Faults, Place};
-use super::region::Placed;
+use super::placed::Placed;
 use super::support::SUPPORT;
 use super::table::{Item, Table};
 use super::time::Time;

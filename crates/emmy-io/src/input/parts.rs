@@ -8,21 +8,21 @@ use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, Solver};
 use emmy::time::Scheme;
 
+use super::catalogue::ROOT;
 use super::fault::{Fault, Faults, InputError};
 use super::formulation::Formulations;
-use super::groups::Members;
 use super::history::Context;
-use super::problem::{Overrides, Problem, ROOT};
+use super::placed::{Members, Placed};
+use super::problem::{Overrides, Problem};
 use super::quantities::{self, Requested};
-use super::region::Placed;
 use super::settings::{self, Limits, Output};
 use super::shape::{self, Shape};
-use super::source::Source;
+use super::source::{CheckedMesh, Source};
 use super::table::{Item, Table};
 use super::tree::Node;
 use super::{
-    Start, adaptive, derived, equilibrium, groups, history, initial, load, nodal, plausible, region, start,
-    support, time, units,
+    Start, derived, equilibrium, groups, histories, initial, load, nodal, plausible, region, start, support,
+    time, units,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -89,7 +89,7 @@ impl Parts {
         let limits = faults.keep(limits).unwrap_or_default();
         let solver = faults.keep(root.get("solver").map_or(Ok(Solver::Auto), settings::solver));
         if let Some(time) = &time {
-            history::check_finite(tree, &time.plan, &mut faults);
+            histories::check_finite(tree, &time.plan, &mut faults);
         }
         let Some(shape) = shape else { return Err(finished(faults)) };
         let (Some(time), Some(newton), Some(solver), Some((output, requested))) =
@@ -208,7 +208,7 @@ impl Parts {
                 body.map_err(fault)?
             }
         };
-        adaptive::check_scale(&body, &self.time)?;
+        time::check_scale(&body, &self.time)?;
         if self.output.has_frames() {
             self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
         }
@@ -251,13 +251,6 @@ impl Parts {
             digest,
         })
     }
-}
-
-/// A mesh in which every group was found, and the formulations of its cells.
-#[derive(Debug, Clone)]
-pub(super) struct CheckedMesh {
-    pub(super) file: MeshFile,
-    formulations: Formulations,
 }
 
 /// The state from which the motion starts.

@@ -4,7 +4,8 @@ use emmy::body::{Region, Viscosity};
 use emmy::internals::material::ModelCells;
 
 use super::description::{Described, Kind, POSITIVE, Rule, Section};
-use super::fault::{Fault, Place};
+use super::fault::Fault;
+use super::placed::{Placed, group};
 use super::table::{Item, Table};
 use super::{formulation, material};
 
@@ -57,26 +58,6 @@ pub(super) static VISCOSITY: Described = Described::new(|| {
         .may("bulk", POSITIVE, "stress·time", "Bulk viscosity")
         .at_least_one(&["time", "shear", "bulk"])
 });
-
-/// A part of the input with its place, and the place of its group's name, if it has one.
-#[derive(Debug)]
-pub(super) struct Placed<T> {
-    pub(super) value: T,
-    pub(super) group: Option<(String, Place)>,
-    pub(super) place: Place,
-}
-
-impl<T> Placed<T> {
-    pub(super) fn new(table: &Table<'_>, value: T) -> Result<Self, Fault> {
-        Ok(Placed { value, group: group(table)?, place: table.place().clone() })
-    }
-}
-
-/// The group of a table, if it names one.
-pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault> {
-    let Some(item) = table.get("group") else { return Ok(None) };
-    Ok(Some((item.name()?, item.place().clone())))
-}
 
 /// Reads one region.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {

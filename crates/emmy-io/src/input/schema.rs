@@ -8,7 +8,7 @@ use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
 use super::description::{Key, Kind, Rule, Section, list, whole};
-use super::{material, measured, problem};
+use super::{catalogue, material, measured};
 
 /// The JSON schema of an input file, draft 7.
 ///
@@ -18,7 +18,7 @@ use super::{material, measured, problem};
 /// assert_eq!(density["exclusiveMinimum"], 0);
 /// ```
 pub fn schema() -> Value {
-    let mut schema = table(&problem::ROOT);
+    let mut schema = table(&catalogue::ROOT);
     schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
     schema["title"] = json!("Input of Emmy");
     schema["definitions"] = json!({ "material": table(&material::MATERIAL) });

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use emmy::body::FieldName;
-use emmy::internals::material::Bounds;
 use emmy::internals::sparse::{SOLVERS, Solver};
 use emmy::motion::{NewtonSettings, StepPlan};
 
-use super::description::{Described, Kind, POSITIVE, Section, list, whole};
+use super::description::{BELOW_ONE, Described, Kind, POSITIVE, Section, list, whole};
 use super::fault::Fault;
 use super::quantities::{PROBE, VALUE, of_extremes};
 use super::table::{Item, Table, spelled};
@@ -51,9 +50,6 @@ pub(super) static NEWTON: Described = Described::new(|| {
         .may("max_iterations", whole(1), "", "Iterations after which a step fails and is cut")
         .default("20")
 });
-
-/// A part of something.
-pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
 
 /// `[solver]`.
 pub(super) static SOLVER: Described = Described::new(|| {

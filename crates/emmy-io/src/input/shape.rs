@@ -7,9 +7,9 @@ use emmy::internals::material::IfAbsent;
 use emmy::internals::mesh::check_count;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
-use super::derived;
 use super::description::{Described, Key, Kind, POSITIVE, Section, exactly, list, vector, whole};
 use super::fault::{Fault, Place};
+use super::finite;
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
 use crate::mesh::{MeshFile, MeshOptions};
@@ -355,7 +355,7 @@ impl Shape {
             Some(scale) => file.mesh.scaled(scale).map_err(|error| at(&error))?,
             None => file.mesh,
         };
-        derived::check_extent(&mesh, &self.place)?;
+        finite::check_extent(&mesh, &self.place)?;
         Ok(MeshFile { mesh, notes: file.notes, files: file.files })
     }
 

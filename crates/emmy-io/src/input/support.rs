@@ -9,7 +9,7 @@ use emmy::motion::StepPlan;
 use super::description::{Described, Kind, POSITIVE, Section, list, vector};
 use super::fault::{Fault, Place};
 use super::history::{self, Context};
-use super::region::Placed;
+use super::placed::Placed;
 use super::suggest::listed;
 use super::table::{Item, Table};
 use super::time::Time;

@@ -1,5 +1,6 @@
 //! `[time]`: scheme with its degree, and step plan; `--until`.
 
+use emmy::body::Body;
 use emmy::motion::{Phase, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
@@ -81,6 +82,18 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
     let smallest_step = table.get("smallest_step").map(|item| item.positive()).transpose()?;
     let adaptive = table.get("adaptive").map(|item| item.place().clone());
     Ok(Time { scheme, plan, adaptive, smallest_step })
+}
+
+/// Checks that there is a scale of positions.
+pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
+    let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());
+    match &time.adaptive {
+        Some(place) if !has_scale && body.radius_of_gyration() == 0.0 => {
+            let message = "`adaptive` needs a `length`: the body is a point and has none";
+            Err(Fault::at(place, message, "needs `length`"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {

@@ -3,15 +3,10 @@
 //! Every table is described once, in the file that reads it. The check of keys, the defaults, the JSON schema and the
 //! tables of `docs/input.md` come from these descriptions.
 
-mod synonyms;
-
 use std::sync::LazyLock;
 
 use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
-
-use super::suggest::did_you_mean;
-use super::{material, measured, problem};
 
 /// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
@@ -100,14 +95,14 @@ pub(super) enum Rule {
     Region,
 }
 
-/// Largest number of materials in a message about the tables of a key.
-const MAX_MODELS: usize = 3;
-
 /// A number.
 pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
 
 /// A number above zero.
 pub(super) const POSITIVE: Kind = Kind::Number(Bounds::Above(0.0));
+
+/// A part of something.
+pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
 
 /// A whole number from a smallest one on.
 pub(super) const fn whole(least: usize) -> Kind {
@@ -217,79 +212,7 @@ impl Section {
         self.keys.iter().map(|key| key.name)
     }
 
-    fn has(&self, word: &str) -> bool {
+    pub(super) fn has(&self, word: &str) -> bool {
         self.names().any(|name| name == word)
-    }
-
-    /// The key of this table meant by an unknown word, or the table to which the word belongs.
-    pub(super) fn advice(&self, word: &str) -> Option<String> {
-        if word.split_once('.').is_some_and(|(first, _)| self.has(first)) {
-            return Some(format!("without the quotes: {word}"));
-        }
-        let mut synonyms = synonyms::of(word);
-        let first = synonyms.clone().next();
-        let here = synonyms.find(|key| self.has(key)).map(|key| format!("did you mean `{key}`?"));
-        here.or_else(|| did_you_mean(word, self.names()))
-            .or_else(|| self.elsewhere(word))
-            .or_else(|| first.and_then(|key| self.elsewhere(key)))
-    }
-
-    /// The table that has a key: the enclosing table, if it has it; all such tables if a few materials have it.
-    fn elsewhere(&self, word: &str) -> Option<String> {
-        let own = self.name.trim_matches('`');
-        let all = all();
-        let mut tables = all.iter().filter(|table| table.has(word));
-        let around = tables.clone().find(|table| table.has(own));
-        let models: Vec<&str> =
-            material::sections().filter(|table| table.has(word)).map(|table| table.name).collect();
-        let table = around.or_else(|| tables.next())?;
-        let name = match models.len() {
-            _ if !models.contains(&table.name) => table.name.to_string(),
-            0..=MAX_MODELS => models.join(" or "),
-            _ => "a material".to_string(),
-        };
-        Some(format!("`{word}` belongs in {name}"))
-    }
-}
-
-/// Every table, each before the tables in it; tables with the same keys and the same name once.
-pub(super) fn all() -> Vec<&'static Section> {
-    fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
-        if all.iter().any(|other| std::ptr::eq(*other, section)) {
-            return;
-        }
-        all.push(section);
-        section.keys.iter().for_each(|key| add_of(&key.kind, all));
-    }
-    fn add_of(kind: &Kind, all: &mut Vec<&'static Section>) {
-        match kind {
-            Kind::Table(section) | Kind::Tables(section) => add(section, all),
-            Kind::TimeFunction => add(&measured::MEASURED, all),
-            Kind::List(_, of) | Kind::Exactly(_, of) => add_of(of, all),
-            _ => {}
-        }
-    }
-    let mut sections = Vec::new();
-    add(&problem::ROOT, &mut sections);
-    sections
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_keys_are_unique_and_described() {
-        for section in all() {
-            for (index, key) in section.keys.iter().enumerate() {
-                assert!(section.keys[..index].iter().all(|other| other.name != key.name), "{}", key.name);
-                assert!(
-                    !key.doc.is_empty() && !key.doc.trim_end_matches("...").ends_with('.'),
-                    "{} {}",
-                    section.name,
-                    key.name
-                );
-            }
-        }
     }
 }
