@@ -1,11 +1,9 @@
 //! All tables of the input, and advice on words that are not keys.
 
-use super::description::{Described, Kind, Section};
-use super::suggest::did_you_mean;
-use super::{
-    equilibrium, initial, load, material, measured, nodal, region, settings, shape, support, synonyms, time,
-    units,
-};
+use std::sync::LazyLock;
+
+use super::description::{Described, Key, Kind, Section, tables};
+use super::{equilibrium, initial, load, material, nodal, region, settings, shape, support, time, units};
 
 /// The whole input.
 pub(super) static ROOT: Described = Described::new(|| {
@@ -13,16 +11,11 @@ pub(super) static ROOT: Described = Described::new(|| {
         .may("title", Kind::Text, "", "Any text; it goes into the summary")
         .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
         .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
-        .must("region", Kind::Tables(&region::REGION), "", "Material of the cells; one or more")
-        .may("mass", Kind::Tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
-        .may("load", Kind::Tables(&load::LOAD), "", "Loads on the body; none, one or more")
-        .may(
-            "support",
-            Kind::Tables(&support::SUPPORT),
-            "",
-            "Nodes that are held or driven; none, one or more",
-        )
-        .may("initial", Kind::Tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
+        .must("region", tables(&region::REGION), "", "Material of the cells; one or more")
+        .may("mass", tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
+        .may("load", tables(&load::LOAD), "", "Loads on the body; none, one or more")
+        .may("support", tables(&support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
+        .may("initial", tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
         .absent("at rest")
         .may(
             "equilibrium",
@@ -42,57 +35,46 @@ pub(super) static ROOT: Described = Described::new(|| {
         .at_least_one(&["time", "equilibrium"])
 });
 
+/// The kind of the whole input.
+pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
+
 /// Largest number of materials in a message about the tables of a key.
 const MAX_MODELS: usize = 3;
 
-impl Section {
-    /// The key of this table meant by an unknown word, or the table to which the word belongs.
-    pub(super) fn advice(&self, word: &str) -> Option<String> {
-        if word.split_once('.').is_some_and(|(first, _)| self.has(first)) {
-            return Some(format!("without the quotes: {word}"));
-        }
-        let mut synonyms = synonyms::of(word);
-        let first = synonyms.clone().next();
-        let here = synonyms.find(|key| self.has(key)).map(|key| format!("did you mean `{key}`?"));
-        here.or_else(|| did_you_mean(word, self.names()))
-            .or_else(|| self.elsewhere(word))
-            .or_else(|| first.and_then(|key| self.elsewhere(key)))
-    }
-
-    /// The table that has a key: the enclosing table, if it has it; all such tables if a few materials have it.
-    fn elsewhere(&self, word: &str) -> Option<String> {
-        let own = self.name.trim_matches('`');
-        let all = all();
-        let mut tables = all.iter().filter(|table| table.has(word));
-        let around = tables.clone().find(|table| table.has(own));
-        let models: Vec<&str> =
-            material::sections().filter(|table| table.has(word)).map(|table| table.name).collect();
-        let table = around.or_else(|| tables.next())?;
-        let name = match models.len() {
-            _ if !models.contains(&table.name) => table.name.to_string(),
-            0..=MAX_MODELS => models.join(" or "),
-            _ => "a material".to_string(),
-        };
-        Some(format!("`{word}` belongs in {name}"))
-    }
+/// Says in which table a key stands: the one around a table, if that has it; all of them if a few materials have it.
+pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
+    let own = section.name.trim_matches('`');
+    let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
+    let around = tables.clone().find(|table| table.key_of(own).is_some());
+    let models: Vec<&str> =
+        material::sections().filter(|table| table.key_of(word).is_some()).map(|table| table.name).collect();
+    let table = around.or_else(|| tables.next())?;
+    let name = match models.len() {
+        _ if !models.contains(&table.name) => table.name.to_string(),
+        0..=MAX_MODELS => models.join(" or "),
+        _ => "a material".to_string(),
+    };
+    Some(format!("`{word}` belongs in {name}"))
 }
 
-/// Every table, each before the tables in it; tables with the same keys and the same name once.
+/// The kind of a table of the input and its description, by the key under which it stands.
+pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
+    let keys = all().into_iter().flat_map(|section| &section.keys).filter(|own| own.name == key);
+    let kind = |own: &'static Key| match own.kind {
+        Kind::Tables(_) => own.kind.inner(),
+        _ => &own.kind,
+    };
+    keys.map(kind).find_map(|kind| Some((kind, kind.section()?)))
+}
+
+/// Every table, each before the tables in it.
 pub(super) fn all() -> Vec<&'static Section> {
     fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
         if all.iter().any(|other| std::ptr::eq(*other, section)) {
             return;
         }
         all.push(section);
-        section.keys.iter().for_each(|key| add_of(&key.kind, all));
-    }
-    fn add_of(kind: &Kind, all: &mut Vec<&'static Section>) {
-        match kind {
-            Kind::Table(section) | Kind::Tables(section) => add(section, all),
-            Kind::TimeFunction => add(&measured::MEASURED, all),
-            Kind::List(_, of) | Kind::Exactly(_, of) => add_of(of, all),
-            _ => {}
-        }
+        section.keys.iter().filter_map(|key| key.kind.section()).for_each(|inner| add(inner, all));
     }
     let mut sections = Vec::new();
     add(&ROOT, &mut sections);

@@ -1,12 +1,14 @@
 //! Description of the input: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
 //!
-//! Every table is described once, in the file that reads it. The check of keys, the defaults, the JSON schema and the
-//! tables of `docs/input.md` come from these descriptions.
+//! Every table is described once, in the file that reads it. The check of keys and values, the defaults, the JSON
+//! schema and the tables of `docs/input.md` come from these descriptions.
 
 use std::sync::LazyLock;
 
 use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
+
+use super::fault::Fault;
 
 /// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
@@ -56,12 +58,12 @@ pub(super) enum Kind {
     Number(Bounds),
     /// A whole number from the first to the second.
     Whole(usize, Option<usize>),
-    /// One of several words.
-    Word(Vec<&'static str>),
+    /// One of several words: what they are, the words, and what is wrong with another one.
+    Word(&'static str, Vec<&'static str>, Doubt),
     /// A list of different words.
-    Words(Vec<&'static str>),
+    Words(Box<Kind>),
     /// A scheme in time.
-    Scheme,
+    Scheme(Doubt),
     /// `true`.
     True,
     /// A list with a least number of entries.
@@ -70,15 +72,26 @@ pub(super) enum Kind {
     Exactly(usize, Box<Kind>),
     /// Lists of whole numbers by name.
     Groups,
-    /// A table of the time, here or in a file, or an expression.
-    TimeFunction,
+    /// A table of the time, here or in a file as this table says, or an expression.
+    TimeFunction(&'static Section),
     /// A number, or an expression of position and time.
     Expression,
+    /// A vector of this kind, or the field of a program.
+    Field(Box<Kind>),
     /// A table.
     Table(&'static Section),
     /// One table or a list of them.
-    Tables(&'static Section),
+    Tables(Box<Kind>),
 }
+
+/// What is wrong with a text, and a label for its place.
+pub(super) type Doubt = fn(&str) -> Option<(Fault, String)>;
+
+/// An entry of a table of the time.
+static ENTRY: LazyLock<Kind> = LazyLock::new(|| exactly(2, NUMBER));
+
+/// Members of a group.
+static MEMBERS: LazyLock<Kind> = LazyLock::new(|| list(0, whole(0)));
 
 /// Rules between the keys of a table.
 #[derive(Debug, Clone)]
@@ -104,6 +117,21 @@ pub(super) const POSITIVE: Kind = Kind::Number(Bounds::Above(0.0));
 /// A part of something.
 pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
 
+/// One of several words; `what` they are.
+pub(super) fn word(what: &'static str, words: impl IntoIterator<Item = &'static str>) -> Kind {
+    Kind::Word(what, words.into_iter().collect(), |_| None)
+}
+
+/// A list of different words; `what` they are.
+pub(super) fn words(what: &'static str, words: impl IntoIterator<Item = &'static str>) -> Kind {
+    Kind::Words(Box::new(word(what, words)))
+}
+
+/// One table or a list of them.
+pub(super) fn tables(section: &'static Section) -> Kind {
+    Kind::Tables(Box::new(Kind::Table(section)))
+}
+
 /// A whole number from a smallest one on.
 pub(super) const fn whole(least: usize) -> Kind {
     Kind::Whole(least, None)
@@ -124,6 +152,31 @@ pub(super) fn list(least: usize, of: Kind) -> Kind {
     Kind::List(least, Box::new(of))
 }
 
+impl Kind {
+    /// Kind of the entries of a list, of the values of a table with free names, or of one of several tables.
+    pub(super) fn inner(&'static self) -> &'static Kind {
+        match self {
+            Kind::Words(of)
+            | Kind::List(_, of)
+            | Kind::Exactly(_, of)
+            | Kind::Field(of)
+            | Kind::Tables(of) => of,
+            Kind::TimeFunction(_) => &ENTRY,
+            Kind::Groups => &MEMBERS,
+            _ => self,
+        }
+    }
+
+    /// The description of a table that a value is or contains.
+    pub(super) fn section(&self) -> Option<&'static Section> {
+        match self {
+            Kind::Table(section) | Kind::TimeFunction(section) => Some(section),
+            Kind::List(_, of) | Kind::Tables(of) => of.section(),
+            _ => None,
+        }
+    }
+}
+
 impl Key {
     /// A required key.
     pub(super) fn new(name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
@@ -138,7 +191,7 @@ impl From<&Parameter> for Key {
             ParameterKind::Numbers => list(1, NUMBER),
             ParameterKind::Direction => vector(),
             ParameterKind::Directions => list(1, vector()),
-            ParameterKind::Law => Kind::Word(Volumetric::ALL.map(Volumetric::name).to_vec()),
+            ParameterKind::Law => word("a law of volume", Volumetric::ALL.map(Volumetric::name)),
         };
         let if_absent = parameter.if_absent;
         Key { if_absent, ..Key::new(parameter.name, kind, parameter.unit, parameter.doc) }
@@ -207,12 +260,13 @@ impl Section {
         }
     }
 
+    /// A key by its name.
+    pub(super) fn key_of(&self, name: &str) -> Option<&Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
     /// Names of the keys.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.keys.iter().map(|key| key.name)
-    }
-
-    pub(super) fn has(&self, word: &str) -> bool {
-        self.names().any(|name| name == word)
     }
 }

@@ -5,7 +5,7 @@ use emmy::internals::number::short;
 use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Place};
-use super::table::Item;
+use super::table::{Item, Read};
 
 /// Numbers up to this have finite squares; numbers from its inverse on have squares that are not zero.
 pub(super) const LARGEST: f64 = 1e150;
@@ -17,14 +17,14 @@ const LARGEST_LENGTH: f64 = 1e50;
 pub(super) const HELP: &str = "choose other units: squares of numbers above 1e150 are infinite for a computer, those of numbers below 1e-150 \
                     are zero (of lengths, whose cubes count, 1e50 and 1e-50)";
 
-/// The value of an item, if its square is finite.
-pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
-    match value.abs() <= LARGEST {
-        true => Ok(value),
-        false => {
-            let message = format!("`{}` must not be beyond {}", item.key(), short(LARGEST));
+/// The number of an item, if its square is finite.
+pub(super) fn within(item: &Item<'_>) -> Result<f64, Fault> {
+    match f64::read(*item) {
+        value if value.abs() > LARGEST => {
+            let message = format!("`{}` must not be beyond {}", item.key, short(LARGEST));
             Err(item.fault(message, "too large").help(HELP))
         }
+        value => Ok(value),
     }
 }
 

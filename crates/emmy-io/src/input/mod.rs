@@ -7,6 +7,7 @@
 
 mod adaptive;
 mod catalogue;
+
 mod complete;
 mod derived;
 mod description;
@@ -18,7 +19,6 @@ mod fault;
 mod finite;
 mod formulation;
 mod groups;
-mod histories;
 mod history;
 mod initial;
 mod load;
@@ -26,16 +26,16 @@ mod material;
 mod measured;
 mod memory;
 mod nodal;
-mod parts;
 mod placed;
 mod plausible;
 mod problem;
 mod quantities;
-mod read;
+mod reading;
 #[cfg(test)]
 mod reference;
 mod region;
 mod schema;
+mod sections;
 mod set;
 mod settings;
 mod shape;
@@ -50,6 +50,7 @@ mod table;
 mod time;
 mod tree;
 mod units;
+mod walk;
 mod write;
 
 pub(crate) use complete::MESH_FILE;
@@ -58,11 +59,11 @@ pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, MissingGroup, Place};
 pub use formulation::{Formulations, elements};
 pub use material::materials;
-pub(crate) use measured::resolved;
+pub(crate) use memory::resolved;
 pub use memory::{Tree, build, check, material_region};
 pub use problem::{Overrides, Problem};
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
-pub use read::{read, read_mesh, read_on_team};
+pub use reading::{read, read_mesh, read_on_team};
 pub use schema::schema;
 pub(crate) use set::alternatives;
 pub use settings::{Limits, Output};

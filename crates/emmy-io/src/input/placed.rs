@@ -12,15 +12,25 @@ pub(super) struct Placed<T> {
 }
 
 impl<T> Placed<T> {
-    pub(super) fn new(table: &Table<'_>, value: T) -> Result<Self, Fault> {
-        Ok(Placed { value, group: group(table)?, place: table.place().clone() })
+    pub(super) fn new(table: &Table<'_>, value: T) -> Self {
+        Placed { value, group: table.group(), place: table.place.clone() }
     }
 }
 
-/// The group of a table, if it names one.
-pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault> {
-    let Some(item) = table.get("group") else { return Ok(None) };
-    Ok(Some((item.name()?, item.place().clone())))
+/// Groups with the places of their names.
+pub(super) fn groups<'a>(all: impl Iterator<Item = &'a Option<(String, Place)>>) -> Vec<(String, Place)> {
+    all.flatten().cloned().collect()
+}
+
+/// The fault at the name of a group.
+pub(super) fn fault(
+    error: &emmy::Error,
+    group: &str,
+    groups: &[(String, Place)],
+    label: &str,
+) -> Option<Fault> {
+    let (_, place) = groups.iter().find(|(name, _)| name == group)?;
+    Some(Fault::at(place, error.to_string(), label))
 }
 
 /// Required members of a group.

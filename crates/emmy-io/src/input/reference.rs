@@ -97,15 +97,15 @@ fn of(kind: &Kind) -> String {
         Kind::Number(bounds) => format!("number {bounds}").trim_end().to_string(),
         Kind::Whole(least, None) => format!("whole number ≥ {least}"),
         Kind::Whole(least, Some(most)) => format!("whole number from {least} to {most}"),
-        Kind::Word(words) => {
+        Kind::Word(_, words, _) => {
             words.iter().map(|word| code(&format!("\"{word}\""))).collect::<Vec<_>>().join(", ")
         }
         Kind::Words(_) => "list of words".to_string(),
-        Kind::Scheme => "scheme, see below".to_string(),
+        Kind::Scheme(_) => "scheme, see below".to_string(),
         Kind::True => code("true"),
         Kind::List(_, entry) if matches!(**entry, Kind::Table(_)) => "list of tables".to_string(),
         Kind::List(_, entry) if matches!(**entry, Kind::Number(_)) => "list of numbers".to_string(),
-        Kind::List(_, entry) if matches!(**entry, Kind::Word(_)) => format!("list of {}", of(entry)),
+        Kind::List(_, entry) if matches!(**entry, Kind::Word(..)) => format!("list of {}", of(entry)),
         Kind::List(_, entry) => format!("list: {} each", of(entry)),
         Kind::Exactly(length, entry) => match &**entry {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
@@ -115,8 +115,9 @@ fn of(kind: &Kind) -> String {
             entry => format!("{length} times {}", of(entry)),
         },
         Kind::Groups => "table of lists of whole numbers".to_string(),
-        Kind::TimeFunction => "[history](#loadhistory)".to_string(),
+        Kind::TimeFunction(_) => "[history](#loadhistory)".to_string(),
         Kind::Expression => "number or [expression](#loadbody_force)".to_string(),
+        Kind::Field(vector) => of(vector),
         Kind::Table(_) => "table".to_string(),
         Kind::Tables(_) => "table, or list of tables".to_string(),
     }

@@ -19,28 +19,23 @@ pub enum Start {
     Run(PathBuf),
 }
 
-/// The directory of `initial.state`, if it is there.
-pub(super) fn read(root: &Table<'_>, directory: &Path) -> Result<Option<PathBuf>, Fault> {
-    let Some(initial) = root.get("initial") else { return Ok(None) };
-    let items = initial.one_or_more()?;
-    let Some(place) = items.iter().find_map(|item| item.has_key("state")) else { return Ok(None) };
-    let other = |place: &Place, what: &Place| {
+/// The directory of the state that one of the tables `[initial]` names, if one does; `equilibrium`: place of this key.
+pub(super) fn read(
+    initial: &[Table<'_>],
+    equilibrium: Option<&Place>,
+    directory: &Path,
+) -> Result<Option<PathBuf>, Fault> {
+    let named = initial.iter().find_map(|table| Some((table, table.item("state")?)));
+    let Some((table, state)) = named else { return Ok(None) };
+    let others = table.items().filter(|item| item.key != state.key).map(|item| item.key_place);
+    let other_tables = initial.iter().map(|own| own.place).filter(|place| !std::ptr::eq(*place, table.place));
+    if let Some(other) = other_tables.chain(others).next() {
         let message = "`state` gives the whole start, with its velocities: no other key of `[initial]` can stand beside it";
-        Err(Fault::at(place, message, "the start").label(what, "and more"))
-    };
-    if let [_, second, ..] = &items[..] {
-        return other(place, second.place());
+        return Err(Fault::at(state.key_place, message, "the start").label(other, "and more"));
     }
-    let table = items[0].table(&super::initial::INITIAL)?;
-    if let Some(key) =
-        ["group", "velocity", "angular_velocity", "about", "gradient"].iter().find_map(|key| table.get(key))
-    {
-        return other(place, key.key_place);
-    }
-    if let Some(equilibrium) = root.get("equilibrium") {
+    if let Some(equilibrium) = equilibrium {
         let message = "the motion starts from `initial.state` or from `[equilibrium]`, not from both";
-        return Err(Fault::at(place, message, "this one").label(equilibrium.key_place, "and this one"));
+        return Err(Fault::at(state.key_place, message, "this one").label(equilibrium, "and this one"));
     }
-    let path = table.require("state")?.string()?;
-    Ok(Some(directory.join(path)))
+    Ok(Some(directory.join(table.must::<&str>("state"))))
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use emmy::team::Team;
 
 use super::fault::InputError;
-use super::parts::Parts;
 use super::problem::{Overrides, Problem};
+use super::sections::Sections;
 use super::source::{self, Source};
 use super::tree::{self, Node};
 use super::{complete, set, write};
@@ -30,8 +30,8 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
 /// # Errors
 /// [`InputError`] with every fault and its place.
 pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSource), InputError> {
-    let Prepared { parts, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
-    Ok((parts.mesh()?, source::mesh_source(&resolved)?))
+    let Prepared { sections, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
+    Ok((sections.mesh()?, source::mesh_source(&resolved)?))
 }
 
 /// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.
@@ -56,7 +56,7 @@ pub(super) fn of_tree(
     let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
     let prepared = source.agree(prepared)?;
     source.check_input(&prepared.resolved)?;
-    let problem = prepared.parts.problem(prepared.resolved, source).map_err(advised);
+    let problem = prepared.sections.problem(prepared.resolved, source).map_err(advised);
     let mut problem = source.agree(problem)?;
     source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
     problem.files.extend(prepared.histories);
@@ -66,7 +66,7 @@ pub(super) fn of_tree(
 
 /// An input before its mesh is read.
 struct Prepared {
-    parts: Parts,
+    sections: Sections,
     /// The text with all defaults.
     resolved: String,
     /// Files of histories.
@@ -83,18 +83,18 @@ impl Prepared {
         complete::fill_defaults(&mut tree)?;
         let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
         let directory = path.parent().unwrap_or(Path::new(""));
-        let mut parts = Parts::read(&tree, directory, overrides)?;
+        let mut sections = Sections::read(&tree, directory, overrides)?;
         // The text may have lost characters that are not UTF-8.
-        parts.output.directory = output.unwrap_or(parts.output.directory);
+        sections.output.directory = output.unwrap_or(sections.output.directory);
         let mesh_file =
-            parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
-        let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
+            sections.shape.absolute_file().map(|file| complete::spellable(file, &sections.output.directory));
+        let histories = complete::resolve_histories(&mut tree, directory, &sections.output.directory);
         let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
-        complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
+        complete::resolve(&mut tree, mesh_file, &sections.start, &sections.time.plan)?;
         complete::spell(&mut tree);
         let lost = is_lost.then(|| LOST_MESH.to_string());
         let notes = lost.into_iter().chain(note).collect();
-        Ok(Prepared { parts, resolved: write::toml(&tree), histories, notes })
+        Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })
     }
 }
 
