@@ -68,7 +68,7 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
 fn are_right(list: Item<'_>, items: &[Item<'_>], faults: &mut Faults) -> bool {
     let mut own = Faults::default();
     let n_wrong = items.iter().filter(|item| !is_right(**item, &mut own)).count();
-    if n_wrong > 1 && n_wrong == items.len() && list.kind.section().is_none() {
+    if n_wrong > 1 && n_wrong == items.len() && items[0].kind.section().is_none() {
         own.keep_first(is_entry(list).then_some(BRACKETS));
     }
     faults.append(own);
