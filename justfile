@@ -58,22 +58,23 @@ book:
     python3 book/figures.py
     mdbook build book
 
-# Writes the present output of commands into README, docs and book; review the diff.
+# Writes the present output of commands into README and book; review the diff.
 listings:
     UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings
 
 # The results in the book: the full set, computed on this machine.
 book-results:
     cargo run --release -p emmy-validation -- --output book/src/paper
+    EMMY_UPDATE_DOCS=1 cargo test -p emmy-validation --test book
 
 # Reports in a browser (needs Chromium: `apt-get install chromium`), and the picture of the README.
 test-browser:
     cargo build --release -p emmy-cli
-    python3 tests/browser/report.py target/release/emmy --picture docs/report.png
+    python3 tests/browser/report.py target/release/emmy --picture book/src/figures/report.png
 
 # The drawing of the README.
 picture:
-    cargo run --release -p emmy-io --example tumble > docs/tumble.svg
+    cargo run --release -p emmy-io --example tumble > book/src/figures/tumble.svg
 
 # The API documentation.
 doc:

@@ -9,7 +9,6 @@ use emmy::material::{Elasticity, Lane, Material, Sym, double_dot, sym_scaled};
 use emmy::motion::{Motion, Record, State};
 use emmy::time::TimeElement;
 
-// ANCHOR: material
 /// A foam that stiffens with its strain: W = mu (E : E + stiffening (E : E)^2).
 #[derive(Clone, Debug)]
 struct Foam {
@@ -44,7 +43,6 @@ impl Material for Foam {
         (self.stress(E), D)
     }
 }
-// ANCHOR_END: material
 
 fn fly() -> emmy::Result<Vec<Record>> {
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2])?;

@@ -46,7 +46,6 @@ fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() }
 }
 
-// ANCHOR: adjoint
 fn tip(step_size: f64) -> emmy::Result<Tip> {
     let body = beam(LAMBDA, MU, DENSITY)?;
     let state = State::initial(&body, 0.0, &[])?;
@@ -69,7 +68,6 @@ fn tip(step_size: f64) -> emmy::Result<Tip> {
     let error = trajectory.goal_error(&goal)?.total();
     Ok(Tip { place: goal.value(motion.state()), by_lambda: by[0], by_mu: by[1], by_density: by[2], error })
 }
-// ANCHOR_END: adjoint
 
 fn main() -> emmy::Result<()> {
     for step_size in [0.1, 0.05] {

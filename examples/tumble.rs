@@ -1,7 +1,7 @@
 //! The block of the README, drawn: the L-shaped block of Betsch and Steinmann (2001) tumbles through space under the
 //! hat-shaped load, and its energy and angular momentum stay flat afterwards.
 //!
-//!     cargo run --release --example tumble > docs/tumble.svg
+//!     cargo run --release --example tumble > book/src/figures/tumble.svg
 
 use std::error::Error;
 
@@ -13,7 +13,6 @@ use emmy::time::TimeElement;
 use emmy_io::chart::{Axis, Chart, Figure, Series, Style};
 use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 
-// ANCHOR: observer
 /// Keeps every record, and the positions at some times.
 struct Recorder {
     times: Vec<f64>,
@@ -31,7 +30,6 @@ impl Observer for Recorder {
         Ok(())
     }
 }
-// ANCHOR_END: observer
 
 fn fly() -> emmy::Result<(Mesh, Recorder)> {
     let loads = [("face-a", 1.0), ("face-b", -1.0)].map(|(group, sign)| {

@@ -130,7 +130,7 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     let rates: Vec<f64> = state.velocity.iter().map(|v| step_size * v).collect::<Vec<_>>().repeat(k);
     let step = StepInput {
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
         rule: &rule,
         tangent_factor: step_size * step_size,
         displacement: &state.displacement,

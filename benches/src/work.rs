@@ -134,8 +134,8 @@ impl Work {
         Job::script(python, &peers::script("dolfinx"), words, None)
     }
 
-    /// First guess of DOLFINx for the middle of a step: the motion straight on for half a step saves an iteration; but it
-    /// stretches what spins, and then the matrices of a stiff block are indefinite, which multigrid does not bear.
+    /// First guess of DOLFINx for the middle of a step: the motion straight on for half a step saves an iteration; but
+    /// it stretches what spins, and then the matrices of a stiff block are indefinite, which multigrid does not bear.
     fn guess(&self, solver: &str) -> f64 {
         let stretched = self.stiff && self.shape != Shape::Bracket;
         if stretched && solver != "cholesky" { 0.0 } else { 0.5 }

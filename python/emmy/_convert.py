@@ -175,7 +175,7 @@ def _rows(cells: Any) -> Any:
 
 
 def _vtk_type(name: str) -> int:
-    """Type of VTK of a type of meshio."""
+    """VTK's type for a type of meshio."""
     if name.startswith("polyhedron"):
         return 42
     shape = name.rstrip("0123456789")

@@ -148,8 +148,8 @@ impl Body {
     fn displacement(&self, py: Python<'_>, u: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<f64>> {
         let n = self.n_mesh_dofs();
         if n < self.inner().n_dofs() {
-            let message = "a body with incompatible modes has internal nodes, whose forces and stiffness no array of the \
-                           mesh holds; emmy.modes and emmy.equilibrium take them into account";
+            let message = "a body with incompatible modes has internal nodes, which no array of the mesh \
+                           contains; emmy.modes and emmy.equilibrium take them into account";
             return Err(errors::argument(py, "regions", message));
         }
         u.map_or(Ok(vec![0.0; n]), |u| nodal(py, self.inner(), &u, "u"))

@@ -16,7 +16,7 @@ fn made<'py>(py: Python<'py>, class: &str, arguments: impl PyCallArgs<'py>) -> P
     made().map_or_else(|error| error, PyErr::from_value)
 }
 
-/// A fault: place, message, help, missing group, groups that could stand there.
+/// A fault: place, message, help, missing group, groups that would be valid there.
 type Fault = (String, String, String, Option<String>, Option<Vec<String>>);
 
 fn of_faults(py: Python<'_>, faults: Vec<Fault>) -> PyErr {

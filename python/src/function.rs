@@ -16,7 +16,8 @@ use pyo3::types::PyBool;
 use crate::errors;
 
 thread_local! {
-    /// The first exception of a function in the present work: the library calls functions on the thread that does it.
+    /// The first exception of a function in the present work. The library calls functions on the thread that does the
+    /// work.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
     /// Number of the present work.
     static WORK: Cell<u64> = const { Cell::new(0) };

@@ -26,7 +26,7 @@ use crate::tree::tree;
 use crate::work::Work;
 use crate::{errors, plan, pool};
 
-/// A motion. It is locked while it works, and the lock is only ever tried.
+/// A motion. It is locked while it works; `try_lock` gives a second thread an error at once.
 #[pyclass(frozen, module = "emmy._emmy")]
 pub(crate) struct Motion {
     body: Py<Body>,
@@ -274,8 +274,8 @@ impl Motion {
         Ok(Motion { work: Mutex::new(work), body: self.body.clone_ref(py) })
     }
 
-    /// Steps of the plan during a wall time in seconds, at least one; returns their number, 0 at the end of the plan or at a
-    /// time.
+    /// Steps of the plan during a wall time in seconds, at least one; returns their number, 0 at the end of the plan or
+    /// at a time.
     fn advance(&self, py: Python<'_>, seconds: f64, until: Option<f64>) -> PyResult<usize> {
         let mut work = self.lock()?;
         let slice =

@@ -46,7 +46,7 @@ fn until(tree: &Tree) -> Option<f64> {
     entries.iter().find(|(key, _)| key == "until").and_then(|(_, value)| number(value))
 }
 
-/// Adds a plan that a motion without one does not follow, from a start on. Returns whether there was a plan.
+/// Adds a plan from a start on, if there is none; a motion does not follow it. Returns whether there was a plan.
 pub(crate) fn complete(sections: &mut Vec<(String, Tree)>, start: f64) -> bool {
     if !has(sections, "time") && has(sections, "equilibrium") {
         return true;
@@ -63,7 +63,7 @@ pub(crate) fn complete(sections: &mut Vec<(String, Tree)>, start: f64) -> bool {
     })
 }
 
-/// Makes the plan begin at a time: one phase, which the motion never does, replaces what is before it.
+/// Makes the plan begin at a time: one phase, which the motion never runs, replaces everything before it.
 pub(crate) fn begin_at(sections: &mut Vec<(String, Tree)>, start: f64) {
     edit(sections, "time", |time| {
         let Some((_, Tree::List(phases))) = time.iter_mut().find(|(key, _)| key == "steps") else { return };
@@ -72,8 +72,8 @@ pub(crate) fn begin_at(sections: &mut Vec<(String, Tree)>, start: f64) {
     });
 }
 
-/// Moves the end of a plan: earlier phases are cut, or the last one is continued, with steps of another size from the old
-/// end on if one is given.
+/// Moves the end of a plan: earlier phases are cut, or the last one is continued, with steps of another size from the
+/// old end on if one is given.
 pub(crate) fn extend(
     sections: &mut Vec<(String, Tree)>,
     plan: Option<&StepPlan>,

@@ -26,8 +26,8 @@ static SHARED: Mutex<Option<Pool>> = Mutex::new(None);
 static ASKED: Mutex<Option<usize>> = Mutex::new(None);
 
 thread_local! {
-    /// The pool of the main thread, or of a thread that computes alone. The thread itself belongs to it: to wake another one
-    /// takes up to 0.1 ms.
+    /// The pool of the main thread, or of a thread that computes alone. The thread itself belongs to it, because waking
+    /// another one takes up to 0.1 ms.
     static OWN: RefCell<Option<Pool>> = const { RefCell::new(None) };
     /// Whether a thread computes alone, whatever the number of threads.
     static IS_ALONE: Cell<bool> = const { Cell::new(false) };
@@ -36,8 +36,8 @@ thread_local! {
 /// Does some work in the pool of the present thread, without the lock of the interpreter.
 ///
 /// # Errors
-/// The first exception of a function of the body in it; `RuntimeError` if the threads cannot be started, `ValueError` for a
-/// wrong `EMMY_NUM_THREADS`.
+/// The first exception of a function of the body in it; `RuntimeError` if the threads cannot be started, `ValueError`
+/// for a wrong `EMMY_NUM_THREADS`.
 pub(crate) fn work<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = current(py)?;
     let (value, raised) = py.detach(|| pool.install(|| function::with_exception(work)));
@@ -47,8 +47,8 @@ pub(crate) fn work<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> 
 /// Time between two looks at the signals.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
-/// Does some long work that calls no function of Python, and hears Ctrl-C in the meantime. After it the work goes on in its
-/// thread to its end, and nobody receives its value.
+/// Does some long work that calls no function of Python, and reacts to Ctrl-C in the meantime. After Ctrl-C, the work
+/// continues in its thread to its end, and its value is dropped.
 ///
 /// # Errors
 /// `KeyboardInterrupt`, or as [`work`].
@@ -131,8 +131,8 @@ fn cannot_start(n: usize, error: &rayon::ThreadPoolBuildError) -> PyErr {
     PyRuntimeError::new_err(format!("cannot start {n} threads: {error}"))
 }
 
-/// Number of threads of the present thread's pool: `set_threads`, else `EMMY_NUM_THREADS`, else the number of cores, which is
-/// the most.
+/// Number of threads of the present thread's pool: `set_threads`, else `EMMY_NUM_THREADS`, else the number of cores,
+/// which is the most.
 fn size() -> PyResult<usize> {
     if IS_ALONE.get() {
         return Ok(1);

@@ -67,8 +67,8 @@ impl Observer for Recorder {
     }
 }
 
-/// Ends a march after an exception in a function, or beyond a limit; the last observer, so that all others have seen the
-/// step.
+/// Ends a march after an exception in a function, or beyond a limit; the last observer, so that all others have seen
+/// the step.
 pub(crate) struct Guard(Limits);
 
 impl Observer for Guard {

@@ -12,8 +12,8 @@ pub(crate) type Counts = (usize, usize, usize, usize, Option<String>);
 
 /// A step of a motion, or its start: the row of the history, and counts.
 ///
-/// Every column of the history is an attribute and a key: `step.total_energy` is `step["total_energy"]`. Steps compare and
-/// pickle by value.
+/// Every column of the history is an attribute and a key: `step.total_energy` is `step["total_energy"]`. Steps compare
+/// and pickle by value.
 ///
 /// Attributes
 /// ----------

@@ -51,8 +51,8 @@ impl Host for Package<'_> {
     }
 }
 
-/// Runs a verb and returns what it prints; messages go to a function. Only the main thread hears signals, so the verb runs
-/// in another one.
+/// Runs a verb and returns what it prints; messages go to a function. Only the main thread hears signals, so the verb
+/// runs in another one.
 #[pyfunction]
 pub(crate) fn verb(py: Python<'_>, argv: Vec<OsString>, messages: Option<Py<PyAny>>) -> PyResult<String> {
     let is_interrupted = AtomicBool::new(false);

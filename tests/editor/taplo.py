@@ -1,4 +1,4 @@
-"""Checks that taplo completes, explains and validates inputs with the schema of `emmy schema`, as docs/editors.md says.
+"""Checks that taplo completes, explains and validates inputs with the schema of `emmy schema`, as book/src/editors.md says.
 
     cargo install taplo-cli --locked --features lsp
     cargo build --release -p emmy-cli
@@ -20,7 +20,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INPUT = (ROOT / "examples/l-block.toml").read_text()
-DIRECTIVE, CONFIG = re.findall(r"```toml\n(.*?)```", (ROOT / "docs/editors.md").read_text(), re.S)
+DIRECTIVE, CONFIG = re.findall(r"```toml\n(.*?)```", (ROOT / "book/src/editors.md").read_text(), re.S)
 LIMIT = 30.0  # seconds for a run of `taplo lint`, and for all that is asked of one server
 
 

@@ -68,19 +68,18 @@ fn section(page: &mut String, item: &Item) {
     let _ = write!(page, "\n## {}\n\n{}\n", escaped(item.title), escaped(item.note));
     part(page, item.name, "claims", item.claims.iter().map(claim).collect());
     part(page, item.name, "tables", item.tables.iter().map(|rows| table(rows)).collect());
-    let picture = |picture: &String| format!("![{}]({picture})\n\n", escaped(item.title));
-    part(page, item.name, "pictures", item.pictures.iter().map(picture).collect());
+    let picture = |name: &String| format!("\n![{}]({name})\n", escaped(item.title));
+    item.pictures.iter().for_each(|name| page.push_str(&picture(name)));
     if !item.commands.is_empty() {
-        part(page, item.name, "commands", format!("```sh\n{}\n```\n", item.commands.join("\n")));
+        let _ = write!(page, "\n```sh\n{}\n```\n", item.commands.join("\n"));
     }
 }
 
-/// A part of a section between the marks by which the book finds it.
+/// A part of a section between the marks by which pages of the book copy it (`tests/book.rs`).
 fn part(page: &mut String, item: &str, part: &str, text: String) {
     if !text.is_empty() {
         let name = format!("{item}-{part}");
-        let _ =
-            write!(page, "\n<!-- ANCHOR: {name} -->\n\n{}\n\n<!-- ANCHOR_END: {name} -->\n", text.trim_end());
+        let _ = write!(page, "\n<!-- part: {name} -->\n\n{}\n\n<!-- end of part -->\n", text.trim_end());
     }
 }
 

@@ -1,6 +1,21 @@
-//! The book takes code, inputs and numbers from tested files; all files that it names must exist.
+//! The claims and tables in the pages of the book are those of `results.md`, and every claim holds.
+//!
+//! They stand between `<!-- part: NAME -->` and `<!-- end of part -->` in both.
+//! `EMMY_UPDATE_DOCS=1 cargo test -p emmy-validation --test book` writes them into the pages.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+const START: &str = "<!-- part: ";
+const END: &str = "<!-- end of part -->";
+
+fn book() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../book/src")
+}
+
+fn results() -> String {
+    std::fs::read_to_string(book().join("paper/results.md")).unwrap()
+}
 
 /// Pages of the book.
 fn pages(folder: &Path) -> Vec<PathBuf> {
@@ -11,53 +26,49 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Texts between two marks.
-fn between<'a>(text: &'a str, start: &str, end: &str) -> Vec<&'a str> {
-    text.split(start).skip(1).filter_map(|rest| rest.split_once(end)).map(|(inside, _)| inside).collect()
-}
-
-fn book() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../book/src")
-}
-
-#[test]
-fn everything_that_is_included_is_there() {
-    let mut n_included = 0;
-    for page in pages(&book()) {
-        let text = std::fs::read_to_string(&page).unwrap();
-        for include in between(&text, "{{#include ", "}}") {
-            let (file, anchor) = include.split_once(':').map_or((include, None), |(f, a)| (f, Some(a)));
-            let path = page.parent().unwrap().join(file);
-            let included =
-                std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{include}: {error}"));
-            if let Some(anchor) = anchor {
-                for mark in ["ANCHOR", "ANCHOR_END"].map(|mark| format!("{mark}: {anchor}")) {
-                    let is_there =
-                        included.lines().any(|line| line.trim_end_matches(" -->").ends_with(&mark));
-                    assert!(is_there, "{}: {include}", page.display());
-                }
-            }
-            n_included += 1;
-        }
-    }
-    assert!(n_included > 20);
+/// Splits a page at its parts: the text before the first one, and for each its name, its text and the text after it.
+fn split(page: &str) -> (&str, Vec<(&str, &str, &str)>) {
+    let mut pieces = page.split(START);
+    let before = pieces.next().unwrap();
+    let parts = pieces.map(|piece| {
+        let (name, rest) = piece.split_once(" -->").expect("the name ends");
+        let (text, after) = rest.split_once(END).expect("the part ends");
+        (name, text, after)
+    });
+    (before, parts.collect())
 }
 
 #[test]
-fn pictures_and_pages_are_there() {
-    for page in pages(&book()) {
-        let text = std::fs::read_to_string(&page).unwrap();
-        let links = between(&text, "](", ")").into_iter().filter(|link| !link.contains("://"));
-        for link in links {
-            let path = page.parent().unwrap().join(link.split('#').next().unwrap());
-            assert!(path.exists(), "{}: {link}", page.display());
+fn the_parts_of_the_pages_are_those_of_the_results() {
+    let results = results();
+    let (_, parts) = split(&results);
+    let own: BTreeMap<&str, &str> = parts.into_iter().map(|(name, text, _)| (name, text)).collect();
+    let mut n_parts = 0;
+    for path in pages(&book()) {
+        let page = std::fs::read_to_string(&path).unwrap();
+        let (before, parts) = split(&page);
+        n_parts += parts.len();
+        let filled = parts.iter().map(|(name, _, after)| {
+            let text = own.get(name).unwrap_or_else(|| panic!("{}: {name}", path.display()));
+            format!("{START}{name} -->{text}{END}{after}")
+        });
+        let filled = before.to_string() + &filled.collect::<String>();
+        if std::env::var_os("EMMY_UPDATE_DOCS").is_some() {
+            std::fs::write(&path, filled).unwrap();
+        } else {
+            assert!(
+                page == filled,
+                "{}: the first lines of this test say how to write its parts",
+                path.display()
+            );
         }
     }
+    assert!(n_parts > own.len(), "the pages show none of them");
 }
 
 #[test]
 fn every_claim_of_the_book_holds() {
-    let results = std::fs::read_to_string(book().join("paper/results.md")).unwrap();
+    let results = results();
     assert!(results.contains("Full set") && !results.contains("FAILS"));
     assert!(results.matches("**holds**").count() > 60);
 }

@@ -251,7 +251,7 @@ impl Kind {
         }
     }
 
-    /// Rule of the strain energy, with the number of points of the table in `docs/input.md`.
+    /// Rule of the strain energy, with the number of points of the table in `book/src/input.md`.
     pub fn strain_rule(self) -> Rule {
         let third = 1.0 / 3.0;
         let triangle = [[1.0 / 6.0, 1.0 / 6.0], [2.0 * third, 1.0 / 6.0], [1.0 / 6.0, 2.0 * third]];
@@ -283,7 +283,7 @@ impl Kind {
         }
     }
 
-    /// Rule of the mass, with the number of points of `docs/input.md`.
+    /// Rule of the mass, with the number of points of `book/src/input.md`.
     pub fn mass_rule(self) -> Rule {
         match self {
             Kind::Tri3 => Kind::Tri6.strain_rule(),

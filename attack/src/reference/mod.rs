@@ -1,5 +1,5 @@
-//! Motions computed a second time: a small and slow implementation from the formulas of the documentation, which shares no
-//! code with the library.
+//! Motions computed a second time: a small and slow implementation from the formulas of the documentation, which shares
+//! no code with the library.
 
 pub mod body;
 pub mod cells;

@@ -126,7 +126,7 @@ impl Failure {
         }
     }
 
-    /// Advice, or which results exist; faults of the input have their own.
+    /// Advice, or a list of the results that exist; faults of the input have their own advice.
     pub fn help(&self) -> Option<&str> {
         match self {
             Failure::Usage { help, .. } | Failure::Files { help, .. } => help.as_deref(),

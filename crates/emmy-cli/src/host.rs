@@ -43,8 +43,8 @@ pub trait Host: Sync {
     /// closing report. `--quiet` switches off all but notes and warnings.
     fn message(&self, text: &str);
 
-    /// Takes a note that states how far results can be trusted. The results have it, too, so a host that hands them over may
-    /// drop it.
+    /// Takes a note that states how far results can be trusted. The results have it, too, so a host that hands them
+    /// over may drop it.
     fn statement(&self, text: &str) {
         self.message(text);
     }
@@ -64,8 +64,8 @@ pub trait Host: Sync {
         Ok(())
     }
 
-    /// The team of which this process is a rank, for the verbs `run`, `resume` and `check`; `None`: it works alone. All ranks
-    /// run the same verb; only the host of rank 0 should show text.
+    /// The team of which this process is a rank, for the verbs `run`, `resume` and `check`; `None`: it works alone. All
+    /// ranks run the same verb; only the host of rank 0 should show text.
     fn team(&self) -> Option<&Arc<dyn Team>> {
         None
     }

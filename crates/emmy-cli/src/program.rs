@@ -66,8 +66,8 @@ impl Host for Program {
     }
 }
 
-/// Writes a line on standard error in one call. A line that cannot be written is dropped: a closed terminal or pipe, or a
-/// full disk behind a redirection, must not end a run.
+/// Writes a line on standard error in one call. A line that cannot be written is dropped: a closed terminal or pipe, or
+/// a full disk behind a redirection, must not end a run.
 pub(crate) fn line(text: &str) {
     let _ = stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
@@ -80,8 +80,8 @@ fn without_reader(error: io::Error) -> io::Result<()> {
 /// The whole program: runs a verb with the standard streams of the process and returns its exit code. `arguments` begin
 /// with the name of the program.
 ///
-/// It installs a panic hook and, for runs, signal handlers: it must be the only work of the process. Other programs call
-/// [`crate::run_verb`].
+/// It installs a panic hook and, for runs, signal handlers: it must be the only work of the process. Other programs
+/// call [`crate::run_verb`].
 pub fn main<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> ExitCode {
     ExitCode::from(exit_code(arguments))
 }
@@ -97,8 +97,8 @@ pub fn exit_code<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = 
     }
 }
 
-/// The whole program of a rank of a team: all ranks run the same verb, and have the same exit code. `arguments` begin with the
-/// name of the program; the verbs are `run`, `resume` and `check`.
+/// The whole program of a rank of a team: all ranks run the same verb, and have the same exit code. `arguments` begin
+/// with the name of the program; the verbs are `run`, `resume` and `check`.
 ///
 /// As [`main`], it must be the only work of the process.
 pub fn exit_code_on_team<A: Into<OsString> + Clone>(
@@ -125,7 +125,8 @@ pub fn exit_code_on_team<A: Into<OsString> + Clone>(
     codes.into_iter().find(|code| *code > 0.0).unwrap_or(0.0) as u8
 }
 
-/// Checks that all ranks have the same command, the first call of all: with another one they would make other calls.
+/// Checks that all ranks have the same command. This is their first call, because ranks with different commands would
+/// make different calls.
 fn check_commands(team: &dyn Team, arguments: &Result<TeamArguments, clap::Error>) -> Result<(), Failure> {
     let own = match arguments {
         Ok(arguments) => arguments.verb.compared(),

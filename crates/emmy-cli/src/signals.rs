@@ -32,8 +32,8 @@ fn heard(is_shown: bool) {
     }
 }
 
-/// Makes a file that exceeds the limit of the system on its size an error of writing, with a message; otherwise a signal ends
-/// the program silently. Programs call it before all else.
+/// Turns a file beyond the system's limit on its size into an error of writing, with a message; otherwise a signal
+/// would end the program silently. Programs call it first.
 pub fn report_file_limits() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Default::default());
@@ -76,8 +76,8 @@ pub(crate) fn is_asked() -> bool {
 /// Name of a file in the directory of a run that stops it at the end of its step.
 const STOP_FILE: &str = "stop";
 
-/// Ends a march when the host asks to stop, when there is a file `stop` in the directory of the run, or when its time is over.
-/// On a team one rank is enough: all end at the same step.
+/// Ends a march when the host asks to stop, when there is a file `stop` in the directory of the run, or when its time
+/// is over. On a team one rank is enough: all end at the same step.
 #[derive(Debug)]
 pub(crate) struct Stop<'h> {
     host: &'h dyn Host,
@@ -111,7 +111,7 @@ pub(crate) struct Interrupted {
     reason: &'static str,
 }
 
-/// Why a march is stopped, as the end of a sentence: by the host, which has said so, or otherwise.
+/// Reason why a march is stopped, as the end of a sentence; empty if the host has given it.
 const REASONS: [&str; 3] = ["", ", by the file `stop`", ", by --wall-limit"];
 
 impl fmt::Display for Interrupted {

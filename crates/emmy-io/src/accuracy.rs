@@ -50,9 +50,9 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// The statement on a run of a problem with some steps; `None` for a static analysis, or before the first step.
-    /// `error`: the estimated error of the positions at the end \[length\]. `period`: the lowest elastic period, which
-    /// is asked for only where it matters and its cost is small. On a team a call of all ranks.
+    /// Accuracy of a run of a problem with some steps; `None` for a static analysis, or before the first step. `error`:
+    /// the estimated error of the positions at the end \[length\]. `period`: the lowest elastic period, which is called
+    /// only where it matters and is cheap. On a team, a collective call.
     pub fn of(
         problem: &Problem,
         plan: &StepPlan,
@@ -111,14 +111,14 @@ impl Accuracy {
     }
 }
 
-/// Strains matter for the motion above this part of the kinetic energy. A body that moves as if rigid stays below, with
-/// steps that resolve its rotation.
+/// Strain energy over kinetic energy above which strains matter for the motion. A body that moves as if rigid stays
+/// below it, with steps that resolve its rotation.
 const STRAIN_PART: f64 = 1e-2;
 
-/// Bodies up to this size have their lowest period in some hundredths of a second.
+/// Size up to which the lowest period of a body takes some hundredths of a second.
 const SMALL: usize = 3_000;
 
-/// Larger ones need about as long as two steps, so that this is little for a run with many of them.
+/// For larger bodies it takes about as long as two steps, which is little in a run of many steps.
 const LARGEST: usize = 30_000;
 const MANY_STEPS: usize = 20;
 
@@ -128,15 +128,15 @@ fn is_period_wanted(problem: &Problem, statistics: &RunStatistics) -> bool {
     let is_cheap = n_dofs <= SMALL || n_dofs <= LARGEST && statistics.steps >= MANY_STEPS;
     let is_strained = statistics.largest_strain_energy > STRAIN_PART * statistics.largest_kinetic_energy;
     // The potential of an attraction is no strain energy, but counts among it.
-    let is_known = problem.body.subdomain().is_none() && problem.nodal.attractions.is_empty();
+    let is_known = problem.body.ranks().size() == 1 && problem.nodal.attractions.is_empty();
     is_cheap && is_strained && is_known
 }
 
-/// Largest product of degrees of freedom and increments of an equilibrium that is computed for a period alone: a second or
-/// two.
+/// Largest product of degrees of freedom and increments of an equilibrium that is computed for a period alone: a second
+/// or two.
 const MAX_INCREMENTS: usize = 30_000;
 
-/// Whether the equilibrium from which a motion starts, if it does, is cheap beside its lowest period.
+/// Whether the equilibrium from which a motion starts, if any, is cheap compared with its lowest period.
 pub fn has_cheap_equilibrium(problem: &Problem) -> bool {
     let n_increments = match problem.start {
         Start::Equilibrium { load_steps } => load_steps,
@@ -146,7 +146,7 @@ pub fn has_cheap_equilibrium(problem: &Problem) -> bool {
     problem.body.n_dofs().saturating_mul(n_increments) <= MAX_INCREMENTS
 }
 
-/// The lowest elastic period of a problem about its start; none if it is not found, or takes long.
+/// The lowest elastic period of a problem at its start; `None` if it is not found, or would take long.
 pub fn lowest_period(problem: &Problem) -> Option<f64> {
     if !has_cheap_equilibrium(problem) {
         return None;
@@ -158,8 +158,8 @@ pub fn lowest_period(problem: &Problem) -> Option<f64> {
     found.ok()?.map(|(mode, _)| mode.period())
 }
 
-/// Whether a step is too long for a period: a vibration of this period then has a phase error of about 1 % or more with degree 2
-/// and higher ones, `(omega h)^(2k)/C` with C = 720 and 100800, and above 10 % with degree 1, C = 12.
+/// Whether a step is too long for a period: a vibration of this period then has a phase error of about 1 % or more with
+/// degree 2 and higher ones, `(omega h)^(2k)/C` with C = 720 and 100800, and above 10 % with degree 1, C = 12.
 pub fn is_coarse(step: f64, period: f64, scheme: Scheme) -> bool {
     let longest = match scheme.degree() {
         1 => 0.2,
@@ -200,8 +200,8 @@ pub fn note(step: f64, period: f64, scheme: Scheme, units: Units) -> String {
     )
 }
 
-/// Whether a body with rigid modes may vibrate: something else acts on it than a uniform acceleration, or it does not
-/// start as if rigid.
+/// Whether a body with rigid modes may vibrate: its loads are more than a uniform acceleration, or it does not start as
+/// if rigid.
 pub fn may_vibrate(problem: &Problem) -> bool {
     let is_uniform = |load: &Load| matches!(load.kind, LoadKind::Acceleration { group: None, .. });
     let is_rigid = |own: &InitialVelocity| own.group.is_none() && own.gradient == [[0.0; 3]; 3];
@@ -241,7 +241,7 @@ fn two_digits(value: f64) -> String {
     format!("{value:.1e}").parse::<f64>().map_or_else(|_| short(value), short)
 }
 
-/// A number of steps with one digit after the point, where that says more.
+/// A number of steps, with one decimal if it is small.
 pub fn count(steps: f64) -> String {
     if steps < 10.0 { format!("{steps:.1}") } else { format!("{steps:.0}") }
 }

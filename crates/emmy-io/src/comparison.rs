@@ -148,7 +148,7 @@ fn residuals(name: &'static str) -> impl Fn(&Run) -> Vec<f64> {
     }
 }
 
-/// A chart of a quantity of steps: each value holds from the previous point on, and the start has none of its own.
+/// A chart of a quantity of steps: each value holds from the previous point on, and the start has no value.
 fn stairs(mut chart: Chart) -> Chart {
     for series in &mut chart.series {
         series.style = Style::Stairs;

@@ -103,7 +103,8 @@ fn heading(problem: &Problem) -> Vec<String> {
     let command: Vec<String> = std::env::args_os().map(|part| part.to_string_lossy().into_owned()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let [nodes, cells] = problem.mesh_size();
-    let ranks = problem.body.subdomain().map(|part| counted(part.size(), "rank", "ranks") + " of ");
+    let ranks = Some(problem.body.ranks().size()).filter(|&size| size > 1);
+    let ranks = ranks.map(|size| counted(size, "rank", "ranks") + " of ");
     let mut lines = vec![
         format!("emmy {}", env!("CARGO_PKG_VERSION")),
         format!("command: {}", command.join(" ")),

@@ -1,7 +1,7 @@
 //! Measured materials: density, parameters of a model, and the source of each.
 //!
 //! `properties/measured.toml` holds them in kg, m and s, written as in an input; `emmy list materials --properties` and
-//! `docs/materials.md` show them.
+//! `book/src/materials.md` show them.
 
 use std::sync::LazyLock;
 

@@ -2,11 +2,9 @@
 
 use std::io;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use emmy::body::{Body, FieldName, Fields};
 use emmy::motion::State;
-use emmy::team::Subdomain;
 
 use crate::checkpoint::Checkpoint;
 use crate::history::{Extreme, RegionMembers};
@@ -39,7 +37,6 @@ fn listed(fields: &[FieldName]) -> String {
 #[derive(Debug)]
 pub(crate) struct Recording {
     files: FrameWriter,
-    subdomain: Option<Arc<Subdomain>>,
     fields: Fields,
     /// For the largest stresses, if several regions have stresses.
     regions: Option<RegionMembers>,
@@ -75,7 +72,6 @@ impl Recording {
         let names = names(problem, &fields);
         let form = (output.format, output.precision);
         let directory = &output.directory;
-        let subdomain = body.subdomain().cloned();
         let n_stressed =
             (0..fields.regions().count()).filter(|&region| fields.region_has(region, STRESS)).count();
         let has_sides = n_stressed > 1 && names.contains(&STRESS);
@@ -83,7 +79,7 @@ impl Recording {
         let Some(checkpoint) = after else {
             let files = FrameWriter::create(form, directory, body)?;
             let written = Vec::new();
-            return Ok((Recording { files, subdomain, fields, regions, names, written }, Vec::new()));
+            return Ok((Recording { files, fields, regions, names, written }, Vec::new()));
         };
         // The last state of a run that ended is an extra frame, which the resumed run drops.
         let step = checkpoint.snapshot.state.step;
@@ -92,11 +88,11 @@ impl Recording {
         let mut written: Vec<FrameTime> = checkpoint.frames.iter().copied().filter(is_kept).collect();
         let (files, missing) = FrameWriter::resume(form, directory, body, (&written, step))?;
         written.retain(|frame| !missing.contains(frame));
-        Ok((Recording { files, subdomain, fields, regions, names, written }, missing))
+        Ok((Recording { files, fields, regions, names, written }, missing))
     }
 
-    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field, of the body and
-    /// of each region if there are several.
+    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field, of the body
+    /// and of each region if there are several.
     ///
     /// # Errors
     /// Errors of the system.
@@ -111,7 +107,7 @@ impl Recording {
             return Ok(regions.extremes(body, &self.fields, state, &[STRESS]));
         }
         let stress = fields.iter().find(|field| field.name == STRESS);
-        let whole = (body.mesh(), self.subdomain.as_deref());
+        let whole = (body.mesh(), &**body.ranks());
         let nodes = 0..body.mesh().n_nodes();
         let largest = stress.and_then(|own| Extreme::of(whole, state, STRESS, nodes, &own.numbers));
         Ok(largest.into_iter().collect())

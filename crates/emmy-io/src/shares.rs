@@ -74,8 +74,8 @@ pub enum SharesError {
     System(#[from] io::Error),
 }
 
-/// Gives each rank its share of a mesh that rank 0 alone has, with the owner of each node: a call of all ranks. Rank 0 makes and
-/// sends one share after another, so that no other rank holds more than its own.
+/// Gives each rank its share of a mesh that rank 0 alone has, with the owner of each node: a call of all ranks. Rank 0
+/// makes and sends one share after another, so that no other rank holds more than its own.
 ///
 /// # Panics
 /// If rank 0 has no mesh, or a rank owns no node.
@@ -116,8 +116,8 @@ fn share(words: &[f64]) -> Share {
     rmp_serde::from_slice(&bytes[..words[0] as usize]).expect("the bytes are those that rank 0 has sent")
 }
 
-/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node. Shares of another mesh in the folder
-/// are replaced.
+/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node. Shares of another mesh in the
+/// folder are replaced.
 ///
 /// # Errors
 /// Errors of the system, with the path.

@@ -3,7 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Results of numbered pieces of work, on as many threads as the pool of the caller has. The pieces start in their order.
+/// Results of numbered pieces of work, on as many threads as the pool of the caller has. The pieces start in their
+/// order.
 pub(crate) fn side_by_side<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(n));

@@ -168,8 +168,8 @@ pub(crate) fn add_accuracy(summary: &mut Value, accuracy: &Accuracy) {
     }
 }
 
-/// Adds the numbers of the columns that `[output]` asks for: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field that
-/// is there already stays.
+/// Adds the numbers of the columns that `[output]` asks for: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field
+/// that is there already stays.
 pub(crate) fn add_peaks(summary: &mut Value, peaks: &Peaks) {
     if let Value::Object(fields) = summary {
         for (name, number) in peaks.numbers() {

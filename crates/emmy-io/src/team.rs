@@ -5,20 +5,16 @@ mod tests;
 
 use std::{fmt, io};
 
-use emmy::team::{self, Subdomain, Team};
+use emmy::team::{self, Team};
 
 use crate::input::Problem;
 
-/// The same outcome on all ranks: the error of the lowest rank that has one. `None`: no team.
-pub(crate) fn agreed<T>(subdomain: Option<&Subdomain>, own: io::Result<T>) -> io::Result<T> {
-    match subdomain {
-        Some(subdomain) => team::agree(&**subdomain.team(), own, io::Error::other),
-        None => own,
-    }
+/// The same outcome on all ranks: the error of the lowest rank that has one.
+pub(crate) fn agreed<T>(team: &dyn Team, own: io::Result<T>) -> io::Result<T> {
+    team::agree(team, own, io::Error::other)
 }
 
-/// The lowest rank whose text is not that of rank 0; `None` if all ranks have the same: a call of all ranks, whatever their
-/// texts are.
+/// The lowest rank whose text differs from that of rank 0; `None` if all agree. A collective call, with any texts.
 ///
 /// ```
 /// use emmy::team::{Team, Threads};
@@ -38,19 +34,15 @@ pub fn other_than_first(team: &dyn Team, name: &'static str, own: &str) -> Optio
     (lowest[0] > f64::NEG_INFINITY).then_some(-lowest[0] as usize)
 }
 
-/// Work of the first rank, with its outcome on all. `None`: no team.
-pub(crate) fn on_first_rank(
-    subdomain: Option<&Subdomain>,
-    work: impl FnOnce() -> io::Result<()>,
-) -> io::Result<()> {
-    let is_first = subdomain.is_none_or(|subdomain| subdomain.rank() == 0);
-    agreed(subdomain, if is_first { work() } else { Ok(()) })
+/// Work of the first rank, with its outcome on all.
+pub(crate) fn on_first_rank(team: &dyn Team, work: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
+    agreed(team, if team.rank() == 0 { work() } else { Ok(()) })
 }
 
 impl Problem {
     /// Number of the rank of this process; 0 without a team.
     pub fn rank(&self) -> usize {
-        self.body.subdomain().map_or(0, |part| part.team().rank())
+        self.body.ranks().rank()
     }
 
     /// The same outcome on all ranks of a team; `other` turns the message of another rank into an error.
@@ -62,13 +54,10 @@ impl Problem {
         own: Result<T, E>,
         other: impl FnOnce(String) -> E,
     ) -> Result<T, E> {
-        match self.body.subdomain() {
-            Some(part) => team::agree(&**part.team(), own, other),
-            None => own,
-        }
+        team::agree(&**self.body.ranks().team(), own, other)
     }
 
-    /// Runs a function on rank 0 alone; an error of it is an error of all ranks.
+    /// Runs a function on rank 0 alone; if it fails, all ranks fail with its error.
     ///
     /// # Errors
     /// Those of the function.

@@ -2,10 +2,11 @@
 //!
 //!     RAYON_NUM_THREADS=1 cargo run --release -p emmy-mpi --example scaling_model [CELLS]
 //!
-//! Neighbours, guests and cells computed twice come from real partitions of the L-shaped block with CELLS (16) cells a unit
-//! length into 8 to 4,096 parts; sums and exchanges of a step from a motion whose calls are counted; time and memory of a
-//! degree of freedom from a motion of one process; memory of the first rank, which divides the mesh, from this process. The
-//! network is assumed: see `LATENCY` and `BANDWIDTH`. Nothing here is a measurement of more than one machine.
+//! Neighbours, guests and cells computed twice come from real partitions of the L-shaped block with CELLS (16) cells a
+//! unit length into 8 to 4,096 parts; sums and exchanges of a step from a motion whose calls are counted; time and
+//! memory of a degree of freedom from a motion of one process; memory of the first rank, which divides the mesh, from
+//! this process. The network is assumed: see `LATENCY` and `BANDWIDTH`. Nothing here is a measurement of more than one
+//! machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

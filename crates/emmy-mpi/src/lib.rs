@@ -1,7 +1,7 @@
 //! Teams of processes for [`emmy`], by MPI.
 //!
-//! Every process of `mpirun` is a rank of a team ([`emmy::team`]), which computes the rows of its own nodes. A program is the
-//! same for one process and for many:
+//! Every process of `mpirun` is a rank of a team ([`emmy::team`]), which computes the rows of its own nodes. A program
+//! is the same for one process and for many:
 //!
 //! ```no_run
 //! use emmy::mesh::{self, Share, owners};
@@ -26,8 +26,8 @@
 //! }
 //! ```
 //!
-//! All ranks must make the same calls in the same order. Builds with debug assertions compare the calls of all ranks and end
-//! with a message where they differ; in other builds the ranks wait for each other for ever.
+//! All ranks must make the same calls in the same order. Builds with debug assertions compare the calls of all ranks
+//! and end with a message where they differ; in other builds the ranks wait for each other for ever.
 //!
 //! Without the feature `mpi` the crate is empty; the feature `petsc` adds solvers of PETSc.
 
@@ -47,10 +47,11 @@ use emmy::team::{Engine, EngineKind, GROUP, Parcel, Team, combine, larger};
 /// Exit code after a panic, or after a call of MPI that failed.
 const FAILED: i32 = 101;
 
-/// Runs a function with the team of all processes that `mpirun` started; alone without `mpirun`. The function runs in the
-/// thread that calls, and only this thread may use the team, until the function returns. A panic on one rank ends all ranks
-/// with the exit code 101. A rank that returns while others wait for its calls is found in builds with debug assertions; in
-/// others they wait for ever, so return errors of all ranks only ([`emmy::Error`] of a body, a motion or a step is one).
+/// Runs a function with the team of all processes that `mpirun` started; without `mpirun`, with a team of one. The
+/// function runs in the thread that calls, and only this thread may use the team, until the function returns. A panic
+/// on one rank ends all ranks with the exit code 101. Builds with debug assertions detect a rank that returns while
+/// others wait for its calls; in other builds the others wait for ever. Therefore return only errors that all ranks
+/// have ([`emmy::Error`] of a body, a motion or a step is one).
 ///
 /// MPI and PETSc end with the function. If the caller has started MPI, they stay, and the function may run again.
 ///
@@ -135,8 +136,8 @@ impl Ranks {
         }
     }
 
-    /// Combines the numbers of all ranks one by one, in the order of the ranks and groups, so that the library's own order of
-    /// additions has no effect.
+    /// Combines the numbers of all ranks one by one, in the order of the ranks and groups, so that the library's own
+    /// order of additions has no effect.
     fn combine(&self, values: &mut [f64], pair: impl Fn(f64, f64) -> f64) {
         if values.is_empty() {
             return;

@@ -32,8 +32,8 @@ unsafe extern "C" {
     fn emmy_petsc_free(engine: *mut Handle) -> c_int;
 }
 
-/// Codes of failures that all ranks return together: a matrix without a factorisation, an iteration inside PETSc that does
-/// not converge. Every other code ends all ranks, because the others may wait for this one.
+/// Codes of failures that all ranks return together: a matrix without a factorisation, an iteration inside PETSc that
+/// does not converge. Every other code ends all ranks, because the others may wait for this one.
 const OF_ALL_RANKS: [c_int; 3] = [-1, 82, 91];
 
 /// An engine, whose PETSc objects are created with its first matrix.
@@ -126,7 +126,8 @@ impl Engine for Petsc {
 }
 
 impl Drop for Petsc {
-    /// Frees the objects, all ranks together. Those that outlive the team, or end in another thread, stay with the process.
+    /// Frees the objects, all ranks together. Those that outlive the team, or end in another thread, stay with the
+    /// process.
     fn drop(&mut self) {
         if self.engine.is_null() || thread::current().id() != self.thread || thread::panicking() {
             return;

@@ -16,7 +16,8 @@ use emmy::time::TimeElement;
 /// Name of the variable with the case that `worker` runs.
 const CASE: &str = "EMMY_MPI_CASE";
 
-/// Runs a case on some ranks, which takes a second or two on idle cores. Ranks that wait for ever end after three minutes.
+/// Runs a case on some ranks, which takes a second or two on idle cores. Ranks that wait for ever end after three
+/// minutes.
 fn mpirun(size: usize, case: &str) -> Output {
     let program = env::current_exe().unwrap();
     Command::new("timeout")
@@ -328,8 +329,8 @@ mod petsc {
         }
     }
 
-    /// Iterations of the first correction, which is solved to 1e-3, of a body that is nearly at rest, for Courant numbers 20,
-    /// 80 and 320.
+    /// Iterations of the first correction, which is solved to 1e-3, of a body that is nearly at rest, for Courant
+    /// numbers 20, 80 and 320.
     fn iterations(team: &Arc<dyn Team>) -> [usize; 3] {
         let mesh = mesh::l_block(0.5).unwrap();
         let owners = owners(&mesh, team.size()).unwrap();

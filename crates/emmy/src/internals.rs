@@ -9,12 +9,12 @@ pub mod average {
 /// Assembly, and the table of models.
 pub mod body {
     pub use crate::body::entries::Entries;
-    pub use crate::body::invariants::sum;
-    pub use crate::body::models::{MODELS, RegionModel};
-    pub use crate::body::pole::pole;
-    pub use crate::body::step::{StepDamping, StepInput};
-    pub use crate::body::symmetry::symmetry_axis;
-    pub use crate::body::system::Assembly;
+    pub use crate::body::forces::Assembly;
+    pub use crate::force::step::{Sampling, Span, StepDamping, StepInput};
+    pub use crate::input::models::{MODELS, RegionModel};
+    pub use crate::input::pole::pole;
+    pub use crate::input::symmetry::symmetry_axis;
+    pub use crate::space::sum;
 }
 
 /// Reference elements.
@@ -70,6 +70,11 @@ pub mod sparse {
 /// Tensor algebra, one number or one register a component.
 pub mod tensor {
     pub use crate::tensor::*;
+}
+
+/// Rigid links.
+pub mod unknowns {
+    pub use crate::unknowns::RigidLink;
 }
 
 /// Tables of schemes and estimators, and the steppers behind [`Motion`](crate::motion::Motion).

@@ -203,8 +203,8 @@ impl Cell {
         self.points.iter().map(path).collect()
     }
 
-    /// Adds the forces of the viscous pressure of a projected volume at a point of a step, as a standard rule takes them;
-    /// returns the power by alpha.
+    /// Adds the forces of the viscous pressure of a projected volume at a point of a step, as a standard rule takes
+    /// them; returns the power by alpha.
     pub(super) fn add_viscous_pressure(
         &self,
         element: &Element,

@@ -106,8 +106,8 @@ impl Body {
         products
     }
 
-    /// Adds a mass that lies evenly on facets. The lumped one of a facet with nodes inside its edges is in proportion to the
-    /// diagonal of its consistent mass.
+    /// Adds a mass that lies evenly on facets. The lumped one of a facet with nodes inside its edges is in proportion
+    /// to the diagonal of its consistent mass.
     pub fn spread_mass(&mut self, facets: &[Item], total: f64) {
         let density = total / self.facet_shares(facets).1;
         for facet in facets {

@@ -43,8 +43,9 @@ pub(crate) enum Verb {
     Run(run::Arguments),
     /// Compute natural modes: frequencies, effective masses, mode shapes
     ///
-    /// The modes of the supported body about the start of the motion (the reference configuration, `[equilibrium]`, or
-    /// `initial.state`), without viscosity and drag. Rigid modes are counted among them, with the frequency 0.
+    /// These are modes of the supported body about the start of the motion (the reference configuration,
+    /// `[equilibrium]`, or `initial.state`), without viscosity and drag. Rigid modes are counted among them, with the
+    /// frequency 0.
     Modes(modes::Arguments),
     /// Write report.html of a run again
     ///
@@ -72,7 +73,7 @@ pub(crate) enum Verb {
     Sweep(sweep::Arguments),
     /// Split the mesh of an input into parts for `emmy-mpi run --parts`
     ///
-    /// Each rank then reads its part alone, so no rank needs memory for the whole mesh.
+    /// Each rank then reads only its part, so no rank needs memory for the whole mesh.
     Split(split::Arguments),
     /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
@@ -109,13 +110,14 @@ pub(crate) enum TeamVerb {
 /// The folder of a mesh in parts.
 #[derive(Debug, Args)]
 pub(crate) struct Parts {
-    /// Directory of `emmy split` with as many parts as there are ranks: each rank reads its own, and none the whole mesh
+    /// Directory of `emmy split` with as many parts as there are ranks: each rank reads its own, and none the whole
+    /// mesh
     #[arg(long, value_name = "DIR")]
     parts: Option<PathBuf>,
 }
 
 impl TeamVerb {
-    /// The verb with its flags as a text, in which ranks must agree. The files of their inputs may have other paths.
+    /// The verb with its flags as text, on which the ranks must agree. The paths of their input files may differ.
     pub(crate) fn compared(&self) -> String {
         match self {
             TeamVerb::Run { arguments, parts } => {
@@ -237,9 +239,9 @@ fn is_first(host: &dyn Host) -> bool {
     host.team().is_none_or(|team| team.rank() == 0)
 }
 
-/// Runs a function in a thread pool, because a thread outside of it would wait for every small task: in one of its own
-/// with a number of threads, otherwise in that of the caller. On a team it runs in the calling thread, which alone may call the
-/// other ranks and belongs to a pool with one thread, if no number is given.
+/// Runs a function in a thread pool, because a thread outside of it would wait for every small task. With a number of
+/// threads, the pool is new; otherwise it is that of the caller. On a team, the function runs in the calling thread,
+/// which alone may call the other ranks; without a number, its pool has one thread.
 fn with_threads<T: Send>(
     threads: Option<u16>,
     host: &dyn Host,

@@ -89,7 +89,7 @@ fn computed(problem: &Problem, state: Option<&State>, count: Option<u32>) -> Res
     found.map_err(failure)
 }
 
-/// An iteration that does not converge is no fault of the input.
+/// An iteration that does not converge is not a fault of the input.
 fn failure(error: emmy::Error) -> Failure {
     match error {
         emmy::Error::TooManyModes { free, .. } => {
@@ -132,11 +132,11 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
     columns(rows.chain([sums.collect()]).collect())
 }
 
-/// Says about which state the body vibrates, and what of the start does not count.
+/// Prints the state about which the body vibrates, and which parts of the start have no effect.
 fn about(problem: &Problem, state: Option<&State>, host: &dyn Host) -> Result<(), Failure> {
     let body = &problem.body;
     if problem.initial.iter().any(|field| field.angular_velocity != [0.0; 3]) {
-        message!(host, "note: the modes are those of the body at rest; its initial rotation does not count");
+        message!(host, "note: the modes are those of the body at rest; its initial rotation has no effect");
     }
     let Some(state) = state else { return Ok(()) };
     let largest = |vectors: &[f64], dimension| problem.units.number(largest_length(vectors), dimension);
@@ -170,7 +170,7 @@ fn about(problem: &Problem, state: Option<&State>, host: &dyn Host) -> Result<()
     Ok(())
 }
 
-/// Unbalanced force, relative to the largest reaction, that rounding and the end of an iteration explain.
+/// Unbalanced force, relative to the largest reaction, that may come from rounding and from the end of an iteration.
 const UNBALANCED: f64 = 1e-6;
 
 /// Largest length of a vector, `[n_nodes][3]`.

@@ -15,7 +15,8 @@ pub(crate) struct Arguments {
     name: Option<String>,
 }
 
-/// An example input, from a file in `examples`. The package of the crate has them as `templates`, a link to that folder.
+/// An example input, from a file in `examples`. The package of the crate has them as `templates`, a link to that
+/// folder.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Template {
     /// Name of the example and its file.

@@ -13,7 +13,7 @@ use super::check::Report;
 use crate::failure::with_causes;
 use crate::print::number;
 
-/// Largest body whose modes are computed by a check, in degrees of freedom: a second or two.
+/// Largest body whose modes a check computes, in degrees of freedom; they take a second or two.
 const MAX_DOFS: usize = 30_000;
 
 /// Reports on the lowest elastic mode of the start.
@@ -51,8 +51,8 @@ fn of_start(report: &mut Report, problem: &Problem, start: Option<&State>) {
     }
 }
 
-/// The state about which the body vibrates, in words and as a state; `None`: the undeformed body. The equilibrium of a larger
-/// body takes too long for a check.
+/// The state about which the body vibrates, in words and as a state; `None`: the undeformed body. The equilibrium of a
+/// larger body takes too long for a check.
 fn state<'a>(
     problem: &Problem,
     start: Option<&'a State>,
@@ -114,8 +114,8 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
     }
 }
 
-/// The critical step of the explicit scheme, for comparison: of a large body a bound from its cells, which needs no matrix.
-/// There is none with incompatible modes, which have no mass.
+/// The critical step of the explicit scheme, for comparison. For a large body it is a bound from the cells, which needs
+/// no matrix. Bodies with incompatible modes, which have no mass, have none.
 fn explicit(report: &mut Report, problem: &Problem) {
     if problem.body.n_dofs() > problem.body.mesh().n_dofs() {
         return;

@@ -23,8 +23,8 @@ use crate::progress::RunsProgress;
 pub(crate) struct Arguments {
     /// Input file (TOML)
     file: PathBuf,
-    /// Values of a key, such as region.density=1,2,3 or time.scheme=AS(2),DGM (repeatable; the last one changes fastest).
-    /// Brackets and quotes hold a value together: load.traction=[0,0,1],[0,0,2]. One value is a constant
+    /// Values of a key, such as region.density=1,2,3 or time.scheme=AS(2),DGM (repeatable; the last one changes
+    /// fastest). Brackets and quotes hold a value together: load.traction=[0,0,1],[0,0,2]. One value is a constant
     #[arg(long, value_name = "KEY=A,B,C", required = true)]
     set: Vec<String>,
     /// End of the runs: later steps are dropped, or the last phase is extended
@@ -189,8 +189,8 @@ fn table(sweep: &Sweep, rows: &[SweepRow]) -> String {
     }
 }
 
-/// The columns of a table for reading, with their heads: those of every sweep of motions, and for each named column X that is
-/// not 0 in all rows `X`, `X_min` and `X_max`; without empty columns. `numbers`: of a column in all rows.
+/// The columns of the printed table with their heads: those of every sweep of motions, then `X`, `X_min` and `X_max`
+/// for each named column X that is not 0 in all rows; empty columns are left out. `numbers`: of a column in all rows.
 pub(super) fn shown_columns(named: &[String], numbers: impl Fn(&str) -> Vec<f64>) -> Vec<(String, String)> {
     let peaks = named.iter().map(|name| ["", "_min", "_max"].map(|ending| format!("{name}{ending}")));
     let is_zero = |number: &f64| *number == 0.0 || number.is_nan();
@@ -261,7 +261,7 @@ fn note_long_steps(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
     ));
 }
 
-/// After everything is written, a signal or failed runs are the end of the program.
+/// Once everything is written, a signal or failed runs set the exit code.
 fn ending(sweep: &Sweep, rows: &[SweepRow]) -> Result<(), Failure> {
     if rows.len() < sweep.n_runs() {
         let message = format!("stopped with the rows of {} of {} runs", rows.len(), sweep.n_runs());

@@ -204,8 +204,8 @@ fn an_equilibrium_that_does_not_exist_ends_with_its_load_fraction() {
     assert_eq!(place.names("."), ["box.toml"]);
 }
 
-/// A bar without Poisson's effect, held sideways and pulled to twice its length: `P = mu (l - 1/l)`, so its axial stiffness
-/// is `mu (1 + 1/l^2)` in place of 2 mu, and so are the squares of its frequencies.
+/// A bar without Poisson's effect, held sideways and pulled to twice its length: `P = mu (l - 1/l)`, so its axial
+/// stiffness is `mu (1 + 1/l^2)` in place of 2 mu, and so are the squares of its frequencies.
 #[test]
 fn modes_are_about_the_equilibrium() {
     let bar = r#"
@@ -245,7 +245,8 @@ traction = [37.5, 0, 0]
     }
 }
 
-/// A body that hangs at rest has energies and momenta of motion only up to rounding, which is no scale for its residuals.
+/// A body that hangs at rest has energies and momenta of motion only up to rounding, which is no scale for its
+/// residuals.
 #[test]
 fn a_body_at_rest_under_its_weight_closes() {
     let weight = BOX.replace(

@@ -62,9 +62,9 @@ fn spinning_block() {
 #[test]
 fn soft_tissue() {
     let (place, history) = run("soft-tissue");
-    // v = A (X - c) + G c with the squares 0.29, 0.1925, 0.0725 of the columns of A, the second moments V L^2 / 12 of the
-    // strip, and the mass 0.088: T = 1.1e-3/2 80/12 (0.29 10^2 + 0.1925 4^2 + 0.0725 2^2) + 0.088/2 (1.5^2 + 0.3^2 + 0.15^2)
-    // is all of the energy at all times.
+    // v = A (X - c) + G c with the squares 0.29, 0.1925, 0.0725 of the columns of A, the second moments V L^2 / 12 of
+    // the strip, and the mass 0.088: at all times,
+    // T = 1.1e-3/2 80/12 (0.29 10^2 + 0.1925 4^2 + 0.0725 2^2) + 0.088/2 (1.5^2 + 0.3^2 + 0.15^2) is the whole energy.
     history["total_energy"].iter().for_each(|&value| close(value, 0.22264, 1e-10));
     let strained = history["strain_energy"].iter().copied().fold(0.0, f64::max);
     assert!(strained > 0.01, "{strained}");
@@ -322,8 +322,8 @@ fn steel_bracket() {
     }
 }
 
-/// The reactions at rest are those of FElupe (`rubber.py`: `ThreeFieldVariation` of `NeoHooke(0.5, 1000)`) with the same
-/// cells.
+/// The reactions at rest are those of FElupe (`rubber.py`: `ThreeFieldVariation` of `NeoHooke(0.5, 1000)`) with the
+/// same cells.
 #[test]
 fn rubber_mount() {
     let (place, history) = run("rubber-mount");
@@ -341,8 +341,8 @@ fn rubber_mount() {
     close(force(&place.history("locked")), -19_156.391, 1e-8);
 }
 
-/// Deflections of the beam before it is let go. Those of hex8 are FElupe's (`rubber.py`) with the same cells; others are
-/// compared with 2160 of its hex8 (six over the thickness), whose error is below 3 %.
+/// Deflections of the beam before it is let go. Those of hex8 are FElupe's (`rubber.py`) with the same cells; others
+/// are compared with 2160 of its hex8 (six over the thickness), whose error is below 3 %.
 #[test]
 fn rubber_beam() {
     let place = Place::new();

@@ -1,12 +1,13 @@
-//! Every listing of README.md, CONTRIBUTING.md, `docs` and `book` is run, or is a part of a file that is tested.
+//! Every listing of README.md, CONTRIBUTING.md and the book is run, or is a part of a file that is tested.
 //!
 //! The listings of a page are a session in one folder. The words after the three backticks select the test:
 //!
 //! | listing | test |
 //! |---|---|
 //! | `toml NAME` | written to NAME, for the commands below it |
+//! | `toml FOLDER/NAME` | lines of this file, which is copied to NAME for the commands below |
 //! | `toml` | parts of an input: a small input with them passes `emmy check` |
-//! | `sh`, `sh exit N` | the commands of `emmy` are run; commands of cargo must name existing packages and tests |
+//! | `sh`, `sh exit N` | `emmy` and `cargo run --release --` are run; commands of cargo must name existing tests |
 //! | `text output` | lines of the last output, except for numbers; `...` stands for any others |
 //! | `rust FILE`, `python FILE`, `geo FILE`, `csv FILE` | lines of FILE, which another test runs |
 //! | `text FILE` | output of the Python program FILE, for `tests/pyvista/frames.py` |
@@ -24,7 +25,10 @@ use regex_lite::Regex;
 use super::{BOX, Place};
 
 /// Pages whose listings are tested elsewhere (`tests/editor/taplo.py`), or are computed (`validation/tests/book.rs`).
-const ELSEWHERE: [&str; 2] = ["docs/editors.md", "book/src/paper"];
+const ELSEWHERE: [&str; 2] = ["book/src/editors.md", "book/src/paper/results.md"];
+
+/// In the root of the repository, this starts the program.
+const CARGO_RUN: &str = "cargo run --release -- ";
 
 /// Programs in the pages that this test does not start.
 const OTHERS: &[&str] = &[
@@ -65,7 +69,7 @@ fn root() -> PathBuf {
 
 /// Pages, by their paths in the repository.
 fn pages() -> Vec<String> {
-    let mut folders = vec!["docs".to_string(), "book/src".to_string()];
+    let mut folders = vec!["book/src".to_string()];
     let mut pages = vec!["README.md".to_string(), "CONTRIBUTING.md".to_string()];
     while let Some(folder) = folders.pop() {
         for name in super::names(&root().join(&folder)) {
@@ -82,7 +86,7 @@ fn pages() -> Vec<String> {
     pages
 }
 
-/// A listing: the words of its first line, and its text with included files.
+/// A listing: the words of its first line, and its text.
 struct Listing {
     words: Vec<String>,
     text: String,
@@ -95,21 +99,10 @@ fn listings(page: &str) -> Vec<Listing> {
     let fence = Regex::new(r"(?ms)^```([^\n]+)\n(.*?)^```$").unwrap();
     let listing = |found: regex_lite::Captures<'_>| Listing {
         words: found[1].split_whitespace().map(String::from).collect(),
-        text: with_includes(page, &found[2]),
+        text: found[2].to_string(),
         place: found.get(2).unwrap().range(),
     };
     fence.captures_iter(&text).map(listing).collect()
-}
-
-fn with_includes(page: &str, text: &str) -> String {
-    let include = |line: &str| {
-        let Some(file) = line.strip_prefix("{{#include ").and_then(|rest| rest.strip_suffix("}}")) else {
-            return format!("{line}\n");
-        };
-        let path = root().join(page).parent().unwrap().join(file.split(':').next().unwrap());
-        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{page}: {file}: {error}"))
-    };
-    text.lines().map(include).collect()
 }
 
 /// A page in the test, with the folder for its commands.
@@ -137,6 +130,11 @@ impl<'a> Session<'a> {
         let words: Vec<&str> = listing.words.iter().map(String::as_str).collect();
         match words[..] {
             ["toml"] => self.check_parts(&listing.text),
+            ["toml", file] if file.contains('/') => {
+                self.is_part_of(&listing.text, file);
+                let name = Path::new(file).file_name().unwrap();
+                fs::copy(root().join(file), self.place.path(name.to_str().unwrap())).unwrap();
+            }
             ["toml", name] => self.place.write(name, &listing.text),
             ["sh"] => self.commands(&listing.text, 0),
             ["sh", "exit", code] => self.commands(&listing.text, code.parse().unwrap()),
@@ -189,8 +187,11 @@ impl<'a> Session<'a> {
     }
 
     fn commands(&mut self, text: &str, code: i32) {
-        self.output.clear();
-        for command in text.replace("\\\n", " ").lines().filter(|line| !line.trim().is_empty()) {
+        let text = text.replace("\\\n", " ").replace(CARGO_RUN, "emmy ");
+        if text.lines().any(|line| line.starts_with("emmy ")) {
+            self.output.clear();
+        }
+        for command in text.lines().filter(|line| !line.trim().is_empty()) {
             let program = command.split_whitespace().next().unwrap();
             if program != "emmy" {
                 assert!(OTHERS.contains(&program), "{}: who runs `{command}`?", self.page);
@@ -291,20 +292,6 @@ fn listings_of_the_tutorials() {
 fn listings_of_the_other_pages() {
     let own = ["README.md", "book/src/quick-start.md", "book/src/bracket.md"];
     pages().iter().filter(|page| !own.contains(&page.as_str())).for_each(|page| run_page(page));
-}
-
-/// The book's own links are tested in `validation/tests/book.rs`.
-#[test]
-fn links_lead_to_files() {
-    let link = Regex::new(r"\]\(([^)#]+)[^)]*\)").unwrap();
-    let own = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(String::from);
-    let docs = super::names(&root().join("docs")).into_iter().filter(|name| name.ends_with(".md"));
-    for page in own.into_iter().chain(docs.map(|name| format!("docs/{name}"))) {
-        let text = fs::read_to_string(root().join(&page)).unwrap();
-        for found in link.captures_iter(&text).filter(|found| !found[1].contains("://")) {
-            assert!(root().join(&page).parent().unwrap().join(&found[1]).exists(), "{page}: {}", &found[1]);
-        }
-    }
 }
 
 /// `cargo test -p PACKAGE --test TARGET FILTER` names an existing test.

@@ -18,6 +18,7 @@ mod masses;
 mod materials;
 mod mistakes;
 mod modes;
+mod pages;
 mod quantities;
 mod reference;
 mod report;

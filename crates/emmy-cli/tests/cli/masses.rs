@@ -72,8 +72,8 @@ fn one_size_of_a_mass_is_given() {
     );
 }
 
-/// Central differences lump the mass: a spin of 2 rad/s of the box 2 x 1 x 1 of density 2 in eight cells, and of a mass of 3 on the
-/// face at its end, whose points are those of the corners.
+/// Central differences lump the mass: a spin of 2 rad/s of the box 2 x 1 x 1 of density 2 in eight cells, and of a mass
+/// of 3 on the face at its end, whose points are those of the corners.
 #[test]
 fn check_has_the_energy_of_the_scheme_at_the_start() {
     let place = Place::with(
@@ -86,8 +86,8 @@ time = { scheme = "central-differences", steps = [{ until = 0.02, size = 0.01 }]
 output = { directory = "out", every = 0 }
 "#,
     );
-    // Half of omega^2 times the squared distances from the axis: masses of 1/4 at the eight outer corners, 1/2 at the four in
-    // the middle, and 3/4 at the four at the end.
+    // Half of omega^2 times the squared distances from the axis: masses of 1/4 at the eight outer corners, 1/2 at the
+    // four in the middle, and 3/4 at the four at the end.
     let kinetic = 0.5 * 4.0 * (8.0 * 0.25 * 1.25 + 4.0 * 0.5 * 0.25 + 4.0 * 0.75 * 1.25);
     let check = place.succeed(&["check", "box.toml"]).stdout;
     assert!(check.contains(&format!("start      kinetic energy {kinetic}\n")), "{check}");

@@ -183,8 +183,8 @@ fix = ["x", "y", "z"]
 }
 
 /// Lowest frequency of a clamped beam of length 1 with the bending stiffness B, the mass m per length and the tension T
-/// (Euler and Bernoulli): `2 a b (1 - cos a cosh b) + (b^2 - a^2) sin a sinh b = 0`, with `b^2, a^2 = (s +- T)/(2 B)` and
-/// `s^2 = T^2 + 4 B m omega^2`.
+/// (Euler and Bernoulli): `2 a b (1 - cos a cosh b) + (b^2 - a^2) sin a sinh b = 0`, with `b^2, a^2 = (s +- T)/(2 B)`
+/// and `s^2 = T^2 + 4 B m omega^2`.
 fn clamped_beam(stiffness: f64, mass: f64, tension: f64) -> f64 {
     let rest = |omega: f64| {
         let s = (tension * tension + 4.0 * stiffness * mass * omega * omega).sqrt();
@@ -244,8 +244,9 @@ fn modes_are_about_the_state_of_another_run() {
     assert!((rows(&place, "rest")[0][2] / free - 1.0).abs() < 0.006);
 }
 
-/// The period of `check` is about the equilibrium of the start: `sqrt(0.625)` of the frequency of a bar that is pulled to twice
-/// its length, `P = mu (l - 1/l)` (`modes_are_about_the_equilibrium`). Larger bodies say that it is not counted.
+/// The period of `check` is about the equilibrium of the start: `sqrt(0.625)` of the frequency of a bar that is pulled
+/// to twice its length, `P = mu (l - 1/l)` (`modes_are_about_the_equilibrium`). Larger bodies say that it is not
+/// counted.
 #[test]
 fn check_reports_the_period_about_the_equilibrium() {
     let place = Place::with(&BAR.replacen("\n\n[[region]]", "\nequilibrium.load_steps = 4\n\n[[region]]", 1));
@@ -285,8 +286,8 @@ mass = [{ group = "a", mass = 2 }, { group = "b", mass = 3 }]
     assert!(report.contains("beside 5 rigid modes"), "{report}");
 }
 
-/// A sheet whose thickness is 0.0003 of its length: `omega^2` of its cells is `12 c^2/t^2` and more, that of its lowest mode
-/// about `14 c^2 t^2/(12 L^4)`, `10^15` times less. No digit of it is left beside rounding.
+/// A sheet whose thickness is 0.0003 of its length: `omega^2` of its cells is `12 c^2/t^2` and more, that of its lowest
+/// mode about `14 c^2 t^2/(12 L^4)`, `10^15` times less. No digit of it is left beside rounding.
 #[test]
 fn modes_without_digits_are_a_failure() {
     let sheet =

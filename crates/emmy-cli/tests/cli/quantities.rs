@@ -190,8 +190,8 @@ fn a_history_without_requests_has_the_reactions_of_the_supports() {
     assert!(place.read("out/history.csv").lines().next().unwrap().ends_with("tip_x,tip_y,tip_z"));
 }
 
-/// Two cubes side by side with a common face, both stretched alike along x: `von Mises = mu (a^2 - 1)/a` in each of them for
-/// the stretch a, which is largest at t = 0.5.
+/// Two cubes side by side with a common face, both stretched alike along x: `von Mises = mu (a^2 - 1)/a` in each of
+/// them for the stretch a, which is largest at t = 0.5.
 const SIDES: &str = r#"
 mesh.file = "sides.inp"
 region = [

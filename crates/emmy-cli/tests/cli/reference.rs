@@ -1,15 +1,15 @@
-//! The pages of input and results (`docs/input.md`, `docs/results.md`) against the program.
+//! The pages of input and results (`book/src/input.md`, `book/src/results.md`) against the program.
 
 use super::{BOX, Place};
 
-const INPUT: &str = include_str!("../../../../docs/input.md");
-const RESULTS: &str = include_str!("../../../../docs/results.md");
+const INPUT: &str = include_str!("../../../../book/src/input.md");
+const RESULTS: &str = include_str!("../../../../book/src/results.md");
 
 fn has(word: &str) {
     let word = format!("`{word}`");
     assert!(
         INPUT.contains(&word) || RESULTS.contains(&word),
-        "docs/input.md and docs/results.md lack {word}"
+        "book/src/input.md and book/src/results.md lack {word}"
     );
 }
 

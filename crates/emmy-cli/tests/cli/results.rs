@@ -137,6 +137,9 @@ fn results_do_not_depend_on_the_number_of_threads() {
         ]);
     }
     assert_eq!(timeless(&place.read("1/history.csv")), timeless(&place.read("3/history.csv")));
+    let [one, all] = [&["--threads", "1"][..], &[]]
+        .map(|threads| place.succeed(&[&["check", "box.toml"], threads].concat()).stdout);
+    assert_eq!(one, all);
 }
 
 /// So many threads would take minutes to start, and a machine with them.
@@ -144,9 +147,11 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn threads_above_the_cores_are_capped_with_a_note() {
     let place = Place::with(BOX);
     let cores = std::thread::available_parallelism().unwrap().get();
-    let outcome = place.succeed(&["run", "box.toml", "--quiet", "--threads", "65535"]);
     let begin = format!("note: --threads 65535: this machine has {cores} core");
-    assert!(outcome.stderr.starts_with(&begin), "{}", outcome.stderr);
+    for verb in [&["check", "box.toml"][..], &["run", "box.toml", "--quiet"]] {
+        let outcome = place.succeed(&[verb, &["--threads", "65535"]].concat());
+        assert!(outcome.stderr.starts_with(&begin), "{}", outcome.stderr);
+    }
     let within = cores.to_string();
     assert_eq!(place.succeed(&["run", "box.toml", "--quiet", "--threads", &within]).stderr, "");
 }

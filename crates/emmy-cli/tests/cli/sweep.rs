@@ -154,7 +154,7 @@ fn peaks_of_an_oscillator_are_its_amplitude_and_its_largest_force() {
         let largest_force = stiffness * amplitude * (omega * h).sin() / (omega * h);
         close(of("foot_force_x_min"), -largest_force, 1e-9, "largest reaction");
         close(of("foot_force_x_min_time"), quarter + 0.5 * h, 0.51 * h, "time of the largest reaction");
-        // The half period of the first run is beyond the end: its reaction never vanishes, except in the empty first cell.
+        // The half period of the first run is beyond the end: only in the empty first cell does its reaction vanish.
         let (smallest, force) = match row {
             0 => (0.0, -stiffness * amplitude * (1.0 - (omega * h).cos()) / (omega * h)),
             _ => (-amplitude, largest_force),

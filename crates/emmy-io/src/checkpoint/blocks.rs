@@ -6,8 +6,8 @@
 //! | numbers | list by list, `[parts][entries of the block][width]`, as f64 |
 //! | checksum | CRC-32 of the block |
 //!
-//! All numbers have the lowest byte first. The numbers of entries do not depend on the ranks, so that any number of ranks reads
-//! what another number of ranks wrote.
+//! All numbers have the lowest byte first. The numbers of entries do not depend on the ranks, so that any number of
+//! ranks reads what another number of ranks wrote.
 
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
@@ -90,7 +90,7 @@ impl Table {
         })
     }
 
-    /// Sets the place of the first block in the file, and returns that of its end; `None`: no file is like this.
+    /// Sets the place of the first block in the file and returns the place of its end; `None`: no file has such lists.
     pub(super) fn begin_at(&mut self, start: u64) -> Option<u64> {
         self.lists.iter().all(ListShape::is_plausible).then_some(())?;
         let mut places = vec![start];
@@ -115,7 +115,7 @@ impl Table {
         }
     }
 
-    /// Checks the blocks of which a rank of a team has the care.
+    /// Checks the blocks that a rank of a team is responsible for.
     ///
     /// # Errors
     /// The predicate of a sentence about the file.
@@ -138,18 +138,15 @@ impl Table {
         snapshot: &mut Snapshot,
     ) -> Result<(), String> {
         // With the same division, all numbers are in the blocks of this rank and its neighbours.
-        let near = body.subdomain().map_or(vec![0], |part| {
-            std::iter::once(part.rank())
-                .chain(part.neighbours())
-                .filter(|&rank| rank < self.blocks.len())
-                .collect()
-        });
+        let ranks = body.ranks();
+        let near = std::iter::once(ranks.rank()).chain(ranks.neighbours());
+        let near: Vec<usize> = near.filter(|&rank| rank < self.blocks.len()).collect();
         let far = (0..self.blocks.len()).filter(|block| !near.contains(block));
         let order: Vec<usize> = near.iter().copied().chain(far).collect();
         self.fill(needed, &order, input, snapshot)
     }
 
-    /// Reads the lists of a snapshot of the whole body, in the order of the numbers of entries; returns those.
+    /// Reads the lists of a snapshot of the whole body in the order of its entries, and returns their numbers.
     ///
     /// # Errors
     /// The predicate of a sentence about the file.

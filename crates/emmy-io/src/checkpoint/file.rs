@@ -38,7 +38,7 @@ const MAX_HEADER: u64 = 200;
 /// Larger counts are not plausible.
 const LARGEST_COUNT: u64 = 1 << 40;
 
-/// Steps are not halved more often: the number of parts would overflow.
+/// Largest number of halvings of a step; with more, the number of parts would overflow.
 const MAX_HALVINGS: u32 = 60;
 
 /// A checkpoint without the numbers of nodes and cells, and the table of its blocks.
@@ -68,10 +68,10 @@ pub(super) fn bytes(checkpoint: &Checkpoint, mut part: Part) -> io::Result<Vec<u
     Ok(bytes)
 }
 
-/// Writes the file with the lists of all ranks, each its own, and syncs it if `is_safe`; a call of all ranks.
+/// Writes the file, each rank its own lists, and syncs it if `is_safe`; a collective call.
 ///
 /// # Errors
-/// Errors of the system on any rank, with the path; the file before is then still there.
+/// Errors of the system on any rank, with the path; the earlier file then remains.
 pub(super) fn write(
     path: &Path,
     checkpoint: &Checkpoint,
@@ -188,7 +188,7 @@ fn is_header(format: &str, writer: &str) -> bool {
     is_short && format.bytes().all(|byte| byte.is_ascii_digit()) && writer.chars().all(|c| !c.is_control())
 }
 
-/// Rejects values that no run writes, and which would fail later.
+/// Rejects values that no run writes and that would fail later.
 fn check(checkpoint: &Checkpoint) -> Result<(), String> {
     let snapshot = &checkpoint.snapshot;
     if !is_finite(&snapshot.state) {

@@ -107,8 +107,8 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the memory of the stepper is still valid: body, loads, supports, scheme, degree, error estimator, limits of
-    /// the degree and linear solver are the same.
+    /// Whether the memory of the stepper is still valid: body, loads, supports, scheme, degree, error estimator, limits
+    /// of the degree and linear solver are the same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();
@@ -123,8 +123,8 @@ impl Identity {
     }
 }
 
-/// The first key at which the resolved input of this rank and those of others differ, as the end of a sentence: a call of all
-/// ranks of a team. Paths of files may differ. `None`: all have the same input.
+/// The first key at which the resolved input of this rank and those of others differ, as the end of a sentence: a call
+/// of all ranks of a team. Paths of files may differ. `None`: all have the same input.
 pub(crate) fn other_input(team: &dyn Team, resolved: &str) -> Option<String> {
     let table = |text: &str| {
         let mut table = text.parse::<toml::Table>().unwrap_or_default();

@@ -4,8 +4,8 @@
 //! disk; the next checkpoint replaces the other. Syncing takes as long as a hundred steps of a small body, so it is
 //! done at most once a second; then the files change roles. [`newest`] takes the later one that is complete.
 //!
-//! A checkpoint has the same format from any number of ranks, and any number of ranks can read it. Each rank writes and reads
-//! the numbers of its own part of the body, so none holds the state of the whole body.
+//! A checkpoint has the same format from any number of ranks, and any number of ranks can read it. Each rank writes and
+//! reads the numbers of its own part of the body, so none holds the state of the whole body.
 
 mod blocks;
 mod file;
@@ -47,8 +47,8 @@ const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 pub struct Checkpoint {
     /// The run that it belongs to.
     pub identity: Identity,
-    /// The motion. Of a checkpoint from [`newest`] without the numbers of nodes and cells, which [`Checkpoint::snapshot`]
-    /// reads.
+    /// The motion. Of a checkpoint from [`newest`] without the numbers of nodes and cells, which
+    /// [`Checkpoint::snapshot`] reads.
     pub snapshot: Snapshot,
     /// Frames written so far.
     pub frames: Vec<FrameTime>,
@@ -92,7 +92,8 @@ impl Checkpoint {
         }
     }
 
-    /// The snapshot with the numbers of the nodes and cells of a body; on a team, of this rank's part. A call of all ranks.
+    /// The snapshot with the numbers of the nodes and cells of a body; on a team, of this rank's part. A call of all
+    /// ranks.
     ///
     /// # Errors
     /// [`CheckpointError::Damaged`], on all ranks; also if the checkpoint is of another body.
@@ -100,8 +101,8 @@ impl Checkpoint {
         self.read_for(body, &Runs::needed(body), self.snapshot.clone())
     }
 
-    /// The state at the nodes of a body, as [`Checkpoint::snapshot`]; at those of its mesh alone if the checkpoint has other
-    /// incompatible modes.
+    /// The state at the nodes of a body, as [`Checkpoint::snapshot`]; at those of its mesh alone if the checkpoint has
+    /// other incompatible modes.
     ///
     /// # Errors
     /// [`CheckpointError::Damaged`], on all ranks; also if the checkpoint is of another mesh.
@@ -153,7 +154,7 @@ fn read<T>(path: &Path, work: impl FnOnce(&mut BufReader<File>) -> Result<T, Str
 
 /// The team of a body.
 fn team_of(body: &Body) -> &dyn Team {
-    body.subdomain().map_or(&Alone, |part| &**part.team())
+    &**body.ranks().team()
 }
 
 /// Why there is no checkpoint to resume from.
@@ -181,7 +182,7 @@ pub enum CheckpointError {
     },
 }
 
-/// The newest usable checkpoint of a run, and why the other one cannot be used, if so: a call of all ranks of a team, which
+/// The newest usable checkpoint of a run, and why the other one cannot be used, if so. A collective call: the ranks
 /// check the files together.
 ///
 /// # Errors
@@ -245,7 +246,8 @@ pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
     Ok(Checkpoint { lists: Lists::Here(runs), ..checkpoint })
 }
 
-/// The bytes of a checkpoint of one rank, as in its file; of one from [`newest`] those of [`Checkpoint::complete`].
+/// The bytes of a checkpoint of one rank, as in its file; a checkpoint from [`newest`] is made complete by
+/// [`Checkpoint::complete`].
 ///
 /// # Errors
 /// Errors of the system, if numbers are to be read from a file.
@@ -301,7 +303,8 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Checkpoints of a problem in its directory; `after`: the checkpoint that it resumes from. On a team a call of all ranks.
+    /// Checkpoints of a problem in its directory; `after`: the checkpoint that it resumes from. On a team a call of all
+    /// ranks.
     ///
     /// # Errors
     /// Errors of the system, on all ranks.
@@ -330,11 +333,11 @@ impl Checkpoints {
     }
 
     /// Writes a checkpoint of a motion, once a step, and synced if `is_safe`. A state that is not finite is not
-    /// written, since nothing could resume from it. On a team a call of all ranks with the same `is_safe`; `progress` is that
-    /// of rank 0.
+    /// written, since nothing could resume from it. On a team a call of all ranks with the same `is_safe`; `progress`
+    /// is that of rank 0.
     ///
     /// # Errors
-    /// Errors of the system, on all ranks; the checkpoint before is then still there.
+    /// Errors of the system, on all ranks; the earlier checkpoint then remains.
     pub fn write(&mut self, motion: &Motion<'_>, progress: Progress<'_>, is_safe: bool) -> io::Result<()> {
         let step = motion.state().step;
         let team = team_of(motion.body());

@@ -50,7 +50,7 @@ pub fn check_run(problem: &Problem) -> Result<(), DirectoryError> {
     check_sources(directory, &problem.files)
 }
 
-/// Creates a directory for other results than a run. It may be new, empty, or hold earlier results, which are
+/// Creates a directory for results that are not a run's. It may be new, empty, or hold earlier results, which are
 /// recognized by a file that Emmy wrote, the witness. Nothing is removed.
 ///
 /// # Errors
@@ -128,7 +128,7 @@ pub(crate) fn write_mesh(directory: &Path, mesh: &Mesh) -> Result<(), DirectoryE
     let path = directory.join(MESH_FILE);
     let is_own = |text: Vec<u8>| text.windows(MESH_MARK.len()).any(|part| part == MESH_MARK.as_bytes());
     if path.exists() && !whole_file::read(&path).is_ok_and(is_own) {
-        let reason = "a file of this name is there, which Emmy has not written";
+        let reason = "there is a file of this name that Emmy has not written";
         return Err(system(&path, io::Error::new(io::ErrorKind::AlreadyExists, reason)));
     }
     replace(&path, vtk::mesh_file(mesh).as_bytes()).map_err(|error| DirectoryError::File { path, error })

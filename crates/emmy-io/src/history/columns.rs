@@ -163,7 +163,7 @@ pub fn required() -> impl Iterator<Item = &'static str> {
     COLUMNS[..N_REQUIRED].iter().map(|column| column.name)
 }
 
-/// Names of all columns of the whole body, also of those that a history may not have.
+/// Names of all columns of the whole body, including those that a history may lack.
 pub(crate) fn fixed_names() -> impl Iterator<Item = &'static str> {
     COLUMNS.iter().map(|column| column.name)
 }
@@ -239,8 +239,8 @@ impl HistoryColumns {
         self.described().map(object).collect()
     }
 
-    /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far. On a team a
-    /// call of all ranks, which get the same numbers.
+    /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far. On a
+    /// team a call of all ranks, which get the same numbers.
     pub fn row(&self, view: View<'_>, wall_seconds: f64) -> Row {
         let mut numbers = self.numbers(view.record, wall_seconds);
         let extremes = self.measures.add_to(view, &mut numbers);

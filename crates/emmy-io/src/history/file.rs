@@ -156,7 +156,8 @@ fn with_time(row: &[u8], time: f64) -> Vec<u8> {
     cells.map(|(i, cell)| if i == 1 { &time[..] } else { cell }).collect::<Vec<_>>().join(&b',')
 }
 
-/// Replaces the end of a file from an offset on: at every moment either the old or the new file is there, complete.
+/// Replaces the end of a file from an offset on. At every moment, either the old or the new file exists and is
+/// complete.
 fn replace_end(path: &Path, offset: u64, end: &[u8]) -> io::Result<()> {
     let part = with_ending(path, PART);
     let mut new = File::create(&part).map_err(named(&part))?;

@@ -45,25 +45,25 @@ pub(crate) fn keep_largest(kept: &mut Vec<Extreme>, new: impl IntoIterator<Item 
 }
 
 impl Extreme {
-    /// The largest value of a field at a state among some members with these numbers, the last of several; undefined values
-    /// are left out. On a team a call of all ranks with the members of their shares.
+    /// The largest value of a field at a state among some members with these numbers, the last of several; undefined
+    /// values are left out. On a team a call of all ranks with the members of their shares.
     pub(crate) fn of(
-        (mesh, subdomain): (&Mesh, Option<&Subdomain>),
+        (mesh, ranks): (&Mesh, &Subdomain),
         state: &State,
         field: FieldName,
         members: impl Iterator<Item = usize>,
         numbers: &[f64],
     ) -> Option<Self> {
         let is_cell = field.place() == Place::Cells;
-        let whole = |member: usize| subdomain.map_or(member, |part| number_of_ranks(part, is_cell, member));
+        let whole = |member: usize| number_of_ranks(ranks, is_cell, member);
         let sizes = members.zip(numbers.chunks_exact(field.components().len()).map(size));
-        let sizes = sizes.filter(|(member, size)| !size.is_nan() && counts(subdomain, is_cell, *member));
+        let sizes = sizes.filter(|(member, size)| !size.is_nan() && counts(ranks, is_cell, *member));
         let own = sizes.max_by(|a, b| a.1.total_cmp(&b.1).then_with(|| whole(a.0).cmp(&whole(b.0))));
         let own = own.map(|(member, value)| {
             let point = if is_cell { centre(mesh, member) } else { mesh.points()[member] };
             (whole(member), value, point)
         });
-        let (member, value, point) = subdomain.map_or(own, |subdomain| largest_of_ranks(subdomain, own))?;
+        let (member, value, point) = largest_of_ranks(ranks, own)?;
         let field = field.name().to_string();
         Some(Extreme {
             field,
@@ -85,11 +85,11 @@ fn number_of_ranks(subdomain: &Subdomain, is_cell: bool, member: usize) -> usize
 }
 
 /// Whether a node or a cell counts on this rank.
-pub(super) fn counts(subdomain: Option<&Subdomain>, is_cell: bool, member: usize) -> bool {
-    subdomain.is_none_or(|part| if is_cell { part.counts()[member] } else { member < part.n_own() })
+pub(super) fn counts(ranks: &Subdomain, is_cell: bool, member: usize) -> bool {
+    if is_cell { ranks.counts()[member] } else { member < ranks.n_own() }
 }
 
-/// The largest value of all ranks with its member and its point, of several the last member.
+/// The largest value of all ranks with its member and its point; of equal values, the last member.
 fn largest_of_ranks(
     subdomain: &Subdomain,
     own: Option<(usize, f64, [f64; 3])>,
@@ -120,7 +120,7 @@ fn centre(mesh: &Mesh, cell: usize) -> [f64; 3] {
     [0, 1, 2].map(|d| sum(d) / nodes.len() as f64)
 }
 
-/// What the quantities of an input need: fields at the members that they name, and nothing else.
+/// Fields that the quantities of an input need, at the members that they name.
 #[derive(Debug, Default)]
 pub(super) struct Measures {
     quantities: Quantities,
@@ -132,7 +132,7 @@ pub(super) struct Measures {
     selections: Vec<Option<Selection>>,
     /// The members of each value that count on this rank, with the weights of a total: reference volumes of cells.
     values: Vec<(Vec<Selection>, Vec<f64>)>,
-    /// For extremes of fields; `None` if there are none but those of the motion.
+    /// For extremes of fields; `None` if the input asks only for extremes of the motion.
     regions: Option<RegionMembers>,
 }
 
@@ -140,7 +140,7 @@ impl Measures {
     /// The measures of a body.
     pub(super) fn new(body: &Body, quantities: &Quantities) -> Self {
         let quantities = quantities.clone();
-        let own = |node: usize| body.subdomain().map_or(Some(node), |subdomain| subdomain.own_node(node));
+        let own = |node: usize| body.ranks().own_node(node);
         let probes: Vec<Option<usize>> = quantities.probes.iter().map(|probe| own(probe.node)).collect();
         if !needs_fields(&quantities) {
             return Measures { quantities, probes, ..Measures::default() };
@@ -173,7 +173,7 @@ impl Measures {
         self.quantities.extremes.iter().any(|name| name.name() == field)
     }
 
-    /// Appends the numbers of a state, and returns its extremes; on a team a call of all ranks.
+    /// Appends the numbers of a state, and returns its extremes; on a team, a collective call.
     pub(super) fn add_to(&self, view: View<'_>, numbers: &mut Vec<Number>) -> Vec<Extreme> {
         self.add_probes(view, numbers);
         for &(_, index) in &self.quantities.reactions {
@@ -199,20 +199,17 @@ impl Measures {
 
     fn add_values(&self, fields: &Fields, view: View<'_>, numbers: &mut Vec<Number>) {
         let State { displacement, velocity, .. } = view.state;
-        let subdomain = view.body.subdomain();
+        let ranks = view.body.ranks();
         for (value, (selections, weights)) in self.quantities.values.iter().zip(&self.values) {
             let on = |selection| fields.on(selection, displacement, velocity, value.quantity);
             let all: Vec<f64> = selections.iter().flat_map(on).collect();
             let mut whole = [weights.iter().sum(), weights.len() as f64];
-            if let Some(subdomain) = subdomain {
-                subdomain.sum("size of a group", &mut whole);
-            }
+            ranks.sum("size of a group", &mut whole);
             let n = value.quantity.components().len();
             let mut own = measured(&all, n, (weights, whole), value.measure);
-            match (subdomain, value.measure) {
-                (None, _) => {}
-                (Some(subdomain), Measure::Max) => largest_number(subdomain, &mut own),
-                (Some(subdomain), _) => subdomain.sum("value of a group", &mut own),
+            match value.measure {
+                Measure::Max => largest_number(ranks, &mut own),
+                _ => ranks.sum("value of a group", &mut own),
             }
             numbers.extend(own.into_iter().map(Real));
         }
@@ -229,8 +226,8 @@ impl Measures {
                 }
             }
         }
-        if let Some(subdomain) = view.body.subdomain().filter(|_| !all.is_empty()) {
-            subdomain.sum("probes", &mut all);
+        if !all.is_empty() {
+            view.body.ranks().sum("probes", &mut all);
         }
         numbers.extend(all.into_iter().map(Real));
     }
@@ -254,7 +251,7 @@ impl Measures {
         let View { body, state, .. } = view;
         let (of_motion, others): (Vec<FieldName>, Vec<FieldName>) =
             self.quantities.extremes.iter().partition(|name| is_of_motion(**name));
-        let whole = (body.mesh(), body.subdomain().map(|subdomain| &**subdomain));
+        let whole = (body.mesh(), &**body.ranks());
         let of = |&name: &FieldName| {
             Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), motion_of(name, state))
         };
@@ -291,23 +288,24 @@ fn group_cells<'a>(mesh: &'a Mesh, group: Option<&str>) -> Option<&'a [u32]> {
     mesh.groups().cells(group?).ok()
 }
 
-/// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come from
-/// these cells alone; for a largest value each region has its own members, so that no value is a mean of two materials.
+/// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come
+/// from these cells alone; for a largest value each region has its own members, so that no value is a mean of two
+/// materials.
 fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>, Vec<f64>) {
     let mesh = body.mesh();
-    let subdomain = body.subdomain().map(|subdomain| &**subdomain);
+    let ranks = body.ranks();
     let all_cells = || (0..mesh.n_cells() as u32).collect();
     let of_group = group_cells(mesh, value.group.as_deref());
     if value.quantity.place() == Place::Cells {
         let mut cells = of_group.map_or_else(all_cells, <[u32]>::to_vec);
-        cells.retain(|&cell| counts(subdomain, true, cell as usize));
+        cells.retain(|&cell| counts(ranks, true, cell as usize));
         let volumes = cells.iter().map(|&cell| fields.volume_for(value.quantity, cell as usize)).collect();
         return (vec![fields.select_cells(&cells)], volumes);
     }
     let all_nodes = || (0..mesh.n_nodes() as u32).collect();
     let nodes = value.group.as_ref().and_then(|group| mesh.volume_nodes(group).ok());
     let mut nodes: Vec<u32> = nodes.unwrap_or_else(all_nodes);
-    nodes.retain(|&node| counts(subdomain, false, node as usize));
+    nodes.retain(|&node| counts(ranks, false, node as usize));
     let is_max = value.measure == Measure::Max;
     if is_of_motion(value.quantity) || of_group.is_none() && !is_max {
         return (vec![fields.select_nodes(&nodes)], vec![1.0; nodes.len()]);
@@ -324,8 +322,8 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
     (selections, vec![1.0; n_members])
 }
 
-/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of the members of all ranks. A total
-/// or a mean of all ranks is the sum of theirs.
+/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of members, over all ranks. A
+/// total or a mean of all ranks is the sum of theirs.
 fn measured(all: &[f64], n: usize, (weights, whole): (&[f64], [f64; 2]), measure: Measure) -> Vec<f64> {
     let members = || all.chunks_exact(n);
     let sum = |weight: &dyn Fn(usize) -> f64| {

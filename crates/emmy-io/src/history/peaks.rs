@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::{HistoryColumns, HistoryError, Number, Rows};
 
-/// The last, smallest and largest number of a column over the rows of a history. NaN and empty cells are neither smallest
-/// nor largest; of equal numbers the first one counts. A number without a value is NaN.
+/// The last, smallest and largest number of a column over the rows of a history. NaN and empty cells are neither
+/// smallest nor largest; of equal numbers the first one counts. A number without a value is NaN.
 ///
 /// ```
 /// use emmy_io::history::Peak;
@@ -72,7 +72,7 @@ pub(crate) fn column_of_peak(name: &str) -> Option<&str> {
 #[derive(Debug, Default)]
 pub struct Peaks {
     names: Vec<String>,
-    /// Place of the first of these columns in a row; they are its end.
+    /// Index of the first of these columns in a row; they are the last ones.
     first: usize,
     /// Place of the time in a row.
     time: usize,

@@ -20,18 +20,18 @@ pub(crate) struct RegionMembers {
 impl RegionMembers {
     /// The members for some fields.
     pub(crate) fn new(body: &Body, fields: &Fields, names: &[FieldName]) -> Self {
-        let (mesh, subdomain) = (body.mesh(), body.subdomain().map(|subdomain| &**subdomain));
+        let (mesh, ranks) = (body.mesh(), body.ranks());
         let all: Vec<u32> = (0..mesh.n_cells() as u32).collect();
         let mut cells = by_region(body, &all);
         cells.resize(fields.regions().count(), Vec::new());
         let is_wanted = |place: Place| names.iter().any(|name| name.place() == place);
         let nodes = |cells: &Vec<u32>| {
             let mut nodes = nodes_of(mesh, cells);
-            nodes.retain(|&node| counts(subdomain, false, node as usize));
+            nodes.retain(|&node| counts(ranks, false, node as usize));
             fields.select_nodes_in(&nodes, cells.clone())
         };
         let own = |cells: &Vec<u32>| {
-            let own = cells.iter().copied().filter(|&cell| counts(subdomain, true, cell as usize));
+            let own = cells.iter().copied().filter(|&cell| counts(ranks, true, cell as usize));
             fields.select_cells(&own.collect::<Vec<_>>())
         };
         RegionMembers {
@@ -41,8 +41,8 @@ impl RegionMembers {
         }
     }
 
-    /// The largest value of each field in the body, then in the regions that have it if there are several. On a team a call of
-    /// all ranks.
+    /// The largest value of each field in the body, then in the regions that have it if there are several. On a team a
+    /// call of all ranks.
     pub(crate) fn extremes(
         &self,
         body: &Body,
@@ -65,7 +65,7 @@ impl RegionMembers {
             values
         };
         let of_regions: Vec<Vec<FieldValues>> = (0..self.names.len()).map(values).collect();
-        let whole = (body.mesh(), body.subdomain().map(|subdomain| &**subdomain));
+        let whole = (body.mesh(), &**body.ranks());
         let largest = |name: FieldName| {
             let regions = (0..self.names.len()).filter(|&region| fields.region_has(region, name));
             let own = regions.filter_map(|region| {

@@ -47,8 +47,10 @@ pub(super) fn plan(
         return Err(fault.help("`emmy list schemes` explains them"));
     };
     if element.degree >= MAX_DEGREE {
-        let message =
-            format!("`adaptive` goes up to degree {}: its error is that over the next one", MAX_DEGREE - 1);
+        let message = format!(
+            "`adaptive` allows degrees up to {}: the next degree estimates the error",
+            MAX_DEGREE - 1
+        );
         return Err(degree_item.fault(message, "too high"));
     }
     let table: Table<'_> = time.must("adaptive");

@@ -128,7 +128,8 @@ pub(super) fn spell(node: &mut Node) {
     }
 }
 
-/// The name of a function: its text up to the last bracket, behind which a program may tell functions of one name apart.
+/// The name of a function: its text up to the last bracket, behind which a program may tell functions of one name
+/// apart.
 fn name(text: &str) -> &str {
     text.rfind('>').map_or(text, |end| &text[..=end])
 }

@@ -33,8 +33,8 @@ pub(super) fn of_tables(loads: &[Load], supports: &[Support], plan: &StepPlan) -
     of_loads.chain(of_supports).collect()
 }
 
-/// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that does
-/// not end at zero.
+/// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that
+/// does not end at zero.
 fn of_table(name: &str, table: &TimeFunction, plan: &StepPlan) -> Vec<String> {
     let entries = table.entries();
     let ([(first, before), ..], [.., (last, value)]) = (entries, entries) else { return Vec::new() };

@@ -1,7 +1,7 @@
 //! Description of the input: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
 //!
 //! Every table is described once, in the file that reads it. The check of keys and values, the defaults, the JSON
-//! schema and the tables of `docs/input.md` come from these descriptions.
+//! schema and the tables of `book/src/input.md` come from these descriptions.
 
 use std::sync::LazyLock;
 

@@ -14,8 +14,8 @@ pub(super) const LARGEST: f64 = 1e150;
 /// [`LARGEST`].
 const LARGEST_LENGTH: f64 = 1e50;
 
-pub(super) const HELP: &str = "choose other units: squares of numbers above 1e150 are infinite for a computer, those of numbers below 1e-150 \
-                    are zero (of lengths, whose cubes count, 1e50 and 1e-50)";
+pub(super) const HELP: &str = "choose other units: the squares of numbers above 1e150 overflow, and those of numbers below 1e-150 vanish \
+                    (for lengths, whose cubes count, 1e50 and 1e-50)";
 
 /// The number of an item, if its square is finite.
 pub(super) fn within(item: &Item<'_>) -> Result<f64, Fault> {

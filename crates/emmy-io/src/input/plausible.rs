@@ -1,5 +1,5 @@
-//! Remarks on numbers that are a sign of mixed units: densities and moduli that no known solid has, lengths of a mesh in
-//! another unit, loads beyond the stiffness of every region.
+//! Remarks on numbers that are a sign of mixed units: densities and moduli that no known solid has, lengths of a mesh
+//! in another unit, loads beyond the stiffness of every region.
 
 use std::ops::RangeInclusive;
 

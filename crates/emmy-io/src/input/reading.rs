@@ -99,5 +99,5 @@ impl Prepared {
 }
 
 /// A path of the mesh that no TOML file can hold.
-const LOST_MESH: &str = "the path of the mesh is not UTF-8, which the input of the output directory cannot hold: `emmy resume` \
-                         needs `--set mesh.file=PATH` with another name of it";
+const LOST_MESH: &str = "the mesh path is not UTF-8, so `input.toml` cannot record it; to resume, give \
+                         `--set mesh.file=PATH` with a UTF-8 path";

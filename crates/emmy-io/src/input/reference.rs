@@ -1,4 +1,4 @@
-//! Tables of `docs/input.md`, `docs/results.md` and `docs/materials.md`, written from the descriptions.
+//! Tables of `book/src/input.md`, `book/src/results.md` and `book/src/materials.md`, written from the descriptions.
 //!
 //! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input,
 //! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
@@ -287,7 +287,7 @@ fn every_unit_of_a_description_is_a_dimension() {
 fn the_tables_of_the_reference_match_the_program() {
     let mut all = Vec::new();
     for page in ["input", "results", "materials"] {
-        let path = format!("{}/../../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../../book/src/{page}.md", env!("CARGO_MANIFEST_DIR"));
         let page = std::fs::read_to_string(&path).unwrap();
         let (filled, names) = filled(&page);
         all.extend(names);

@@ -353,8 +353,8 @@ fn finished(mut faults: Faults) -> InputError {
     faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
 }
 
-/// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names there:
-/// loads and supports themselves tell them apart.
+/// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
+/// there: loads and supports themselves tell them apart.
 fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 4]> {
     let mut table = resolved.parse::<toml::Table>().ok()?;
     Some(["region", "mass", "load", "support"].map(|section| table.remove(section)))

@@ -20,7 +20,8 @@ pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     Ok(assign(tree, "the input", &path, value)?)
 }
 
-/// A flag `KEY=A,B,C` of a sweep as one `KEY=VALUE` for each value. A comma inside brackets or quotes belongs to a value.
+/// A flag `KEY=A,B,C` of a sweep as one `KEY=VALUE` for each value. A comma inside brackets or quotes belongs to a
+/// value.
 ///
 /// # Errors
 /// A key that is not dotted, and an empty value among others.

@@ -81,8 +81,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The mesh, on a team of rank 0 alone, and its digest. Shares in a folder must be those of the mesh of the input, whose
-    /// text is `resolved`.
+    /// The mesh, on a team of rank 0 alone, and its digest. Shares in a folder must be those of the mesh of the input,
+    /// whose text is `resolved`.
     pub(super) fn mesh(
         self,
         resolved: &str,
@@ -121,8 +121,8 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The digest of the whole mesh of a folder of shares, if they are those of an input. One rank alone compares the mesh file,
-/// which need not be there.
+/// The digest of the whole mesh of a folder of shares, if they are those of an input. One rank alone compares the mesh
+/// file, which need not be there.
 fn digest_of_parts(folder: &Path, resolved: &str, compares_file: bool) -> Result<String, InputError> {
     let index = shares::read_index(folder).map_err(|error| Fault::new(error.to_string()))?;
     let (section, file) = mesh_section(resolved);

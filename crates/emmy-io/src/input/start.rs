@@ -19,7 +19,8 @@ pub enum Start {
     Run(PathBuf),
 }
 
-/// The directory of the state that one of the tables `[initial]` names, if one does; `equilibrium`: place of this key.
+/// The directory of the state that one of the tables `[initial]` names, if one does; `equilibrium`: place of this
+/// key.
 pub(super) fn read(
     initial: &[Table<'_>],
     equilibrium: Option<&Place>,
@@ -30,7 +31,8 @@ pub(super) fn read(
     let others = table.items().filter(|item| item.key != state.key).map(|item| item.key_place);
     let other_tables = initial.iter().map(|own| own.place).filter(|place| !std::ptr::eq(*place, table.place));
     if let Some(other) = other_tables.chain(others).next() {
-        let message = "`state` gives the whole start, with its velocities: no other key of `[initial]` can stand beside it";
+        let message =
+            "`state` gives the whole start, velocities included: `[initial]` takes no other key beside it";
         return Err(Fault::at(state.key_place, message, "the start").label(other, "and more"));
     }
     if let Some(equilibrium) = equilibrium {

@@ -6,7 +6,7 @@ use emmy::equilibrium::Equilibrium;
 use emmy::internals::number::{short, short_below};
 use emmy::internals::time::CentralDifferences;
 use emmy::motion::{MarchError, Motion, Observer, State};
-use emmy::team::{Alone, Team};
+use emmy::team::Team;
 use emmy::time::Scheme;
 
 use super::fault::{Fault, InputError};
@@ -123,8 +123,8 @@ impl Problem {
         }
     }
 
-    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from which
-    /// the motion starts; `None` for the undeformed body.
+    /// The state about which the body of this input vibrates: the equilibrium, or the last state of another run, from
+    /// which the motion starts; `None` for the undeformed body.
     ///
     /// # Errors
     /// [`StartError`].
@@ -138,14 +138,8 @@ impl Problem {
 
     /// Numbers of nodes and cells of the whole mesh.
     pub fn mesh_size(&self) -> [usize; 2] {
-        let mesh = self.body.mesh();
-        match self.body.subdomain() {
-            Some(part) => {
-                let cells = self.body.regions().iter().map(|region| region.n_cells);
-                [part.n_nodes_of_ranks(), cells.sum()]
-            }
-            None => [mesh.n_nodes(), mesh.n_cells()],
-        }
+        let cells = self.body.regions().iter().map(|region| region.n_cells);
+        [self.body.ranks().n_nodes_of_ranks(), cells.sum()]
     }
 
     /// Digest of the whole mesh.
@@ -167,7 +161,7 @@ impl Problem {
         };
         self.agree(is_other, StartError::Run)?;
         let unusable = |error: CheckpointError| StartError::Run(error.to_string());
-        let team: &dyn Team = self.body.subdomain().map_or(&Alone, |part| &**part.team());
+        let team: &dyn Team = &**self.body.ranks().team();
         let (checkpoint, damaged) = checkpoint::newest(directory, team).map_err(unusable)?;
         // The other checkpoint may be older.
         if let Some(reasons) = damaged {

@@ -153,8 +153,7 @@ fn motion(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     let history = history::read(item, context)?;
     let key = item.key;
     if let Some(time) = history.first_jump() {
-        let message =
-            format!("`{key}`: a motion that jumps, at t = {}; give the way there some time", short(time));
+        let message = format!("`{key}`: the motion jumps at t = {}; give the jump a duration", short(time));
         return Err(item.fault(message, "two values at one time"));
     }
     // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the

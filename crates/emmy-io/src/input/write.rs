@@ -29,8 +29,8 @@ pub(super) fn toml(root: &Node) -> String {
 /// Headers of the sections that describe a body.
 const OF_BODY: [&str; 5] = ["[mesh]", "[[region]]", "[[mass]]", "[[support]]", "[[load]]"];
 
-/// The sections of a resolved input that describe the body, without those of its motion. A comment explains the names of
-/// functions, which no file can hold.
+/// The sections of a resolved input that describe the body, without those of its motion. A comment explains the names
+/// of functions, which no file can hold.
 ///
 /// ```
 /// let resolved = "[mesh]\nfile = \"a.msh\"\n\n[[load]]\nhistory = \"<function hat>\"\n\n[time]\nscheme = \"DGM\"\n";

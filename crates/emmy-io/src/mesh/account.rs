@@ -1,4 +1,5 @@
-//! What a reader does with the entries of a file: cards of Nastran, keywords of Abaqus, sections of Gmsh, arrays of VTK.
+//! What a reader does with the entries of a file: cards of Nastran, keywords of Abaqus, sections of Gmsh, arrays of
+//! VTK.
 
 use std::collections::BTreeMap;
 
@@ -38,15 +39,14 @@ impl Treatment {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entries {
     pub(crate) treatment: Treatment,
-    /// What they have in common, such as `rigid elements and constraints`, for the documentation.
+    /// Their common description in the documentation, such as `rigid elements and constraints`.
     #[cfg_attr(not(test), expect(dead_code))]
     pub(crate) what: &'static str,
     /// Names in upper case; one that ends with `*` stands for all names that begin so.
     pub(crate) names: &'static [&'static str],
 }
 
-/// Treatment of a name in upper case, by the first entries that have it, those with the whole name before the others;
-/// `None`: unknown.
+/// Treatment of a name in upper case: first by entries with the whole name, then by their beginnings; `None`: unknown.
 pub(crate) fn treatment(table: &[Entries], name: &str) -> Option<Treatment> {
     let whole = |entries: &&Entries| entries.names.contains(&name);
     let begins = |entries: &&Entries| {
@@ -74,7 +74,7 @@ impl Account {
         treatment
     }
 
-    /// Counts an entry, such as an element of a kind that is not read, among those that would change the motion.
+    /// Counts an entry that would change the motion, such as an element of a kind that is not read.
     pub(crate) fn leave_out(&mut self, name: &str) {
         *self.left_out.entry(name.to_string()).or_default() += 1;
     }

@@ -219,7 +219,7 @@ pub enum MeshError {
         /// Something to try.
         advice: &'static str,
     },
-    /// An error of something missing, with the lines of the file that were not read and may be the cause.
+    /// Something is missing; lists the lines of the file that were not read and may be the cause.
     #[error("{error}; {suspects}")]
     Suspected {
         /// The error.
@@ -248,7 +248,7 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    /// Adds the lines that were not read to the error of something missing.
+    /// Adds the lines that were not read to an error that something is missing.
     pub(super) fn with_suspects(self, suspects: Option<String>) -> Self {
         match (self, suspects) {
             (

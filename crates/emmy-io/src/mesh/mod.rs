@@ -78,18 +78,18 @@ pub struct MeshOptions {
     pub plane_shells: bool,
 }
 
-/// Mesh in a file of Gmsh (MSH 1, 2.0 to 2.2, 4.0 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
-/// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression, its pieces joined; and
-/// legacy files, ASCII or binary).
+/// Mesh in a file of Gmsh (MSH 1, 2.0 to 2.2, 4.0 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk
+/// data) or of VTK (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression, its
+/// pieces joined; and legacy files, ASCII or binary).
 ///
 /// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups. A
-/// physical group without a name is named by its number. Volume elements without a group are kept. Surface elements that
-/// are no face of a cell are left out, with a note; their nodes stay a group, in all formats.
+/// physical group without a name is named by its number. Volume elements without a group are kept. Surface elements
+/// that are no face of a cell are left out, with a note; their nodes stay a group, in all formats.
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
-/// instance form a group of the instance's name. Elements that are not solid, such as masses, beams or shells that are no
-/// faces of cells, are left out and counted; a set of them is a group of nodes.
+/// instance form a group of the instance's name. Elements that are not solid, such as masses, beams or shells that are
+/// no faces of cells, are left out and counted; a set of them is a group of nodes.
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
@@ -101,13 +101,13 @@ pub struct MeshOptions {
 ///
 /// VTK: arrays of whole numbers, also if they are stored as real numbers, become groups. `group:NAME`: its cells, its
 /// facets (faces that are cells of the file) and the nodes of other cells, wherever it is not 0; as point data, nodes.
-/// `facets:NAME`: bit i of a cell denotes its face i. Any other array with up to 64 values: groups called `ARRAY=VALUE`.
-/// A note names the other arrays. Emmy's own frames keep all their groups. Cells of lower dimension that are no faces or
-/// edges of the body are left out, with a note.
+/// `facets:NAME`: bit i of a cell denotes its face i. Any other array with up to 64 values: groups called
+/// `ARRAY=VALUE`. A note names the other arrays. Emmy's own frames keep all their groups. Cells of lower dimension that
+/// are no faces or edges of the body are left out, with a note.
 ///
 /// Cells whose nodes are numbered the other way round are turned, with a note
-/// ([`emmy::mesh::MeshBuilder::orient_cells`]). Other inverted cells and repeated ones are errors. Nodes at one position
-/// are noted.
+/// ([`emmy::mesh::MeshBuilder::orient_cells`]). Other inverted cells and repeated ones are errors. Nodes at one
+/// position are noted.
 ///
 /// # Errors
 /// [`MeshError`]: file unreadable, of unknown format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
@@ -171,9 +171,9 @@ pub fn parse_with(path: &Path, bytes: &[u8], options: &MeshOptions) -> Result<Me
     Ok(file)
 }
 
-/// Mesh of an unstructured grid, with the groups that [`read`] takes from the arrays of a file of VTK; `name` stands for
-/// the grid in messages, and lines of two nodes in the groups `links` are cells. In a grid of lines alone all are cells,
-/// with the group `links`.
+/// Mesh of an unstructured grid, with the groups that [`read`] takes from the arrays of a file of VTK; `name` stands
+/// for the grid in messages, and lines of two nodes in the groups `links` are cells. If the grid has only lines, all
+/// are cells, with the group `links`.
 ///
 /// # Errors
 /// As [`read`].
@@ -181,8 +181,9 @@ pub fn from_grid(name: &Path, grid: Grid, links: &[String]) -> Result<MeshFile> 
     vtu::of_grid(name, grid, links)
 }
 
-/// Mesh of arrays in memory, with the checks and the notes of [`read`] after those that are given; `name` stands for the
-/// arrays in messages. Nodes that no cell uses are left out; a note says which node is the first with another number.
+/// Mesh of arrays in memory, with the checks and the notes of [`read`] after those that are given; `name` stands for
+/// the arrays in messages. Nodes that no cell uses are left out; a note says which node is the first with another
+/// number.
 ///
 /// ```
 /// let mut builder = emmy::mesh::MeshBuilder::new();
@@ -223,8 +224,8 @@ enum Format {
     Nastran,
 }
 
-/// Format by the first character, unless the extension belongs to another known format; otherwise by the extension, for
-/// the message of its reader.
+/// Format by the first character, unless the extension belongs to another known format; otherwise by the extension, so
+/// that the reader of that format writes the message.
 fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
     let extension = || Some(path.extension()?.to_str()?.to_ascii_lowercase());
     if extension().is_some_and(|extension| ["bdf", "nas", "fem"].contains(&&*extension)) {
@@ -353,7 +354,7 @@ fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
     ))
 }
 
-/// Cells with two corners at one position are integrated as they are, but more likely they should be wedges or
+/// Cells with two corners at one position are integrated as they are, although they were probably meant as wedges or
 /// pyramids.
 fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
     let is_collapsed = |cell: &Cell<'_>| {

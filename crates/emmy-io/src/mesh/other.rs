@@ -45,7 +45,7 @@ const FORMATS: [(&str, &str, Way); 20] = [
     ("geo", "a script of Gmsh", Way::Script),
 ];
 
-/// The error of a file with the extension of a known but unsupported format.
+/// The error for a file with the extension of a known but unsupported format.
 pub(super) fn format(file: &Path) -> Option<MeshError> {
     let extension = file.extension()?.to_str()?.to_ascii_lowercase();
     let (_, format, way) = FORMATS.into_iter().find(|(known, ..)| *known == extension)?;

@@ -16,7 +16,8 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// The error of a node with its z, and that of the first one; advice for surfaces in another plane, and for others.
+    /// The error for a node with another z than the first one, with advice for surfaces in another plane and for other
+    /// surfaces.
     pub(super) fn error(
         &self,
         file: &Path,

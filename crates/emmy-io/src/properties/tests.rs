@@ -72,7 +72,8 @@ fn sound_in_rods_has_the_speed_of_the_handbook() {
     }
 }
 
-/// The parameters of a material as the model takes them, nearly without changes of volume, as in the fits of the sources.
+/// The parameters of a material as the model takes them, nearly without changes of volume, as in the fits of the
+/// sources.
 fn incompressible<M: Modelled>(name: &str) -> M {
     let parameters = named(name).material[M::MODEL.name].as_table().unwrap();
     let value = |(name, value): (&String, &toml::Value)| {
@@ -102,7 +103,8 @@ fn nominal_stress(material: &impl Material, stretch: f64) -> f64 {
     stretch * stress(low)[0]
 }
 
-/// Stretch and nominal stress \[MPa\] in simple tension, measured by Treloar (1944), Trans. Faraday Soc. 40, as given by
+/// Stretch and nominal stress \[MPa\] in simple tension, measured by Treloar (1944), Trans. Faraday Soc. 40, as given
+/// by
 /// <https://github.com/Chongran-Zhao/Hyperelastic-fitting>.
 const TRELOAR: [(f64, f64); 8] = [
     (1.24, 0.2256),
@@ -115,9 +117,9 @@ const TRELOAR: [(f64, f64); 8] = [
     (7.05, 4.13),
 ];
 
-/// The bounds are the distances of these models from the measurements: Ogden's figure 1 has the largest one, of a tenth,
-/// at stretches about 2, and is closer beyond 3; eight chains are too soft below 2; Mooney and Rivlin's model, which has
-/// no upturn, is for stretches below 5.
+/// The bounds are the distances of these models from the measurements: Ogden's figure 1 has the largest one, of a
+/// tenth, at stretches about 2, and is closer beyond 3; eight chains are too soft below 2; Mooney and Rivlin's model,
+/// which has no upturn, is for stretches below 5.
 #[test]
 fn the_rubbers_follow_the_measurements_of_treloar() {
     fn check(material: &impl Material, stretches: std::ops::Range<f64>, bound: f64) {

@@ -79,8 +79,8 @@ impl Surface {
     }
 }
 
-/// Facets of the solid cells: their nodes, four corners (the fourth of a triangle is no node, so that two cells agree on
-/// the same facet whichever corner is last), and the number of corners.
+/// Facets of the solid cells: their nodes, four corners (the fourth of a triangle is no node, so that two cells agree
+/// on the same facet whichever corner is last), and the number of corners.
 fn solid_facets(cells: &[(CellKind, Vec<u32>)]) -> impl Iterator<Item = (Vec<u32>, [u32; 4], usize)> + '_ {
     let solids = cells.iter().filter(|(kind, _)| kind.dimension() == 3);
     solids.flat_map(|(kind, nodes)| {

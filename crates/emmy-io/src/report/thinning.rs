@@ -5,9 +5,9 @@ use std::rc::Rc;
 /// A row with its index.
 pub(super) type KeptRow = (usize, Rc<Vec<f64>>);
 
-/// Chooses at most `limit` of `n` rows, and returns them in ascending order with the number of stretches. With more
-/// rows than that, each stretch keeps its first row and the rows with the smallest and the largest value of every
-/// peaked column; the last row stays too.
+/// Chooses at most `limit` of `n` rows; returns them in ascending order, and how many intervals they form. If rows are
+/// left out, each interval keeps its first row and the rows with the smallest and the largest value of every peaked
+/// column; the last row is kept too.
 pub(super) fn kept_rows<E>(
     rows: impl Iterator<Item = Result<Vec<f64>, E>>,
     n: usize,

@@ -47,12 +47,12 @@ pub enum ResumeError {
 /// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and
 /// `report.html` into the output directory, and checks the limits.
 ///
-/// On a team every rank has results and makes the same calls. Rank 0 writes the files of the whole run; the others take part in
-/// frames and checkpoints.
+/// On a team every rank has results and makes the same calls. Rank 0 writes the files of the whole run; the others take
+/// part in frames and checkpoints.
 #[derive(Debug)]
 pub struct Results {
     /// The part of the rank, on a team.
-    part: Option<Arc<Subdomain>>,
+    ranks: Arc<Subdomain>,
     output: Output,
     plan: StepPlan,
     columns: HistoryColumns,
@@ -111,8 +111,8 @@ impl Results {
         Results::open(problem, files, None).map_err(unwritten)
     }
 
-    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory; absent
-    /// on the ranks of a team that do not hold it.
+    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory;
+    /// absent on the ranks of a team that do not hold it.
     ///
     /// # Errors
     /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
@@ -164,7 +164,7 @@ impl Results {
         let extremes = after.map_or_else(Vec::new, |checkpoint| checkpoint.extremes.clone());
         let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
         let mut results = Results {
-            part: problem.body.subdomain().cloned(),
+            ranks: problem.body.ranks().clone(),
             limits: problem.limits,
             columns: HistoryColumns::of(problem),
             output,
@@ -189,7 +189,7 @@ impl Results {
 
     /// The same outcome on all ranks.
     fn agree(&self, own: io::Result<()>) -> io::Result<()> {
-        agreed(self.part.as_deref(), own)
+        agreed(&**self.ranks.team(), own)
     }
 
     /// Whether this rank writes the files of the whole run.
@@ -197,8 +197,8 @@ impl Results {
         self.files.is_some()
     }
 
-    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
-    /// Each file is tried even if another one fails; a run with the status `done` has then failed.
+    /// Ends the run: writes the last state as a frame and a checkpoint, unless this is done already, then the summary.
+    /// Each file is tried even if another one fails; the status `done` then becomes a failure.
     pub fn finish(
         &mut self,
         problem: &Problem,
@@ -207,11 +207,8 @@ impl Results {
         message: Option<&str>,
     ) -> Ending {
         // A run cannot resume from a step that could not be written.
-        let mut failed = [f64::from(u8::from(status == Status::Failed))];
-        if let Some(part) = &self.part {
-            part.largest("whether the run failed", &mut failed);
-        }
-        let is_sound = failed[0] == 0.0;
+        let [has_failed] = self.ranks.any("whether the run failed", [status == Status::Failed]);
+        let is_sound = !has_failed;
         let status = if is_sound { status } else { Status::Failed };
         let mut errors = vec![self.end_frames(motion, is_sound)];
         errors.extend(is_sound.then(|| self.write_checkpoint(motion, true)));
@@ -262,13 +259,13 @@ impl Results {
         summary
     }
 
-    /// Largest values of fields so far: of those that the input asks for in every step, of the von Mises stress
-    /// otherwise at the frames. Those of the body, whose `region` is `None`, and of each region if there are several.
+    /// Largest values of fields so far, in the body (`region` is `None`) and in each region if there are several: for
+    /// fields that the input asks for, over every step; otherwise for the von Mises stress, over the frames.
     pub fn extremes(&self) -> &[Extreme] {
         &self.extremes
     }
 
-    /// Whether the largest value of a field is that of every step, and not of the frames alone.
+    /// Whether the largest value of a field is taken over every step, not only over the frames.
     pub fn is_in_every_step(&self, field: &str) -> bool {
         self.columns.has_extreme(field)
     }
@@ -344,17 +341,15 @@ impl Results {
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
         let frames = self.recording.as_ref().map_or(&[][..], Recording::written);
         // The clock of rank 0 decides.
-        let mut is_due = [f64::from(u8::from(self.files.is_some() && checkpoints.is_sync_due()))];
-        if let Some(part) = &self.part {
-            part.largest("whether a sync is due", &mut is_due);
-        }
-        let is_safe = is_last || is_due[0] > 0.0;
+        let is_due = self.files.is_some() && checkpoints.is_sync_due();
+        let [is_due] = self.ranks.any("whether a sync is due", [is_due]);
+        let is_safe = is_last || is_due;
         let synced = match &mut self.files {
             // The history must reach the disk before the checkpoint that belongs to it.
             Some(files) if is_safe => files.history.sync(),
             _ => Ok(()),
         };
-        agreed(self.part.as_deref(), synced)?;
+        agreed(&**self.ranks.team(), synced)?;
         let progress = Progress {
             frames,
             history_checksum: self.files.as_ref().map_or(0, |files| files.history.sum()),

@@ -133,7 +133,7 @@ impl<'a> SweepFile<'a> {
     /// Replaces the table by all its rows in the order of the runs.
     ///
     /// # Errors
-    /// How the file was changed in the meantime, and errors of the system.
+    /// An error if the file has changed since, and errors of the system.
     pub fn finish(self, rows: &[SweepRow]) -> io::Result<()> {
         self.rows.verify()?;
         let mut sorted: Vec<&SweepRow> = rows.iter().collect();
@@ -151,7 +151,8 @@ impl<'a> SweepFile<'a> {
 /// Begin of the line with the columns that the inputs name.
 pub(super) const NAMED: &str = "# columns that the input names: ";
 
-/// Begin of the line with the checksum of all runs: a sweep whose first run agrees may differ in a file that it reads.
+/// Beginning of the line with the checksum of all runs. Sweeps with the same first run may differ in a file that they
+/// read.
 const CHECKSUM: &str = "# data of all runs: ";
 
 /// Creates and locks the directory.

@@ -1,7 +1,8 @@
 //! Sweeps: one file with every combination of values of some keys, and a row of numbers for each run.
 //!
-//! [`Sweep::read`] reads and checks every combination, so a mistake is found before the first run. [`fn@sweep`] runs them
-//! side by side, each on one thread, and [`SweepFile`] keeps their rows as `sweep.csv`. [`SweepTable`] reads such a file.
+//! [`Sweep::read`] reads and checks every combination, so a mistake is found before the first run. [`fn@sweep`] runs
+//! them side by side, each on one thread, and [`SweepFile`] keeps their rows as `sweep.csv`. [`SweepTable`] reads such
+//! a file.
 
 mod file;
 mod runs;
@@ -314,18 +315,19 @@ impl Sweep {
         self.schemes[run]
     }
 
-    /// Names of the numbers in a row: of the whole body, and for each column X of a history that `[output]` asks for `X`,
-    /// `X_min`, `X_min_time`, `X_max` and `X_max_time`.
+    /// Names of the numbers in a row: of the whole body, and for each column X of a history that `[output]` asks for
+    /// `X`, `X_min`, `X_min_time`, `X_max` and `X_max_time`.
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
 
-    /// The columns X that the input names: all but the reactions of an input that lists none.
+    /// The columns X that the input names; without reactions if it lists none.
     pub fn named_columns(&self) -> &[String] {
         &self.named
     }
 
-    /// Keeps input, history and summary of each run from now on: of run N, counted from 1, in `runs/N` of a directory.
+    /// Keeps input, history and summary of each run from now on; those of run N, counted from 1, are in `runs/N` of a
+    /// directory.
     pub fn keep_in(&mut self, directory: &Path) {
         self.kept = Some(directory.join(KEPT));
     }

@@ -30,7 +30,7 @@ pub struct SweepRow {
     pub run: usize,
     /// Why the run failed, in a line.
     pub failure: Option<String>,
-    /// The numbers of [`Sweep::columns`] at its end; of a failed run after its last completed step.
+    /// The numbers of [`Sweep::columns`] at the end of the run; if it failed, after its last completed step.
     pub numbers: Vec<Number>,
 }
 
@@ -48,8 +48,8 @@ fn status(failure: Option<&str>) -> Status {
 /// Runs some of the combinations, each on one thread, on as many threads as the pool of the caller has, and returns
 /// their rows in the given order. A row is reported as soon as its run has ended.
 ///
-/// `watch` sees the index of a run and the part of its time that is done, from 0 to 1, before the run and after each step.
-/// Once its answer is true, running ones end after their step without a row, and no others start.
+/// `watch` sees the index of a run and the part of its time that is done, from 0 to 1, before the run and after each
+/// step. Once it returns true, the running ones end after their step without a row, and no others start.
 ///
 /// The numbers do not depend on the number of threads, except `wall_seconds`.
 ///
@@ -213,8 +213,8 @@ impl Observer for Recorder<'_> {
 }
 
 impl Recorder<'_> {
-    /// Writes the kept summary, and returns the numbers of some columns: of the whole body from the summary or the last step,
-    /// others from the peaks.
+    /// Writes the kept summary, and returns the numbers of some columns: of the whole body from the summary or the last
+    /// step, others from the peaks.
     fn end(self, columns: &[String], motion: &Motion<'_>, failure: Option<String>) -> io::Result<Ended> {
         let seconds = self.started.elapsed().as_secs_f64();
         let statistics = motion.statistics();

@@ -107,8 +107,8 @@ fn agree(a: &[String], b: &[String]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(same)
 }
 
-/// The rows of sweeps over the same keys, side by side: for each combination of values the row of each sweep that has it.
-/// Combinations are in the order of the first sweep that has them.
+/// The rows of sweeps over the same keys, side by side: for each combination of values the row of each sweep that has
+/// it. Combinations are in the order of the first sweep that has them.
 pub fn rows_side_by_side(sweeps: &[SweepTable]) -> Vec<Vec<Option<&TableRow>>> {
     let mut all: Vec<Vec<Option<&TableRow>>> = Vec::new();
     for (place, sweep) in sweeps.iter().enumerate() {
@@ -170,8 +170,8 @@ fn joined(sweeps: &[SweepTable]) -> String {
     text
 }
 
-/// Writes the rows of all sweeps as `compare.csv`, and charts over the swept key as `compare.svg` and `.png`. A page of an
-/// earlier comparison is removed.
+/// Writes the rows of all sweeps as `compare.csv`, and charts over the swept key as `compare.svg` and `.png`. A page of
+/// an earlier comparison is removed.
 ///
 /// # Errors
 /// Errors of the system.

@@ -8,7 +8,7 @@ use std::{fs, io};
 
 use emmy::body::FieldValues;
 use emmy::mesh::Mesh;
-use emmy::team::{self, Subdomain};
+use emmy::team::{self, Alone, Subdomain, Team};
 
 use super::frame::Frame;
 use super::frame_names::{self, Layout, remove_frames_where, stem};
@@ -22,8 +22,8 @@ use crate::whole_file::{named, replace};
 ///
 /// A team writes a piece for each rank, `frames/NAME_000000/0000.vtu`, ..., and their list, `frames/NAME_000000.pvtu`.
 /// Pieces have the cells that count on a rank, with their numbers in the whole mesh as point data `node` and cell data
-/// `cell`, and the cell data `rank`. Then every method that changes files is a call of all ranks, and an error of one is an
-/// error of all.
+/// `cell`, and the cell data `rank`. Then every method that changes files is a collective call; if one rank fails, all
+/// fail with its error.
 ///
 /// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand
 /// frames, then less often, so that the bytes written are linear in the number of frames.
@@ -42,7 +42,7 @@ pub struct FrameFiles {
 /// Comment in every collection (`.pvd`) that Emmy writes.
 pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
 
-/// Up to this number of frames, each is listed at once; after that the collection may lag by one frame in as many.
+/// Number of frames up to which each is listed at once. Later, the collection lags by at most one frame in this number.
 const ALL_LISTED: usize = 1000;
 
 /// Folder of the frames.
@@ -78,13 +78,13 @@ impl FrameFiles {
     }
 
     fn new(directory: &Path, frame: Frame, pieces: Option<Pieces>) -> io::Result<Self> {
-        let subdomain = pieces.as_ref().map(|pieces| &*pieces.subdomain);
-        on_first_rank(subdomain, || {
+        let team = team_of(pieces.as_ref());
+        on_first_rank(team, || {
             let folder = directory.join(FRAMES);
             fs::create_dir_all(&folder).map_err(named(&folder))
         })?;
         let name = name_of(directory);
-        let name = subdomain.map_or(name.clone(), |subdomain| team::text_of(&**subdomain.team(), 0, &name));
+        let name = team::text_of(team, 0, &name);
         let directory = directory.to_path_buf();
         let mut frames = FrameFiles { directory, name, frame, pieces, written: Vec::new(), listed: 0 };
         frames.write_collection()?;
@@ -103,7 +103,7 @@ impl FrameFiles {
         self.write_collection()?;
         let steps: BTreeSet<usize> = self.written.iter().map(|(frame, _)| frame.step).collect();
         let is_unwanted = |number: usize| number > step || !steps.contains(&number);
-        on_first_rank(self.subdomain(), || {
+        on_first_rank(self.team(), || {
             remove_frames_where(&self.directory.join(FRAMES), &self.name, is_unwanted)
         })?;
         Ok(found().filter(|(_, layout)| layout.is_none()).map(|(frame, _)| frame).collect())
@@ -116,9 +116,10 @@ impl FrameFiles {
         };
         let mut numbers: Vec<f64> =
             frames.iter().map(|frame| found(frame).map_or(0.0, |layout| 1.0 + layout as f64)).collect();
-        if let Some(subdomain) = self.subdomain() {
-            subdomain.take_from(0, "files of frames", &mut numbers);
+        if self.team().rank() != 0 {
+            numbers.fill(0.0);
         }
+        self.team().sum("files of frames", &mut numbers);
         numbers
             .into_iter()
             .map(|number| Layout::ALL.get((number as usize).wrapping_sub(1)).copied())
@@ -155,16 +156,16 @@ impl FrameFiles {
         time: f64,
         fields: &[FieldValues],
     ) -> io::Result<()> {
-        let subdomain = self.subdomain();
+        let team = self.team();
         let stem = stem(&self.name, step);
         let folder = self.directory.join(FRAMES).join(&stem);
-        on_first_rank(subdomain, || fs::create_dir_all(&folder).map_err(named(&folder)))?;
+        on_first_rank(team, || fs::create_dir_all(&folder).map_err(named(&folder)))?;
         let own = || {
             let path = folder.join(frame_names::piece(pieces.subdomain.rank()));
             replace(&path, self.frame.xml(time, &pieces.fields(fields)).as_bytes())
         };
-        agreed(subdomain, if pieces.has_own() { own() } else { Ok(()) })?;
-        on_first_rank(subdomain, || {
+        agreed(team, if pieces.has_own() { own() } else { Ok(()) })?;
+        on_first_rank(team, || {
             let sources = pieces.ranks.iter().map(|&rank| format!("{stem}/{}", frame_names::piece(rank)));
             replace(&self.path(step, Layout::Pieces), self.frame.list(fields, sources).as_bytes())
         })
@@ -193,8 +194,8 @@ impl FrameFiles {
         self.written.len()
     }
 
-    fn subdomain(&self) -> Option<&Subdomain> {
-        self.pieces.as_ref().map(|pieces| &*pieces.subdomain)
+    fn team(&self) -> &dyn Team {
+        team_of(self.pieces.as_ref())
     }
 
     fn path(&self, step: usize, layout: Layout) -> PathBuf {
@@ -203,7 +204,7 @@ impl FrameFiles {
 
     /// Rewrites the whole collection, so that a killed run leaves a readable one.
     fn write_collection(&mut self) -> io::Result<()> {
-        on_first_rank(self.subdomain(), || replace(&self.collection(), self.listing().as_bytes()))?;
+        on_first_rank(self.team(), || replace(&self.collection(), self.listing().as_bytes()))?;
         self.listed = self.written.len();
         Ok(())
     }
@@ -223,6 +224,11 @@ impl FrameFiles {
 /// Whether the collection must be rewritten.
 fn is_due(n_frames: usize, listed: usize) -> bool {
     n_frames <= ALL_LISTED || (n_frames - listed) * ALL_LISTED >= n_frames
+}
+
+/// The team that writes pieces.
+fn team_of(pieces: Option<&Pieces>) -> &dyn Team {
+    pieces.map_or(&Alone, |pieces| &**pieces.subdomain.team())
 }
 
 #[cfg(test)]
@@ -245,7 +251,7 @@ mod tests {
         assert_eq!(fs::read_dir(directory.join("frames")).unwrap().count(), 2);
     }
 
-    /// Writing n entries at the listed ones only: each of the first thousand frames, then every n/1000-th.
+    /// Rewrites of n entries: for each of the first thousand frames, then for every n/1000-th.
     #[test]
     fn entries_that_are_written_grow_linearly() {
         let (mut listed, mut entries) = (0, 0);

@@ -56,8 +56,8 @@ impl Format {
     /// # Errors
     /// [`Error::NotOnTeam`] for one file of all frames.
     pub fn check(self, body: &Body) -> Result<(), Error> {
-        match (self, body.subdomain()) {
-            (Format::Vtkhdf, Some(_)) => {
+        match (self, body.ranks().size()) {
+            (Format::Vtkhdf, 2..) => {
                 let what = "one file of all frames (use `output.format = \"vtu\"`)".to_string();
                 Err(Error::NotOnTeam { what })
             }
@@ -120,11 +120,11 @@ pub enum FrameWriter {
 }
 
 impl FrameWriter {
-    /// Frames of a body in a directory, named after it. On a team every method that changes files is a call of all ranks, and
-    /// an error of one is an error of all.
+    /// Frames of a body in a directory, named after it. On a team, every method that changes files is a collective
+    /// call; if one rank fails, all fail with its error.
     ///
     /// # Errors
-    /// Errors of the system; of a team those of [`Format::check`].
+    /// Errors of the system, and on a team those of [`Format::check`].
     pub fn create(
         (format, precision): (Format, Precision),
         directory: &Path,
@@ -208,9 +208,9 @@ impl FrameWriter {
 /// A file for each frame of a body, or a piece for each rank.
 fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<Box<FrameFiles>> {
     let (mesh, regions) = (body.mesh(), body.region_of_cell());
-    let files = match body.subdomain() {
-        None => FrameFiles::create(directory, precision, mesh, regions),
-        Some(subdomain) => FrameFiles::shared(directory, precision, mesh, regions, subdomain),
+    let files = match body.ranks().size() {
+        1 => FrameFiles::create(directory, precision, mesh, regions),
+        _ => FrameFiles::shared(directory, precision, mesh, regions, body.ranks()),
     };
     files.map(Box::new)
 }

@@ -138,7 +138,8 @@ fn a_body_is_shared_by_problems_that_have_the_same() {
     assert!(!is_shared(&build(&block(&mesh, weight(1.0000002), steps(2.0)), Some(&first)).unwrap()));
 }
 
-/// A run with a mesh in memory writes it, and its input is read back as the same run; a function has no place in a file.
+/// A run with a mesh in memory writes it, and its input is read back as the same run; a function has no place in a
+/// file.
 #[test]
 fn the_files_of_a_run_hold_its_mesh() {
     let temp = tempfile::tempdir().unwrap();

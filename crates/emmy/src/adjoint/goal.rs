@@ -1,6 +1,7 @@
 //! Goals: functions of the state at the end of a motion.
 
 use crate::body::Body;
+use crate::nodal;
 use crate::sparse::reduce::dot;
 use crate::time::State;
 
@@ -33,14 +34,14 @@ impl Goal {
     /// Displacement of a node along a direction; up to a constant, its position along it.
     pub fn displacement_at(body: &Body, node: usize, direction: [f64; 3]) -> Self {
         let mut goal = Goal::zero(body);
-        goal.displacement[3 * node..3 * node + 3].copy_from_slice(&direction);
+        *nodal::at_mut(&mut goal.displacement, node) = direction;
         goal
     }
 
     /// Velocity of a node along a direction.
     pub fn velocity_at(body: &Body, node: usize, direction: [f64; 3]) -> Self {
         let mut goal = Goal::zero(body);
-        goal.velocity[3 * node..3 * node + 3].copy_from_slice(&direction);
+        *nodal::at_mut(&mut goal.velocity, node) = direction;
         goal
     }
 

@@ -2,9 +2,10 @@
 
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
-use crate::body::{Assembly, Body, LoadMemory, StepDamping, StepInput};
+use crate::body::{Assembly, Body};
 use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
+use crate::force::{Sampling, Span, StepDamping, StepInput};
 use crate::sparse::reduce::dot;
 use crate::time::State;
 
@@ -127,8 +128,6 @@ impl Parameter {
 pub(super) struct Residual {
     assembly: Assembly,
     force: Vec<f64>,
-    load: Vec<f64>,
-    load_memory: LoadMemory,
     /// `sum_i (a^-1)_ij mu_i`, `[k][n_nodes][3]`.
     inertial: Vec<f64>,
     rates: Vec<f64>,
@@ -142,8 +141,6 @@ impl Residual {
         Residual {
             assembly: body.assembly(k),
             force: vec![0.0; k * n],
-            load: vec![0.0; k * n],
-            load_memory: body.load_memory(k),
             inertial: vec![0.0; k * n],
             rates: vec![0.0; n],
             momentum: vec![0.0; n],
@@ -157,8 +154,9 @@ impl Residual {
         let input = StepInput { damping, ..StepInput::undamped(rule, displacement, rates) };
         body.assemble(&input, Request::Stress, &[], &mut self.assembly)?;
         self.assembly.matrix.copy_force(&mut self.force);
-        body.stage_loads(rule, step.time, h, &mut self.load_memory, &mut self.load)?;
-        let mut sum = h * h * (dot(mu, &self.force) - dot(mu, &self.load));
+        body.begin(rule, (Span::new(step.time, h), Sampling::Averages), &mut self.assembly)?;
+        let [load, _] = self.assembly.external_parts();
+        let mut sum = h * h * (dot(mu, &self.force) - dot(mu, load));
         combine(rule, inverse, mu, &mut self.inertial);
         for (x, mu) in rates.chunks_exact(velocity.len()).zip(self.inertial.chunks_exact(velocity.len())) {
             let deviations = x.iter().zip(velocity);

@@ -1,8 +1,9 @@
 //! The adjoint of one step.
 
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, StepInput};
+use crate::body::{Assembly, Body};
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::norm;
 use crate::sparse::{Gmres, LinearSystem, SparseLu};
@@ -63,7 +64,7 @@ pub(super) struct AdjointStep<'a> {
     combined: Vec<f64>,
     sum: Vec<f64>,
     /// Pressures of cells with a projected volume, `[function][n]`.
-    pressures: Vec<f64>,
+    local: Vec<f64>,
     product: Vec<f64>,
     /// Iterations of the last system, and of the first one after the stiffness was refactorised; `None`: there is no
     /// stiffness.
@@ -96,6 +97,7 @@ impl<'a> AdjointStep<'a> {
         let coefficients = element.coefficients();
         let transposed_coefficients = StageCoefficients {
             rule: coefficients.rule.clone(),
+            sampling: coefficients.sampling,
             mass: transposed(&coefficients.mass, k),
             mass_low: transposed(&coefficients.mass_low, k),
             inverse_mass: transposed(&coefficients.inverse_mass, k),
@@ -113,7 +115,7 @@ impl<'a> AdjointStep<'a> {
             correction: vec![0.0; k * n],
             combined: vec![0.0; k * n],
             sum: vec![0.0; n],
-            pressures: vec![0.0; body.n_pressures() * coefficients.rule.n_pressures()],
+            local: vec![0.0; body.n_local() * coefficients.rule.n_pressures()],
             product: vec![0.0; n],
             iterations: None,
             is_direct: false,
@@ -147,7 +149,7 @@ impl<'a> AdjointStep<'a> {
         self.body.mass_product(&self.sum, &mut self.product);
         let kept = 1.0 - self.end_weights.iter().sum::<f64>();
         adjoint.velocity.iter_mut().zip(&self.product).for_each(|(v, p)| *v = kept * *v + h * p);
-        adjoint.velocity[self.body.internal_dofs()].fill(0.0);
+        adjoint.velocity[self.body.space.internal_dofs()].fill(0.0);
         for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
             (adjoint.displacement[dof], adjoint.velocity[dof]) = (0.0, 0.0);
         }
@@ -164,7 +166,7 @@ impl<'a> AdjointStep<'a> {
         // The velocity of internal nodes is the end of the polynomial of their rates.
         let n = self.sum.len();
         for (j, dof) in
-            (0..self.end_weights.len()).flat_map(|j| self.body.internal_dofs().map(move |dof| (j, dof)))
+            (0..self.end_weights.len()).flat_map(|j| self.body.space.internal_dofs().map(move |dof| (j, dof)))
         {
             let change = self.rule.basis(j, 1.0) - self.end_weights[j];
             self.right[j * n + dof] += change / h * adjoint.velocity[dof];
@@ -194,9 +196,9 @@ impl<'a> AdjointStep<'a> {
     fn solve_iteratively(&mut self, step: &StepData<'_>) -> Result<bool> {
         let is_new = self.iterations.is_none_or(|[last, first]| last > first + SLOWER);
         if is_new {
-            self.body.copy_pressures(&self.assembly, &mut self.pressures);
+            self.body.copy_local(&self.assembly, &mut self.local);
             let StepData { displacement, rates, size, .. } = *step;
-            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.pressures, size)?;
+            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.local, size)?;
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }
@@ -244,14 +246,14 @@ impl<'a> AdjointStep<'a> {
 /// # Errors
 /// [`Error::Adjoint`].
 pub(super) fn check_body(body: &Body) -> Result<()> {
+    body.check_unconstrained("adjoint")?;
     let not_covered = [
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
-        (body.is_viscous() || body.drag() > 0.0, "viscosity and drag are not covered"),
-        (body.n_followers() > 0, "pressures that follow the motion are not covered; dead loads are"),
     ];
-    match not_covered.iter().find(|(is_so, _)| *is_so) {
-        Some((_, reason)) => Err(Error::Adjoint { reason: reason.to_string() }),
+    let reason = not_covered.iter().find(|(is_so, _)| *is_so).map(|(_, reason)| *reason);
+    match reason.or(body.without_adjoint()) {
+        Some(reason) => Err(Error::Adjoint { reason: reason.to_string() }),
         None => Ok(()),
     }
 }

@@ -57,7 +57,7 @@ impl<'a> Trajectory<'a> {
                 reason: "it needs a time element without dissipation (FE, AS, DGM)".to_string(),
             });
         };
-        body.check_whole("an adjoint")?;
+        body.space.check_whole("an adjoint")?;
         check_body(body)?;
         Ok(Trajectory {
             body,

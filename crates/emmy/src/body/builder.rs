@@ -3,19 +3,19 @@
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
-use super::field_load::FieldLoad;
-use super::geometry::MassKind;
-use super::internal_nodes::InternalNodes;
-use super::load_vector::LoadVector;
-use super::pressure::Pressure;
-use super::regions::{self, RegionOfCell};
-use super::spread::{self, Spread};
-use super::supports::{Constraints, supported_groups};
-use super::{Body, GroundSpring, Load, PointTerms, Region, Support, Term, nodal};
+use super::forces::Forces;
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::force::{Drag, Force, ForceSource, Site, cells, dead};
+use crate::input::{GroundSpring, Load, PointTerms, Region, Support};
+use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
+use crate::space::geometry::MassKind;
+use crate::space::{InternalNodes, Space, Supports};
+
 use crate::sparse::Pattern;
-use crate::team::{Subdomain, Team};
+use crate::team::{Alone, Subdomain, Team};
+use crate::unknowns::{Constraints, RigidLink};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -37,13 +37,20 @@ pub struct BodyBuilder {
     supports: Vec<Support>,
     loads: Vec<Load>,
     drag: f64,
-    team: Option<TeamPart>,
+    rigid_links: Vec<RigidLink>,
+    ranks: Arc<Subdomain>,
+    /// The rank that the share was made for.
+    rank: usize,
 }
 
 impl BodyBuilder {
-    fn new(mesh: Mesh, team: Option<TeamPart>) -> Self {
+    fn new(share: Share, team: Arc<dyn Team>) -> Self {
+        let Share { mesh, n_own, n_nodes_of_ranks, nodes, cells, counts, neighbours, rank } = share;
+        let ranks = Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours);
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
-        BodyBuilder { mesh, regions, point_terms: PointTerms::default(), supports, loads, drag: 0.0, team }
+        let (point_terms, ranks) = (PointTerms::default(), Arc::new(ranks));
+        let rigid_links = Vec::new();
+        BodyBuilder { mesh, regions, point_terms, supports, loads, drag: 0.0, rigid_links, ranks, rank }
     }
 
     /// Adds a region. The regions together cover every cell exactly once.
@@ -95,6 +102,13 @@ impl BodyBuilder {
         self
     }
 
+    /// Adds a rigid link.
+    #[doc(hidden)]
+    pub fn rigid_link(mut self, link: RigidLink) -> Self {
+        self.rigid_links.push(link);
+        self
+    }
+
     /// The body. Nodes of plane cells are fixed along z.
     ///
     /// # Errors
@@ -104,43 +118,47 @@ impl BodyBuilder {
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
     /// [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {
-        let part = self.team.as_ref().map(|part| &*part.subdomain);
-        let mut sizes = spread::sizes(&self.mesh, &self.regions, &self.point_terms.spread, part);
-        let Some(TeamPart { subdomain, rank }) = &self.team else { return Body::from_parts(self, &sizes) };
-        let subdomain = subdomain.clone();
-        subdomain.check_partition()?;
-        if !sizes.is_empty() {
-            subdomain.sum("sizes of groups with a mass", &mut sizes);
-        }
-        let own = match (*rank, subdomain.rank()) {
+        let ranks = self.ranks.clone();
+        ranks.check_partition()?;
+        let sizes = GroupSizes::new(&self);
+        let own = match (self.rank, ranks.rank()) {
             (given, rank) if given == rank => Ok(()),
             (given, rank) => {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
         };
-        Ok(subdomain.agree(own.and_then(|()| Body::from_parts(self, &sizes)))?.with_sums_of_ranks())
+        Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes)))?.with_sums_of_ranks())
     }
 }
 
-/// Loads and ground of a body, which act on a kind of its mass.
-struct External {
-    loads: Arc<Vec<LoadVector>>,
-    fields: Arc<Vec<FieldLoad>>,
-    ground: Arc<Vec<Box<dyn Term>>>,
+/// Sizes of groups on all ranks, which divide what is given for a whole group. Zeros where a group or a region is invalid,
+/// which [`Body::from_parts`] reports.
+struct GroupSizes {
+    /// Of each mass that is spread, in two parts.
+    masses: Vec<f64>,
+    /// Of each load, the area that a total force acts on \[length^2\].
+    loads: Vec<f64>,
 }
 
-/// The part of a rank.
-#[derive(Debug)]
-struct TeamPart {
-    subdomain: Arc<Subdomain>,
-    /// The rank that the share was made for.
-    rank: usize,
+impl GroupSizes {
+    /// A call of all ranks.
+    fn new(parts: &BodyBuilder) -> Self {
+        let BodyBuilder { mesh, regions, point_terms, loads, ranks, .. } = parts;
+        let section = RegionOfCell::new(mesh, regions).map(|of_cell| of_cell.sections(mesh, regions));
+        let section = section.unwrap_or_else(|_| vec![0.0; mesh.n_cells()]);
+        let mut masses = spread::sizes(mesh, &section, &point_terms.spread, ranks);
+        ranks.sum("sizes of groups with a mass", &mut masses);
+        let mut areas: Vec<f64> =
+            loads.iter().map(|load| dead::area(mesh, load, &section, ranks.n_own())).collect();
+        ranks.sum("areas of loads", &mut areas);
+        GroupSizes { masses, loads: areas }
+    }
 }
 
 impl Body {
     /// A builder of the body of a mesh.
     pub fn builder(mesh: Mesh) -> BodyBuilder {
-        BodyBuilder::new(mesh, None)
+        BodyBuilder::new(Share::whole(mesh), Arc::new(Alone))
     }
 
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
@@ -173,22 +191,21 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn shared(share: Share, team: Arc<dyn Team>) -> BodyBuilder {
-        let Share { mesh, n_own, n_nodes_of_ranks, nodes, cells, counts, neighbours, rank } = share;
-        let subdomain =
-            Arc::new(Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours));
-        BodyBuilder::new(mesh, Some(TeamPart { subdomain, rank }))
+        BodyBuilder::new(share, team)
     }
 
-    fn from_parts(parts: BodyBuilder, sizes: &[f64]) -> Result<Self> {
-        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag, team } = parts;
+    fn from_parts(parts: BodyBuilder, sizes: &GroupSizes) -> Result<Self> {
+        let BodyBuilder {
+            mesh, regions, point_terms: nodal, supports, loads, drag, rigid_links, ranks, ..
+        } = parts;
         if !(drag >= 0.0 && drag.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: drag });
         }
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
-        let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
-        let spread = Spread::new(&mesh, &nodal.spread, sizes)?;
+        let point_masses = points::point_masses(&mesh, &nodal.masses)?;
+        let spread = Spread::new(&mesh, &nodal.spread, &sizes.masses)?;
         // Of point masses and of those that are spread.
         let other_masses = |kind: MassKind| {
             let mut masses = point_masses.clone();
@@ -205,88 +222,81 @@ impl Body {
             masses
         };
         let mut lumped_mass = masses(MassKind::Lumped);
-        let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
+        let counts = |cell: u32| ranks.counts()[cell as usize];
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let has_pressures = regions::check_terms(&mesh, &regions, of_cell.indices())?;
-        let n_own = team.as_ref().map_or(mesh.n_nodes(), |team| team.subdomain.n_own);
+        let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
+        let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
-        let has_rows_after_guests = team.is_none() || !internal.dofs().is_empty();
-        let n_rows = if has_rows_after_guests { internal.n_all() } else { n_own };
+        let n_rows = if internal.dofs().is_empty() { n_own } else { internal.n_all() };
         let parts = pattern.divided_until(n_rows, n_parts);
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
-            regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
+            regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
-        let part = team.as_ref().map(|team| &*team.subdomain);
-        regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, part));
-        let own_nodes = team.as_ref().map(|_| n_own);
-        let acting_on = |kind: MassKind| -> Result<External> {
-            let attracted = if nodal.attractions.is_empty() { Vec::new() } else { masses(kind) };
-            let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &attracted, n_own)?;
-            ground.iter_mut().for_each(|term| term.attach(&pattern, &parts));
-            let (mut vectors, mut fields) = (Vec::new(), Vec::new());
-            let others = other_masses(kind);
-            let tables = |masses| (&section[..], &density_of_cell[..], masses);
-            for (index, load) in loads.iter().enumerate() {
-                vectors.extend(LoadVector::new(&mesh, index, load, tables(&others[..]), kind, own_nodes)?);
-                let tables = tables(&point_masses[..]);
-                fields.extend(FieldLoad::new(&mesh, index, load, tables, (&spread, kind))?);
-            }
-            Ok(External { loads: Arc::new(vectors), fields: Arc::new(fields), ground: Arc::new(ground) })
+        regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
+        let point_terms = &nodal;
+        let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {
+            let site = Site {
+                mesh: &mesh,
+                pattern: &pattern,
+                parts: &parts,
+                n_own,
+                section: &section,
+                density_of_cell: &density_of_cell,
+                kind,
+                masses: if point_terms.attractions.is_empty() { &[] } else { &masses(kind) },
+                other_masses: &other_masses(kind),
+                point_masses: &point_masses,
+                spread: &spread,
+                areas: &sizes.loads,
+            };
+            let drag = Some(Drag { rate: drag }).filter(|drag| drag.rate > 0.0);
+            let forces = forces_of(&point_terms.springs, &site)
+                .chain(forces_of(&point_terms.attractions, &site))
+                .chain(forces_of(&loads, &site))
+                .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)));
+            forces.collect::<Result<Vec<_>>>().map(Arc::new)
         };
-        let External { loads: vectors, fields, ground } = acting_on(MassKind::Consistent)?;
+        let others = acting_on(MassKind::Consistent)?;
         let acts_on_mass = !nodal.attractions.is_empty() || loads.iter().any(|load| load.kind.acts_on_mass());
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        let mut followers = Vec::new();
-        for (index, load) in loads.iter().enumerate() {
-            followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
+        let constraints =
+            rigid_links.iter().map(|link| link.constraint(&mesh)).collect::<Result<Vec<_>>>()?;
+        let constraints = Constraints::new(constraints, rigid_links.iter().any(RigidLink::is_grounded));
+        if ranks.size() > 1 && !constraints.is_empty() {
+            return Err(Error::NotOnTeam { what: "a body with rigid links".to_string() });
         }
-        let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
-        let inactive = constraints.inactive(n_own..mesh.n_nodes());
-        nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
-        let has_plane_cells = mesh.cells().any(|cell| cell.kind.dimension() == 2);
+        let guests = n_own..mesh.n_nodes();
+        let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;
+        points::check_masses(&mesh, &lumped_mass, &held.inactive)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         let body = Body {
-            loads: vectors,
-            fields,
-            pressures: Arc::new(followers),
+            forces: Forces { cells: Arc::new(OnceLock::new()), others },
+            constraints: Arc::new(constraints),
             release: None,
-            drag,
             viscous_time: 0.0,
-            held_axes: constraints.held_axes(),
-            inactive,
-            fixed: constraints.fixed,
-            drives: constraints.drives,
-            supported: supported_groups(&mesh, &supports, nodal.springs.iter(), |_| true)?,
             mass: Arc::new(mass),
             lumped_mass,
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
             node_order: Arc::new(OnceLock::new()),
-            terms: Arc::new(OnceLock::new()),
-            has_pressures,
-            has_plane_cells,
-            n_dofs_of_ranks: internal.dofs().end,
-            subdomain: team.map(|team| team.subdomain),
-            ground,
+            has_local,
             lumped: None,
             pattern: Arc::new(pattern),
             parts,
-            internal: Arc::new(internal),
-            mesh: Arc::new(mesh),
+            space: Space::new(Arc::new(mesh), internal, ranks, held),
         };
-        let body = Body { viscous_time: body.own_viscous_time(), ..body };
-        let lumped = on_lumped_mass.map(|External { loads, fields, ground }| {
-            let body = Body { loads, fields, ground, ..body.clone() };
+        let lumped = on_lumped_mass.map(|others| {
+            let body = Body { forces: Forces { others, ..body.forces.clone() }, ..body.clone() };
             body.with_releases(&supports, &nodal.springs).map(Box::new)
         });
         Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &nodal.springs)? })
@@ -300,17 +310,22 @@ impl Body {
         let mut release = None;
         for &time in times.iter().rev() {
             let holds = |support: &Support| support.until.is_none_or(|until| until > time);
-            let held = supports.iter().enumerate().filter(|(_, support)| holds(support));
-            let constraints = Constraints::new(&self.mesh, &self.internal, held)?;
-            let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
-            let (inactive, held_axes) = (constraints.inactive(self.guests()), constraints.held_axes());
-            nodal::check_masses(&self.mesh, &self.lumped_mass, &inactive)?;
-            let Constraints { fixed, drives } = constraints;
-            let body = Body { fixed, inactive, held_axes, drives, supported, release, ..self.clone() };
+            let (mesh, internal) = (self.mesh(), self.space.internal());
+            let held = Supports::new(mesh, (internal, self.space.guests()), (supports, springs), holds)?;
+            points::check_masses(mesh, &self.lumped_mass, &held.inactive)?;
+            let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
             release = Some((time, Box::new(body)));
         }
         Ok(Body { release, ..self })
     }
+}
+
+/// The forces of some sources of one kind.
+fn forces_of<'a>(
+    sources: &'a [impl ForceSource],
+    site: &'a Site<'a>,
+) -> impl Iterator<Item = Result<Arc<dyn Force>>> + 'a {
+    sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
 /// The pattern of the nodes that cells couple.

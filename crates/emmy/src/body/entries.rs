@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Body;
+use super::system::Body;
 
 /// What the numbers of a list belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,18 +32,15 @@ impl Body {
     }
 
     fn nodes_of_mesh(&self) -> impl Iterator<Item = (u64, bool)> {
-        let numbers = self.subdomain().map(|part| &part.nodes);
-        let n_own = self.subdomain().map_or(usize::MAX, |part| part.n_own);
-        (0..self.mesh().n_nodes()).map(move |node| {
-            let number = numbers.map_or(node as u64, |numbers| u64::from(numbers[node]));
-            (number, node < n_own)
-        })
+        let n_own = self.ranks().n_own();
+        let numbers = self.ranks().nodes().iter().enumerate();
+        numbers.map(move |(node, &number)| (u64::from(number), node < n_own))
     }
 
     fn internal_numbers(&self) -> impl Iterator<Item = (u64, bool)> {
-        let first = self.subdomain().map_or(self.mesh().n_nodes(), |part| part.n_nodes_of_ranks) as u64;
+        let first = self.ranks().n_nodes_of_ranks() as u64;
         let of_one_cell = |a: &u32, b: &u32| a == b;
-        self.internal.cells().chunk_by(of_one_cell).flat_map(move |nodes| {
+        self.space.internal().cells().chunk_by(of_one_cell).flat_map(move |nodes| {
             let (cell, counts) = self.cell_of_ranks(nodes[0]);
             (0..nodes.len() as u64).map(move |mode| (first + MAX_MODES * cell + mode, counts))
         })
@@ -61,9 +58,8 @@ impl Body {
 
     /// Number of a cell in the whole mesh, and whether it counts here.
     fn cell_of_ranks(&self, cell: u32) -> (u64, bool) {
-        self.subdomain().map_or((u64::from(cell), true), |part| {
-            (u64::from(part.cells()[cell as usize]), part.counts()[cell as usize])
-        })
+        let cell = cell as usize;
+        (u64::from(self.ranks().cells()[cell]), self.ranks().counts()[cell])
     }
 }
 

@@ -1,10 +1,11 @@
 //! An upper bound of the largest natural frequency from the cells alone, without a matrix.
 
-use super::geometry::{ReferenceTable, inverse, positions};
-use super::solid::RegionMaterial;
-use super::{Body, Region};
+use super::system::Body;
 use crate::element::{element, jacobian};
+use crate::input::Region;
+use crate::input::RegionMaterial;
 use crate::mesh::{Cell, CellKind, Mesh};
+use crate::space::geometry::{ReferenceTable, inverse, positions};
 use crate::sparse::largest_eigenvalue;
 use crate::tensor::{Mat3, det};
 
@@ -34,21 +35,21 @@ impl Body {
     /// # Errors
     /// [`crate::Error::Linear`] if an eigenvalue is not found; [`crate::Error::NotOnTeam`].
     pub fn frequency_bound(&self) -> crate::Result<Option<f64>> {
-        self.check_whole("a bound of the frequencies")?;
+        self.space.check_whole("a bound of the frequencies")?;
         let has_links = self.made_of.iter().any(|region| region.link().is_some());
-        if has_links || self.has_ground() || !self.internal_dofs().is_empty() {
+        if has_links || self.has_ground() || !self.space.internal_dofs().is_empty() {
             return Ok(None);
         }
         let stiffness = self.made_of.iter().map(specific_stiffness).collect::<crate::Result<Vec<_>>>()?;
         let mut kinds: [Option<Reference>; CellKind::ALL.len()] = Default::default();
         let mut largest: f64 = 0.0;
-        for (cell, &region) in self.mesh.cells().zip(&self.region_of_cell) {
+        for (cell, &region) in self.mesh().cells().zip(&self.region_of_cell) {
             let own = &mut kinds[cell.kind as usize];
             let reference = match own {
                 Some(reference) => reference,
                 None => own.insert(Reference::new(cell.kind)?),
             };
-            largest = largest.max(stiffness[region as usize] * reference.factor(&self.mesh, cell));
+            largest = largest.max(stiffness[region as usize] * reference.factor(self.mesh(), cell));
         }
         Ok(Some(largest))
     }

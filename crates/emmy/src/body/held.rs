@@ -1,9 +1,12 @@
 //! Rigid motions that neither supports nor the ground hold.
 
-use super::{Assembly, Body, StepInput};
+use super::forces::Assembly;
+use super::system::Body;
 use crate::average::Rule;
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::number::short_vector;
 use crate::quadrature::gauss;
 use crate::sparse::null_space;
@@ -48,19 +51,20 @@ impl Body {
     fn connected_parts(&self) -> Vec<(usize, Vec<u32>)> {
         let nodes_of = |cells: &Vec<u32>| {
             let mut nodes: Vec<u32> =
-                cells.iter().flat_map(|&cell| self.mesh.cell(cell as usize).nodes).copied().collect();
+                cells.iter().flat_map(|&cell| self.mesh().cell(cell as usize).nodes).copied().collect();
             nodes.sort_unstable();
             nodes.dedup();
             nodes
         };
         let here: Vec<(Vec<u32>, Vec<u32>)> =
-            self.mesh.parts().into_iter().map(|cells| (nodes_of(&cells), cells)).collect();
-        let Some(subdomain) = self.subdomain() else {
+            self.mesh().parts().into_iter().map(|cells| (nodes_of(&cells), cells)).collect();
+        if !self.space.is_shared() {
             return here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes)).collect();
-        };
+        }
+        let ranks = self.ranks();
         // The parts of all ranks that meet at guests get the lowest cell among them.
-        let whole = |cells: &[u32]| cells.iter().map(|&cell| subdomain.cells()[cell as usize]).min();
-        let mut first = vec![f64::INFINITY; self.mesh.n_nodes()];
+        let whole = |cells: &[u32]| cells.iter().map(|&cell| ranks.cells()[cell as usize]).min();
+        let mut first = vec![f64::INFINITY; self.mesh().n_nodes()];
         for (nodes, cells) in &here {
             let own = whole(cells).map_or(f64::INFINITY, f64::from);
             nodes.iter().for_each(|&node| first[node as usize] = own);
@@ -70,7 +74,7 @@ impl Body {
             let read = |first: &[f64], node: usize, number: &mut [f64]| number[0] = first[node];
             let write =
                 |first: &mut [f64], node: usize, number: &[f64]| first[node] = first[node].min(number[0]);
-            subdomain.exchange("first cells", 1, &mut first[..], read, write);
+            ranks.exchange("first cells", 1, &mut first[..], read, write);
             changed = [0.0];
             for (nodes, _) in &here {
                 let lowest = nodes.iter().map(|&node| first[node as usize]).fold(f64::INFINITY, f64::min);
@@ -80,15 +84,15 @@ impl Body {
                     }
                 }
             }
-            subdomain.largest("change of first cells", &mut changed);
+            ranks.largest("change of first cells", &mut changed);
         }
-        let own = &first[..subdomain.n_own()];
+        let own = &first[..ranks.n_own()];
         let mut parts: Vec<(usize, Vec<u32>)> = Vec::new();
         loop {
             let last = parts.last().map_or(-1.0, |(cell, _)| *cell as f64);
             let next = own.iter().copied().filter(|cell| *cell > last && cell.is_finite());
             let next = next.reduce(f64::min).map(|cell| cell as usize);
-            let Some(cell) = subdomain.lowest("next part", next) else { return parts };
+            let Some(cell) = ranks.lowest("next part", next) else { return parts };
             let nodes = (0..).zip(own).filter(|(_, first)| **first == cell as f64).map(|(node, _)| node);
             parts.push((cell, nodes.collect()));
         }
@@ -120,18 +124,18 @@ impl<'a> Part<'a> {
     fn new(body: &'a Body, nodes: Vec<u32>) -> Self {
         let mesh = body.mesh();
         let mut n_nodes = [nodes.len() as f64];
-        body.sum_ranks("nodes of a part", &mut n_nodes);
+        body.space.sum_ranks("nodes of a part", &mut n_nodes);
         let mut centre = [0.0; 3];
         for X in nodes.iter().map(|&node| mesh.points()[node as usize]) {
             (0..3).for_each(|d| centre[d] += X[d] / n_nodes[0]);
         }
-        body.sum_ranks("centre of a part", &mut centre);
+        body.space.sum_ranks("centre of a part", &mut centre);
         let distance = |&node: &u32| {
             let X = mesh.points()[node as usize];
             (0..3).map(|d| (X[d] - centre[d]).powi(2)).sum::<f64>().sqrt()
         };
         let mut radius = [nodes.iter().map(distance).fold(0.0, f64::max)];
-        body.largest_of_ranks("radius of a part", &mut radius);
+        body.space.largest_of_ranks("radius of a part", &mut radius);
         let [radius] = radius;
         Part { mesh, nodes, centre, radius: if radius > 0.0 { radius } else { 1.0 } }
     }
@@ -158,12 +162,12 @@ impl<'a> Part<'a> {
         for (node, component) in dofs() {
             let row = self.row(node, component);
             all.add(&row, &row);
-            if body.fixed()[3 * node as usize + component] {
+            if nodal::at(body.fixed(), node as usize)[component] {
                 held.add(&row, &row);
             }
         }
-        body.sum_ranks("motions of a part", &mut all.0);
-        body.sum_ranks("motions that supports hold", &mut held.0);
+        body.space.sum_ranks("motions of a part", &mut all.0);
+        body.space.sum_ranks("motions that supports hold", &mut held.0);
         let mut sum = held.normalized();
         if body.has_ground() {
             sum.add_all(&self.ground(body, assembly)?.squared().normalized());
@@ -188,14 +192,14 @@ impl<'a> Part<'a> {
                 let X = self.mesh.points()[node as usize];
                 let r = [0, 1, 2].map(|d| X[d] - self.centre[d]);
                 let turned = turned(r, motion % 3, angle);
-                (0..3).for_each(|d| displacement[3 * node as usize + d] = turned[d] - r[d]);
+                *nodal::at_mut(&mut displacement, node as usize) = [0, 1, 2].map(|d| turned[d] - r[d]);
                 if motion >= 3 {
-                    displacement[3 * node as usize + motion - 3] = sign * SMALL * self.radius;
+                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] = sign * SMALL * self.radius;
                 }
             }
             body.ground_force_at(&displacement, assembly, &mut force)?;
             for &node in &self.nodes {
-                let own = [0, 1, 2].map(|d| sign * force[3 * node as usize + d]);
+                let own = nodal::at(&force, node as usize).map(|f| sign * f);
                 let own = turned(own, motion % 3, -angle);
                 let mut unit = [0.0; MOTIONS];
                 unit[motion] = 1.0;
@@ -204,7 +208,7 @@ impl<'a> Part<'a> {
                 }
             }
         }
-        body.sum_ranks("forces of the ground", &mut gram.0);
+        body.space.sum_ranks("forces of the ground", &mut gram.0);
         Ok(gram)
     }
 

@@ -1,18 +1,9 @@
 //! Energies and momenta of a state (section 2). On a team all of them are calls of all ranks.
 
-use super::spread::centre_sums;
-use super::{Body, StrainState};
+use super::system::Body;
 use crate::error::Result;
-use crate::tensor::cross;
-
-/// Sum of a nodal vector, `[n_nodes][3]`.
-pub fn sum(vector: &[f64]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for v in vector.chunks_exact(3) {
-        (0..3).for_each(|i| sum[i] += v[i]);
-    }
-    sum
-}
+use crate::force::StrainState;
+use crate::mass::spread::centre_sums;
 
 impl Body {
     /// Root mean square of a nodal field `[n_nodes][3]`, weighted by the lumped mass.
@@ -21,9 +12,9 @@ impl Body {
     /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
     /// ```
     pub fn mass_weighted_rms(&self, field: &[f64]) -> f64 {
-        let squares = field.as_chunks::<3>().0.iter().zip(&self.lumped_mass()[self.own_nodes()]);
+        let squares = field.as_chunks::<3>().0.iter().zip(&self.lumped_mass()[self.space.own_nodes()]);
         let mut sum = [squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>()];
-        self.sum_ranks("mass-weighted squares", &mut sum);
+        self.space.sum_ranks("mass-weighted squares", &mut sum);
         (sum[0] / self.total_lumped_mass()).sqrt()
     }
 
@@ -42,26 +33,27 @@ impl Body {
         let points = self.mesh().points();
         let mass = self.total_lumped_mass();
         let mut centre = [0.0; 3];
-        for (X, m) in points.iter().zip(&self.lumped_mass()[self.own_nodes()]) {
+        for (X, m) in points.iter().zip(&self.lumped_mass()[self.space.own_nodes()]) {
             (0..3).for_each(|d| centre[d] += m * X[d] / mass);
         }
-        self.sum_ranks("centre of mass", &mut centre);
+        self.space.sum_ranks("centre of mass", &mut centre);
         let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
         self.mass_weighted_rms(&arms)
     }
 
-    /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
-    pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
-        let mut moment = [0.0; 3];
-        let (u, v) = (displacement.as_chunks::<3>().0, vector.as_chunks::<3>().0);
-        for node in self.counted_nodes().take_while(|&node| node < u.len().min(v.len())) {
-            let (X, u) = (self.point(node), u[node]);
-            let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
-            let arm_cross_v = cross(q, v[node]);
-            (0..3).for_each(|i| moment[i] += arm_cross_v[i]);
-        }
-        self.sum_ranks("moment", &mut moment);
-        moment
+    /// Total of the lumped masses \[mass\].
+    pub(crate) fn total_lumped_mass(&self) -> f64 {
+        let mut sum = [self.lumped_mass()[self.space.own_nodes()].iter().sum()];
+        self.space.sum_ranks("lumped mass", &mut sum);
+        sum[0]
+    }
+
+    /// Total of the consistent mass \[mass\].
+    pub(crate) fn total_mass(&self) -> f64 {
+        let end = self.pattern().range(self.space.own_nodes().end - 1).end;
+        let mut sum = [self.mass()[..end].iter().sum()];
+        self.space.sum_ranks("mass", &mut sum);
+        sum[0]
     }
 
     /// Strain energy V of a displacement, with the potential of springs and attractions to the ground \[energy\].
@@ -81,9 +73,22 @@ impl Body {
     /// ```
     #[doc(hidden)]
     pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        let terms = self.counted_terms().chain(self.ground.iter());
-        let own = terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)));
-        self.strain_state_of_ranks(own)
+        self.strain_state_of_ranks(self.own_strain_state(displacement))
+    }
+
+    /// The strain state of all ranks from that of the cells that count here; the cell is one of the whole mesh.
+    fn strain_state_of_ranks(&self, own: StrainState) -> StrainState {
+        let ranks = self.ranks();
+        let mut energy = [own.strain_energy];
+        ranks.sum("strain energy", &mut energy);
+        let negative = -own.smallest_determinant;
+        let mut most = [negative];
+        ranks.largest("smallest determinant", &mut most);
+        let is_here = negative == most[0] || negative.is_nan();
+        // A rank without cells has none that counts.
+        let cell = ranks.cells.get(own.smallest_cell).filter(|_| is_here).map(|&cell| cell as usize);
+        let smallest_cell = ranks.lowest("cell of the smallest determinant", cell).unwrap_or(0);
+        StrainState { strain_energy: energy[0], smallest_determinant: -most[0], smallest_cell }
     }
 
     /// Centre of a group: of the area of its facets, else of the volume of its cells (of links the length), else of its
@@ -101,14 +106,12 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn centre_of(&self, group: &str) -> Result<[f64; 3]> {
-        let (mesh, subdomain) = (self.mesh(), self.subdomain().map(|subdomain| &**subdomain));
+        let mesh = self.mesh();
         let cells = mesh.cells().zip(self.region_of_cell());
         let section: Vec<f64> =
             cells.map(|(cell, &region)| self.made_of[region as usize].section(cell.kind)).collect();
-        let mut sums = centre_sums(mesh, &section, group, subdomain)?;
-        if let Some(subdomain) = subdomain {
-            subdomain.sum("centre of a group", &mut sums);
-        }
+        let mut sums = centre_sums(mesh, &section, group, self.ranks())?;
+        self.space.sum_ranks("centre of a group", &mut sums);
         Ok([0, 1, 2].map(|i| sums[i] / sums[3]))
     }
 }

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::Body;
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::nodal;
 use crate::sparse::BlockCholesky;
 
 /// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom with mass, with v_c given for the
@@ -24,12 +25,12 @@ impl MassSolver {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(crate) fn new(body: &Body) -> Result<Self> {
-        if body.subdomain().is_some() {
+        if body.space.is_shared() {
             let iteration = Some(MassIteration::new(body));
             return Ok(MassSolver { factors: Vec::new(), iteration, rest: vec![0.0; body.n_dofs()] });
         }
         // Nodes without mass have no velocity that follows from a momentum.
-        let is_given = |dof: usize| body.fixed()[dof] || body.internal_dofs().contains(&dof);
+        let is_given = |dof: usize| body.fixed()[dof] || body.space.internal_dofs().contains(&dof);
         let fixed = |axis: usize| -> Vec<bool> { (axis..body.n_dofs()).step_by(3).map(is_given).collect() };
         let mut factors: Vec<(Vec<usize>, BlockCholesky)> = Vec::new();
         for axis in 0..3 {
@@ -78,9 +79,9 @@ impl MassSolver {
             return iteration.solve(body, momentum, velocity);
         }
         for (axes, factor) in &mut self.factors {
-            let read = |_: &&mut [f64], column: usize, node: usize| momentum[3 * node + axes[column]];
+            let read = |_: &&mut [f64], column: usize, node: usize| nodal::at(momentum, node)[axes[column]];
             let write = |velocity: &mut &mut [f64], column: usize, node: usize, value: f64| {
-                velocity[3 * node + axes[column]] = value;
+                nodal::at_mut(velocity, node)[axes[column]] = value;
             };
             factor.solve(axes.len(), &mut &mut *velocity, read, write);
         }
@@ -108,7 +109,7 @@ impl MassIteration {
     fn new(body: &Body) -> Self {
         let n = body.n_dofs();
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0.0, |at| body.mass()[at]);
-        let is_given = |dof: usize| body.inactive()[dof] || body.internal_dofs().contains(&dof);
+        let is_given = |dof: usize| body.space.inactive()[dof] || body.space.internal_dofs().contains(&dof);
         let inverse = |dof: usize| if is_given(dof) { 0.0 } else { 1.0 / diagonal(dof / 3) };
         MassIteration {
             inverse_diagonal: (0..n).map(inverse).collect(),
@@ -131,7 +132,7 @@ impl MassIteration {
         let (mut first, mut rho) = (None, 1.0);
         for iteration in 0.. {
             q.iter_mut().zip(&*r).zip(&*d).for_each(|((z, r), d)| *z = d * r);
-            let new = body.dot(r, q);
+            let new = body.space.dot(r, q);
             if new <= ROUNDING * ROUNDING * *first.get_or_insert(new) {
                 break;
             }
@@ -141,10 +142,10 @@ impl MassIteration {
             }
             p.iter_mut().zip(&*q).for_each(|(p, z)| *p = z + new / rho * *p);
             rho = new;
-            body.update_guests("direction of a velocity", p);
+            body.space.update_guests("direction of a velocity", p);
             body.mass_product(p, q);
             q.iter_mut().zip(&*d).filter(|(_, d)| **d == 0.0).for_each(|(q, _)| *q = 0.0);
-            let alpha = rho / body.dot(p, q);
+            let alpha = rho / body.space.dot(p, q);
             v.iter_mut().zip(&*p).for_each(|(v, p)| *v += alpha * p);
             r.iter_mut().zip(&*q).for_each(|(r, q)| *r -= alpha * q);
         }
@@ -156,7 +157,7 @@ impl MassIteration {
 impl Body {
     /// Product with the mass matrix, `p = M v`; `v`, `p`: `[n_nodes][3]`. On a team it is zero at guests.
     pub fn mass_product(&self, v: &[f64], p: &mut [f64]) {
-        let (p, of_guests) = p.split_at_mut(3 * self.own_nodes().end);
+        let (p, of_guests) = p.split_at_mut(3 * self.space.own_nodes().end);
         of_guests.fill(0.0);
         p.par_chunks_mut(3 * ROWS).enumerate().for_each(|(task, p)| {
             for (row, p) in (ROWS * task..).zip(p.chunks_exact_mut(3)) {

@@ -1,7 +1,9 @@
 //! Start of a motion.
 
-use super::{Body, InitialVelocity};
+use super::system::Body;
 use crate::error::{Error, Result};
+use crate::input::InitialVelocity;
+use crate::nodal;
 
 /// Part of the momentum of a node at the largest velocity that rounding may change, also by the solution of
 /// `M v = p` for driven bodies.
@@ -21,19 +23,19 @@ impl Body {
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {
             let nodes = match &field.group {
-                Some(name) => self.mesh.volume_nodes(name)?,
-                None => (0..self.mesh.n_nodes() as u32).collect(),
+                Some(name) => self.mesh().volume_nodes(name)?,
+                None => (0..self.mesh().n_nodes() as u32).collect(),
             };
             let mut set = nodes.into_iter().map(|node| {
-                let v = field.at(self.mesh.points()[node as usize]);
-                velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
+                let v = field.at(self.mesh().points()[node as usize]);
+                *nodal::at_mut(&mut velocity, node as usize) = v;
                 let wrong = v.into_iter().find(|value| !value.is_finite());
                 wrong.map_or(Ok(()), |value| Err(Error::NotFinite { what: "initial velocity".into(), value }))
             });
-            self.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
+            self.space.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
         }
-        self.update_guests("initial velocity", &mut velocity);
-        self.set_internal_means(&mut velocity);
+        self.space.update_guests("initial velocity", &mut velocity);
+        self.space.set_internal_means(&mut velocity);
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))
     }
@@ -43,7 +45,7 @@ impl Body {
     /// # Errors
     /// [`Error::NotFiniteAt`].
     pub(crate) fn momentum_of(&self, time: f64, velocity: &mut [f64]) -> Result<Vec<f64>> {
-        self.set_given_velocity(time, 0.0, velocity)?;
+        self.space.set_given_velocity(time, 0.0, velocity)?;
         let mut momentum = vec![0.0; self.n_dofs()];
         self.mass_product(velocity, &mut momentum);
         Ok(momentum)
@@ -56,24 +58,28 @@ impl Body {
     /// [`Error::StartMomentum`], [`Error::StartHeld`].
     pub(crate) fn fit_momentum(&self, velocity: &[f64], momentum: &mut [f64]) -> Result<()> {
         let norm = |vector: [f64; 3]| vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let at = |field: &[f64], node: usize| [0, 1, 2].map(|d| field[3 * node + d]);
-        let nodes = || 0..self.mesh.n_nodes();
-        let (_, fastest) = self.largest_node(nodes().map(|node| norm(at(velocity, node))));
+        let at = |field: &[f64], node: usize| nodal::at(field, node);
+        let nodes = || 0..self.mesh().n_nodes();
+        let (_, fastest) = self.space.largest_node(nodes().map(|node| norm(at(velocity, node))));
 
-        let mut held = self.fixed.clone();
-        self.driven_dofs().for_each(|dof| held[dof] = false);
+        let mut held = self.fixed().to_vec();
+        self.space.driven_dofs().for_each(|dof| held[dof] = false);
+        let at_held = |node: usize| nodal::at(&held, node);
         let held_velocity =
-            |node| [0, 1, 2].map(|d| if held[3 * node + d] { velocity[3 * node + d] } else { 0.0 });
-        let (node, speed) = self.largest_node(nodes().map(|node| norm(held_velocity(node))));
+            |node| [0, 1, 2].map(|d| if at_held(node)[d] { at(velocity, node)[d] } else { 0.0 });
+        let (node, speed) = self.space.largest_node(nodes().map(|node| norm(held_velocity(node))));
         if speed > OF_ROUNDING * fastest {
-            return Err(Error::StartHeld { node, velocity: self.at_node(node, |node| at(velocity, node)) });
+            return Err(Error::StartHeld {
+                node,
+                velocity: self.space.at_node(node, |node| at(velocity, node)),
+            });
         }
 
         let mut product = vec![0.0; self.n_dofs()];
         self.mass_product(velocity, &mut product);
         let lumped = |node: usize| at(velocity, node).map(|v| self.lumped_mass[node] * v);
         let worst = |momentum: &[f64], of_velocity: &dyn Fn(usize) -> [f64; 3]| {
-            self.largest_node(nodes().map(|node| {
+            self.space.largest_node(nodes().map(|node| {
                 let (p, other) = (at(momentum, node), of_velocity(node));
                 let differences = [0, 1, 2].map(|d| (p[d] - other[d]).abs());
                 let fits = |difference| difference <= OF_ROUNDING * self.lumped_mass[node] * fastest;
@@ -89,7 +95,8 @@ impl Body {
             momentum.copy_from_slice(&product);
             return Ok(());
         }
-        let [momentum, product] = [&*momentum, &product].map(|p| self.at_node(node, |node| at(p, node)));
+        let [momentum, product] =
+            [&*momentum, &product].map(|p| self.space.at_node(node, |node| at(p, node)));
         Err(Error::StartMomentum { node, momentum, product })
     }
 
@@ -101,8 +108,8 @@ impl Body {
         if !self.is_driven() {
             return Ok(());
         }
-        let distance = self.driven_distance(time, displacement);
-        let size = self.mesh.bounds().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let distance = self.space.driven_distance(time, displacement);
+        let size = self.mesh().bounds().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
         // Rounding in an expression that is exactly zero is not a displacement.
         if distance <= 1e-12 * size {
             return Ok(());

@@ -1,13 +1,14 @@
 //! Static equilibrium of a body under the loads of a time, found with growing loads.
 
 use crate::average::Request;
-use crate::body::{Body, InitialVelocity};
+use crate::body::Body;
 use crate::error::Result;
+use crate::input::InitialVelocity;
 use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, StepPlan};
 use crate::time::Scheme;
 use crate::time::classic::{Forces, solve_stiffness};
 
-/// The static equilibrium `f(u) = F(u, t)` of a body under the loads, pressures and driven supports of a time t.
+/// The static equilibrium `f(u) = F(u, t)` of a body under the loads, local unknowns and driven supports of a time t.
 ///
 /// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut by
 /// two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for stability
@@ -125,7 +126,7 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<Vec<f64>> {
-    body.check_whole("an unbalanced force")?;
+    body.space.check_whole("an unbalanced force")?;
     let mut external = vec![0.0; body.n_dofs()];
     let mut net = external.clone();
     Forces::new(body).net(displacement, time, &mut external, &mut net)?;
@@ -149,7 +150,7 @@ pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn internal_force(body: &Body, displacement: &[f64]) -> Result<Vec<f64>> {
-    body.check_whole("an internal force at a displacement")?;
+    body.space.check_whole("an internal force at a displacement")?;
     let mut forces = Forces::new(body);
     forces.assemble(displacement, Request::Stress)?;
     let mut internal = vec![0.0; body.n_dofs()];
@@ -176,7 +177,7 @@ pub type BlockRow = Vec<(u32, [f64; 9])>;
 /// # Errors
 /// [`crate::Error::Inverted`].
 pub fn stiffness(body: &Body, displacement: &[f64]) -> Result<Vec<BlockRow>> {
-    body.check_whole("a stiffness at a displacement")?;
+    body.space.check_whole("a stiffness at a displacement")?;
     let mut forces = Forces::new(body);
     forces.assemble(displacement, Request::Tangent)?;
     let matrix = &forces.assembly.matrix;

@@ -72,6 +72,28 @@ impl Share {
         Shares::new(mesh, owners).share(rank)
     }
 
+    /// A whole mesh as the share of a team of one.
+    ///
+    /// ```
+    /// use emmy::mesh::{self, Share};
+    /// let share = Share::whole(mesh::block([2.0, 1.0, 1.0], [2, 1, 1])?);
+    /// assert_eq!((share.rank(), share.n_own(), share.n_counted_cells()), (0, 12, 2));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn whole(mesh: Mesh) -> Self {
+        let (n_nodes, n_cells) = (mesh.n_nodes(), mesh.n_cells());
+        Share {
+            mesh,
+            n_own: n_nodes,
+            n_nodes_of_ranks: n_nodes,
+            nodes: (0..n_nodes as u32).collect(),
+            cells: (0..n_cells as u32).collect(),
+            counts: vec![true; n_cells],
+            neighbours: Vec::new(),
+            rank: 0,
+        }
+    }
+
     /// Number of the rank.
     pub fn rank(&self) -> usize {
         self.rank

@@ -96,7 +96,7 @@ const MAX_SEARCHED: usize = 56;
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
-    body.check_whole("a search for natural modes")?;
+    body.space.check_whole("a search for natural modes")?;
     solved(body, &mut Linearised::at_reference(body)?, count)
 }
 
@@ -118,7 +118,7 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn modes_about(body: &Body, state: &State, count: usize) -> Result<Vec<Mode>> {
-    body.check_whole("a search for natural modes")?;
+    body.space.check_whole("a search for natural modes")?;
     solved(body, &mut about(body, state)?, count)
 }
 
@@ -157,7 +157,7 @@ pub fn n_modes(body: &Body) -> usize {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
-    body.check_whole("a search for natural modes")?;
+    body.space.check_whole("a search for natural modes")?;
     lowest_elastic(body, &mut Linearised::at_reference(body)?)
 }
 
@@ -177,7 +177,7 @@ pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn lowest_elastic_mode_about(body: &Body, state: &State) -> Result<Option<(Mode, usize)>> {
-    body.check_whole("a search for natural modes")?;
+    body.space.check_whole("a search for natural modes")?;
     lowest_elastic(body, &mut about(body, state)?)
 }
 

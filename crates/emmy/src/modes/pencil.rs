@@ -34,10 +34,11 @@ impl Linearised {
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
+        body.check_unconstrained("a search for natural modes")?;
         let mut forces = Forces::new(body);
         forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {
-            forces.add_follower_tangent(displacement, time)?;
+            forces.add_external_tangent(displacement, time)?;
         }
         let mut assembly = forces.assembly;
         assembly.matrix.symmetrize(body.pattern());
@@ -130,7 +131,7 @@ impl<'a> BodyPencil<'a> {
         let centre = points.iter().map(|X| X[axis]).sum::<f64>() / points.len() as f64;
         let mut u = vec![0.0; self.body.n_dofs()];
         u.iter_mut().skip(axis).step_by(3).zip(points).for_each(|(u, X)| *u = X[axis] - centre);
-        self.body.set_internal_means(&mut u);
+        self.body.space.set_internal_means(&mut u);
         let mut product = u.clone();
         self.linearised.assembly.matrix.multiply(self.body.pattern(), &u, &mut product);
         let stiff = dot(&u, &product);

@@ -64,7 +64,7 @@ impl<'a> ErrorNorm<'a> {
 
 impl Observer for ErrorNorm<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        view.body.check_whole("a distance from samples")?;
+        view.body.space.check_whole("a distance from samples")?;
         match self.add(view.state.time, &view.state.displacement) {
             true => Ok(()),
             false => Err(format!("the reference has no state at t = {}", view.state.time).into()),

@@ -7,7 +7,9 @@ use crate::time::State;
 /// The error of a step; an inverted cell has its place.
 pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
     let Error::Inverted { cell, det } = *cause_of(&error) else { return error };
-    let Some((kind, centre)) = body.at_cell(cell, |node| state.position(body, node)) else { return error };
+    let Some((kind, centre)) = body.space.at_cell(cell, |node| state.position(body, node)) else {
+        return error;
+    };
     Error::CellInverted {
         step: state.step + 1,
         time: state.time + step_size,

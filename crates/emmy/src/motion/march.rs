@@ -239,7 +239,7 @@ impl Motion<'_> {
         for observer in observers {
             if outcome.is_ok() {
                 outcome = tell(&mut **observer);
-            } else if self.body.subdomain().is_some() {
+            } else if self.body.space.is_shared() {
                 // The first error counts.
                 _ = tell(&mut **observer);
             }
@@ -253,7 +253,7 @@ impl Motion<'_> {
             Ok(()) => Ok(()),
             Err(error) => Err(Error::Observer { message: error.to_string() }),
         };
-        let agreed = self.body.agree(told);
+        let agreed = self.body.space.agree(told);
         outcome.map_err(MarchError::Observer)?;
         Ok(agreed?)
     }

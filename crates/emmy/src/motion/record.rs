@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::StepLimit;
-use crate::body::{Body, StrainState};
+use crate::body::Body;
+use crate::force::StrainState;
 use crate::sparse::SolverChoice;
 use crate::time::{State, StepOutcome};
 
@@ -102,11 +103,11 @@ impl Record {
 
     /// The same, from a given strain energy and det F.
     fn with_invariants(mut self, body: &Body, state: &State, strain_state: StrainState) -> Record {
-        self.kinetic_energy = 0.5 * body.dot(&state.momentum, &state.velocity);
+        self.kinetic_energy = 0.5 * body.space.dot(&state.momentum, &state.velocity);
         self.strain_energy = strain_state.strain_energy;
         self.smallest_determinant = strain_state.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
-        self.linear_momentum = body.sum(&state.momentum);
+        self.linear_momentum = body.space.sum(&state.momentum);
         self.angular_momentum = state.angular_momentum(body);
         self
     }
@@ -142,7 +143,11 @@ impl Record {
                 self.linear_momentum,
                 impulses.linear,
             )),
-            angular_momentum_residual: if body.has_plane_cells() { angular[2].abs() } else { norm(angular) },
+            angular_momentum_residual: if body.space.has_plane_cells() {
+                angular[2].abs()
+            } else {
+                norm(angular)
+            },
             ..record
         }
     }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::StepPlan;
 use crate::average::Rule;
-use crate::body::{Body, MAX_COMPONENTS, Signal, SignalTarget};
+use crate::body::Body;
+use crate::force::{MAX_COMPONENTS, Signal};
+use crate::input::SignalTarget;
 use crate::number::short;
 use crate::polynomial::lagrange;
 use crate::quadrature::{Quadrature, gauss, lobatto};

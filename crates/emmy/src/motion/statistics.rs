@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Record, State, StepLimits};
-use crate::body::{Body, RegionSummary};
+use crate::body::Body;
+use crate::mass::RegionSummary;
 use crate::sparse::SolverChoice;
 
 /// The largest absolute value of a quantity, and the step in which it occurred.
@@ -69,9 +70,9 @@ impl LargestDisplacement {
     fn update(&mut self, body: &Body, state: &State) {
         let of_mesh = &state.displacement[..body.mesh().n_dofs()];
         let squares = of_mesh.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
-        let (node, square) = body.largest_node(squares);
+        let (node, square) = body.space.largest_node(squares);
         if square.sqrt() > self.value {
-            let point = body.at_node(node, |node| body.mesh().points()[node]);
+            let point = body.space.at_node(node, |node| body.mesh().points()[node]);
             *self =
                 LargestDisplacement { value: square.sqrt(), step: state.step, time: state.time, node, point };
         }

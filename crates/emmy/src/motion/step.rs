@@ -64,13 +64,13 @@ impl Motion<'_> {
         let outcome = outcome.inspect_err(|_| self.state.copy_from(&self.last))?;
         let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
         let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
-        let node = self.body.lowest_node(dof.map(|dof| dof / 3));
+        let node = self.body.space.lowest_node(dof.map(|dof| dof / 3));
         if node.is_none() && outcome.strain_state.strain_energy.is_finite() {
             return Ok(outcome);
         }
         self.state.copy_from(&self.last);
         let node = node.unwrap_or(0);
-        let position = self.body.at_node(node, |node| self.state.position(self.body, node));
+        let position = self.body.space.at_node(node, |node| self.state.position(self.body, node));
         Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
     }
 

@@ -129,9 +129,9 @@ impl<'a> Motion<'a> {
     ) -> Result<Self> {
         let scheme = scheme.into();
         let body = scheme.body(body);
-        body.agree(check_state(body, &state))?;
+        body.space.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
-        body.clear_guests(&mut state.momentum);
+        body.space.clear_guests(&mut state.momentum);
         // Nodes that supports held until then may move.
         let released = |now: &&'a Body| due_release(now, state.time, 0.0).map(|(_, next)| next);
         let due = std::iter::successors(Some(body), released).last().unwrap_or(body);

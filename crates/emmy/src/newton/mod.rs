@@ -34,6 +34,11 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
+    /// Largest part, up to 1, of a correction from a point that the system admits.
+    fn largest_part(&mut self, _x: &[f64], _dx: &[f64]) -> f64 {
+        1.0
+    }
+
     /// Part of the scale of the residual that the solution may leave, as rounding does.
     fn rounding(&self) -> f64 {
         ROUND_OFF
@@ -274,6 +279,10 @@ impl Newton {
         tangent: Tangent,
     ) -> Result<usize> {
         let iterations = system.correction(x, &self.residual, tolerance, tangent, &mut self.correction)?;
+        let part = system.largest_part(x, &self.correction);
+        if part < 1.0 {
+            self.correction.iter_mut().for_each(|dx| *dx *= part);
+        }
         self.set_trial(x, 1.0);
         Ok(iterations)
     }

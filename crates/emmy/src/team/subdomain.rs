@@ -6,7 +6,7 @@ use super::{Neighbour, Parcel, Team, text_of};
 use crate::error::{Error, Result};
 
 /// The part of a body that a rank computes: its numbers in the whole mesh, and calls of all ranks. Own nodes come first, then
-/// guests. [`crate::body::Body::subdomain`] has it.
+/// guests. [`crate::body::Body::ranks`] has it.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 /// let sums = Threads::run(2, |team| -> emmy::Result<f64> {
 ///     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
 ///     let body = Body::shared(Share::new(&mesh, &owners, team.rank()), team).region(rubber).build()?;
-///     let part = body.subdomain().expect("a team has parts");
+///     let part = body.ranks();
 ///     let mut n = [part.n_own() as f64];
 ///     part.sum("own nodes", &mut n);
 ///     Ok(n[0])
@@ -120,6 +120,13 @@ impl Subdomain {
     /// [`Team::largest`].
     pub fn largest(&self, name: &'static str, values: &mut [f64]) {
         self.team.largest(name, values);
+    }
+
+    /// Which of some things are true on some rank.
+    pub fn any<const N: usize>(&self, name: &'static str, own: [bool; N]) -> [bool; N] {
+        let mut numbers = own.map(|own| f64::from(u8::from(own)));
+        self.largest(name, &mut numbers);
+        numbers.map(|number| number > 0.0)
     }
 
     /// The lowest number of all ranks; `None` if no rank has one.

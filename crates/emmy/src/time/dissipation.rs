@@ -43,6 +43,7 @@
 
 use crate::average::Rule;
 use crate::body::Body;
+use crate::nodal;
 use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a dissipative time element.
@@ -145,14 +146,14 @@ impl RigidProjection {
             })
         };
         let mut held = [0, 1, 2].map(|axis| f64::from(u8::from(holds(axis))));
-        body.largest_of_ranks("axes that supports hold", &mut held);
+        body.space.largest_of_ranks("axes that supports hold", &mut held);
         let turns = held.map(|held| held == 0.0);
-        let translations = body.held_axes().map(|held| !held);
+        let translations = body.space.held_axes().map(|held| !held);
         let mut row_sums = vec![0.0; n];
         body.mass_product(&vec![1.0; n], &mut row_sums);
         let row_sums: Vec<f64> = row_sums.into_iter().step_by(3).collect();
         let mut mass = [row_sums.iter().sum()];
-        body.sum_ranks("mass of the rows", &mut mass);
+        body.space.sum_ranks("mass of the rows", &mut mass);
         let zero = vec![0.0; n];
         let change = [(); 4].map(|()| zero.clone());
         let [arm, weighted_arm, velocity, momentum] = change;
@@ -182,9 +183,9 @@ impl RigidProjection {
         let mean = self.mean(body, &self.weighted_arm);
         subtract(mean, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
         self.tensor = outer(&self.arm, &self.weighted_arm);
-        body.sum_ranks("tensor of the arms", self.tensor.as_flattened_mut());
+        body.space.sum_ranks("tensor of the arms", self.tensor.as_flattened_mut());
         self.multipliers =
-            self.projected(body.sum(&self.momentum), moment(body, (&self.arm, &self.momentum)));
+            self.projected(body.space.sum(&self.momentum), moment(body, (&self.arm, &self.momentum)));
     }
 
     /// Adds `h weight_i M U lambda` to the residuals of the stages.
@@ -211,12 +212,12 @@ impl RigidProjection {
         let first = outer(arm, &self.weighted_arm);
         let second = outer(&self.arm, weighted_arm);
         let mut change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
-        body.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
+        body.space.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
         let turned = inertia_times(&change, multipliers.turn);
         let own = moment(body, (&self.arm, momentum));
         let other = moment(body, (arm, &self.momentum));
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
-        let change = self.projected(body.sum(&self.change.momentum), right);
+        let change = self.projected(body.space.sum(&self.change.momentum), right);
         self.add(change, h, residual);
         let n = self.arm.len();
         for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
@@ -233,7 +234,7 @@ impl RigidProjection {
     pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
-        let part = self.projected(body.sum(momentum), moment(body, (&self.arm, momentum)));
+        let part = self.projected(body.space.sum(momentum), moment(body, (&self.arm, momentum)));
         self.add(part, -1.0, right);
     }
 
@@ -252,24 +253,24 @@ impl RigidProjection {
         let start: f64 = eta.iter().sum();
         let mut square = 0.0;
         for node in 0..self.row_sums.len() {
-            let at = |values: &[f64]| [values[3 * node], values[3 * node + 1], values[3 * node + 2]];
+            let at = |values: &[f64]| nodal::at(values, node);
             let moved = self.multipliers.at(at(&self.arm));
             let weighted = self.multipliers.times(self.row_sums[node], at(&self.weighted_arm));
             for d in 0..3 {
-                let dof = 3 * node + d;
+                let dof = nodal::dof(node, d);
                 let delta = self.change.velocity[dof] / h - start * velocity[dof];
                 square += (delta - moved[d]) * (self.momentum[dof] - weighted[d]);
                 new[dof] += end_weight * moved[d];
             }
         }
         let mut square = [square];
-        body.sum_ranks("energy dissipated by velocities", &mut square);
+        body.space.sum_ranks("energy dissipated by velocities", &mut square);
         excess * square[0] / (1.0 + strength).powi(2)
     }
 
     /// Mean of arms in the directions without a fixed node, from their products with M.
     fn mean(&self, body: &Body, weighted: &[f64]) -> [f64; 3] {
-        let total = body.sum(weighted);
+        let total = body.space.sum(weighted);
         [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 })
     }
 
@@ -356,8 +357,8 @@ fn outer(a: &[f64], b: &[f64]) -> Mat3<f64> {
 
 /// `sum_A a_A x b_A` over the nodes of all ranks.
 fn moment(body: &Body, (a, b): (&[f64], &[f64])) -> [f64; 3] {
-    let mut sum = moment_of(body.counted_nodes(), a, b);
-    body.sum_ranks("moment of a momentum", &mut sum);
+    let mut sum = moment_of(body.space.counted_nodes(), a, b);
+    body.space.sum_ranks("moment of a momentum", &mut sum);
     sum
 }
 

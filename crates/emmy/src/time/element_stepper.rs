@@ -3,8 +3,9 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, LoadMemory, MassSolver, Reaction, StrainState};
+use crate::body::{Body, MassSolver, Reaction};
 use crate::error::Result;
+use crate::force::{Span, StrainState};
 use crate::newton::NewtonSettings;
 
 /// Stepper of a time element.
@@ -32,7 +33,6 @@ pub struct TimeElementStepper<'a> {
     /// The basis of the rates at the end of the step.
     end_basis: Vec<f64>,
     residual: Vec<f64>,
-    load_memory: LoadMemory,
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     end_velocity: Vec<f64>,
@@ -55,20 +55,19 @@ impl<'a> TimeElementStepper<'a> {
         let n = body.n_dofs();
         let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
-        let n_pressures = system.n_pressures();
+        let n_unknowns = system.n_unknowns();
         Ok(TimeElementStepper {
             iteration: Iteration::new(&system, settings),
             end_basis: (0..k).map(|j| system.coefficients.rule.basis(j, 1.0)).collect(),
             system,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
-            residual: vec![0.0; k * n + n_pressures],
-            load_memory: body.load_memory(k),
+            residual: vec![0.0; n_unknowns],
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
             origin: [0.0; 3],
             mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
@@ -87,7 +86,7 @@ impl<'a> TimeElementStepper<'a> {
         self.reactions.fill(Reaction::default());
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
-        let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
+        let StageSystem { coefficients, known, .. } = &mut self.system;
         let n = self.momentum.len();
         for (sum, known) in coefficients.mass_sums(h).zip(known.chunks_exact_mut(n)) {
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = weighted(sum, *p));
@@ -95,10 +94,7 @@ impl<'a> TimeElementStepper<'a> {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        let memory = &mut self.load_memory;
-        self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, memory, dead_load)?;
-        followers.average(body, state.time, h)?;
-        self.is_loaded |= followers.are_active();
+        self.is_loaded = self.system.begin(Span::new(state.time, h))?;
         self.system.set_driven_rates(state.time, h)
     }
 
@@ -107,12 +103,12 @@ impl<'a> TimeElementStepper<'a> {
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
         let body = self.system.body;
         let n = self.system.body.n_dofs();
-        let has_supports = body.held_axes() != [false; 3];
+        let has_supports = body.space.is_supported();
         let mut impulses = Impulses::default();
         if has_supports {
             self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
         } else {
-            self.system.evaluate_followers(self.iteration.rates());
+            self.system.evaluate_external(self.iteration.rates())?;
         }
         let is_braked = self.system.is_braked();
         if is_braked {
@@ -122,7 +118,8 @@ impl<'a> TimeElementStepper<'a> {
         if body.has_ground() {
             self.system.ground_force(rates, &mut self.ground)?;
         }
-        if !has_supports && !self.is_loaded && !body.has_ground() && body.drag() == 0.0 {
+        let is_joined = body.constraints().is_grounded();
+        if !has_supports && !self.is_loaded && !body.has_ground() && !is_joined && body.drag() == 0.0 {
             return Ok(impulses);
         }
         let rule = &self.system.coefficients.rule;
@@ -137,15 +134,18 @@ impl<'a> TimeElementStepper<'a> {
             }
             let force = &mut self.residual[i * n..(i + 1) * n];
             let reactions = &mut self.reactions;
-            body.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
+            body.space.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
             self.system.add_spring_reactions(rates, i, b, &self.position, reactions);
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
                 force[dof] = lambda + self.system.external_force(i * n + dof);
             }
-            impulses.work += b * body.dot(force, &rates[i * n..(i + 1) * n]);
+            impulses.work += b * body.space.dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
             force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
+            if is_joined {
+                self.system.add_constraint_force(&self.iteration.unknowns, i, force);
+            }
             if body.drag() > 0.0 {
                 force.iter_mut().enumerate().for_each(|(dof, f)| *f += self.system.drag_force(i * n + dof));
             }
@@ -194,11 +194,11 @@ impl<'a> TimeElementStepper<'a> {
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses)?;
-        self.system.body.sum_reactions(&mut self.reactions);
+        self.system.body.space.sum_reactions(&mut self.reactions);
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
         }
-        self.iteration.remember(&self.system.coefficients, step_size);
+        self.iteration.remember(&mut self.system, step_size);
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
@@ -215,7 +215,7 @@ impl<'a> TimeElementStepper<'a> {
         correct: impl FnOnce(&mut StageSystem<'_>, &mut [f64]) -> Result<bool>,
     ) -> Result<bool> {
         self.start(state, step_size)?;
-        self.iteration.begin(&mut self.system, state, step_size);
+        self.iteration.begin(&mut self.system, state, step_size)?;
         self.iteration.set_rates(given, &mut self.system)?;
         if !correct(&mut self.system, &mut self.iteration.unknowns)? {
             return Ok(false);
@@ -238,7 +238,7 @@ impl<'a> TimeElementStepper<'a> {
             impulses.dissipated += self.update_velocity(state, h);
         }
         let body = self.system.body;
-        body.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
+        body.space.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
         Ok(())
     }
 
@@ -282,7 +282,7 @@ impl<'a> TimeElementStepper<'a> {
     fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         let body = self.system.body;
         self.set_end_velocity(&state.velocity, h);
-        body.set_given_velocity(state.time + h, h, &mut state.velocity)?;
+        body.space.set_given_velocity(state.time + h, h, &mut state.velocity)?;
         if let Some(mass_solver) = &mut self.mass_solver {
             mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity)?;
         }
@@ -302,7 +302,8 @@ impl<'a> TimeElementStepper<'a> {
         for j in 0..self.end_basis.len() {
             let beta = self.end_weight(j);
             let rates = &self.iteration.rates()[j * n..(j + 1) * n];
-            body.driven_dofs()
+            body.space
+                .driven_dofs()
                 .for_each(|dof| self.end_velocity[dof] += weighted(beta, rates[dof] / h - velocity[dof]));
         }
     }
@@ -314,11 +315,11 @@ impl<'a> TimeElementStepper<'a> {
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
         let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
         // The momentum of guests is zero.
-        let mut work = [body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>()];
-        body.sum_ranks("work of the jump", &mut work);
+        let mut work = [body.space.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>()];
+        body.space.sum_ranks("work of the jump", &mut work);
         impulses.work += work[0];
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
-        body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
+        body.space.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
     }
 }
 

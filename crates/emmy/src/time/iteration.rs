@@ -1,7 +1,6 @@
 //! Newton's iteration over the equations of a step, and its starting points in the order of the attempts.
 
 use super::prediction::{Carry, Prediction};
-use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
@@ -12,11 +11,13 @@ use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
 pub(super) struct Iteration {
     settings: NewtonSettings,
     newton: Newton,
-    /// The unknowns: rates x_i, `[k][n_nodes][3]`, then the pressures of the step, `[function][n]`.
+    /// The unknowns: rates x_i, `[k][n_nodes][3]`, multipliers of constraints, `[k][n]`, and local unknowns, `[function][n]`.
     pub unknowns: Vec<f64>,
     n_rates: usize,
-    /// Pressures of the last step; empty before the first one.
-    pressures: Vec<f64>,
+    n_multipliers: usize,
+    /// Multipliers and local unknowns of the last step; empty before the first one.
+    multipliers: Vec<f64>,
+    local: Vec<f64>,
     prediction: Prediction,
     /// Residual at a starting point, if there is a choice, and residual of the rigid motion.
     residual: Vec<f64>,
@@ -54,13 +55,15 @@ impl Iteration {
     pub(super) fn new(system: &StageSystem<'_>, settings: NewtonSettings) -> Self {
         let k = system.coefficients.rule.degree();
         let n = system.body.n_dofs();
-        let n_unknowns = k * n + system.n_pressures();
+        let n_unknowns = system.n_unknowns();
         Iteration {
             settings,
             newton: Newton::default(),
             unknowns: vec![0.0; n_unknowns],
             n_rates: k * n,
-            pressures: Vec::with_capacity(system.n_pressures()),
+            n_multipliers: system.n_multipliers(),
+            multipliers: Vec::with_capacity(system.n_multipliers()),
+            local: Vec::with_capacity(system.n_local()),
             prediction: Prediction::new(k, n),
             residual: vec![0.0; n_unknowns],
         }
@@ -75,20 +78,32 @@ impl Iteration {
         &mut self.unknowns[..self.n_rates]
     }
 
-    /// Sets the pressures to those of the last step, or of the configuration at the start of the step.
-    fn set_pressures(&mut self, system: &mut StageSystem<'_>) -> Result<()> {
-        let pressures = &mut self.unknowns[self.n_rates..];
-        if self.prediction.is_first() {
-            return system.set_pressures_at_start(pressures);
+    /// Sets the unknowns beside the rates: multipliers to those of the last step for the same forces, after a failure to
+    /// zero; local unknowns to those of the last step, or of the configuration at the start of the step.
+    fn set_others(&mut self, system: &mut StageSystem<'_>, step_size: f64, has_failed: bool) -> Result<()> {
+        let (multipliers, local) = self.unknowns[self.n_rates..].split_at_mut(self.n_multipliers);
+        let ratio = self.prediction.last_size().filter(|_| !has_failed).map(|last| step_size / last);
+        match ratio {
+            Some(ratio) if self.multipliers.len() == multipliers.len() => {
+                let last = multipliers.iter_mut().zip(&self.multipliers);
+                last.for_each(|(multiplier, last)| *multiplier = ratio * ratio * last);
+            }
+            _ => multipliers.fill(0.0),
         }
-        pressures.copy_from_slice(&self.pressures);
+        if self.prediction.is_first() {
+            return system.set_local_at_start(local);
+        }
+        local.copy_from_slice(&self.local);
         Ok(())
     }
 
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
-        memory.keep_pressures("pressures", &self.pressures);
+        memory.keep_local("pressures", &self.local);
+        if self.n_multipliers > 0 {
+            memory.keep("multipliers", &self.multipliers);
+        }
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
         memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
         memory.keep_number("newton.excess", excess as f64);
@@ -101,8 +116,12 @@ impl Iteration {
     /// [`Error::Memory`].
     pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.prediction.restore(memory)?;
-        self.pressures.clear();
-        self.pressures.extend_from_slice(memory.list("pressures")?);
+        self.local.clear();
+        self.local.extend_from_slice(memory.list("pressures")?);
+        if self.n_multipliers > 0 {
+            self.multipliers.clear();
+            self.multipliers.extend_from_slice(memory.list("multipliers")?);
+        }
         self.newton.restore(NewtonMemory {
             fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
             excess: memory.number("newton.excess")? as usize,
@@ -116,26 +135,35 @@ impl Iteration {
         self.newton.history()
     }
 
-    /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Follower
-    /// loads are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
-    pub(super) fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
-        if system.body.n_followers() > 0 {
+    /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Loads that
+    /// depend on the motion are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn begin(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+    ) -> Result<()> {
+        if system.assembly.varies() {
             self.set_straight(state, step_size);
             system.drive(self.rates_mut());
-            system.evaluate_followers(self.rates());
+            system.evaluate_external(self.rates())?;
         }
         self.prediction.start(system, state);
         system.turn(self.prediction.rotation());
+        Ok(())
     }
 
-    /// Sets the rates of the step, and the pressures of its start.
+    /// Sets the rates of the step, and the local unknowns of its start.
     ///
     /// # Errors
     /// [`Error::Inverted`].
     pub(super) fn set_rates(&mut self, given: &[f64], system: &mut StageSystem<'_>) -> Result<()> {
         self.rates_mut().copy_from_slice(given);
         system.drive(self.rates_mut());
-        system.set_pressures_at_start(&mut self.unknowns[self.n_rates..])
+        system.set_local_at_start(&mut self.unknowns[self.n_rates + self.n_multipliers..])
     }
 
     /// Solves the equations of a step from the first starting point with a solution; given rates come first.
@@ -149,10 +177,10 @@ impl Iteration {
         step_size: f64,
         given: Option<&[f64]>,
     ) -> Result<Outcome> {
-        self.begin(system, state, step_size);
+        self.begin(system, state, step_size)?;
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
-            self.set_pressures(system)?;
+            self.set_others(system, step_size, failure.is_some() || cause.is_some())?;
             if !self.predict(guess, system, state, step_size, given) {
                 continue;
             }
@@ -160,7 +188,7 @@ impl Iteration {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
                         let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
-                        self.prediction.balance(system, rates, &mut residual[..self.n_rates]);
+                        self.prediction.balance(system, rates, &mut residual[..self.n_rates])?;
                         outcome.rounding = self.rounding(system, state)?;
                     }
                     if outcome.rounding <= LARGEST_ROUNDING {
@@ -184,11 +212,12 @@ impl Iteration {
     /// Newton's iteration from the present unknowns.
     fn solve_from_here(&mut self, system: &mut StageSystem<'_>, line_search: bool) -> Result<Outcome> {
         let outcome = self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)?;
-        if !outcome.converged || outcome.iterations > 0 || !system.body.has_pressures() {
+        if !outcome.converged || outcome.iterations > 0 || !system.body.has_local() {
             return Ok(outcome);
         }
-        // Nothing moves freely, so no correction has taken the pressures to those of the rates.
-        system.body.copy_pressures(&system.assembly, &mut self.unknowns[self.n_rates..]);
+        // Nothing moves freely, so no correction has taken the local unknowns to those of the rates.
+        let local = &mut self.unknowns[self.n_rates + self.n_multipliers..];
+        system.body.copy_local(&system.assembly, local);
         self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)
     }
 
@@ -198,7 +227,7 @@ impl Iteration {
         let rates = &self.unknowns[..self.n_rates];
         let residual = &self.residual[..self.n_rates];
         let [work, impulse, moment] = self.prediction.imbalance(system, rates, residual);
-        let kinetic = 0.5 * system.body.dot(&state.momentum, &state.velocity);
+        let kinetic = 0.5 * system.body.space.dot(&state.momentum, &state.velocity);
         let moved = system.mean_kinetic_energy(rates);
         let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
         if energy == 0.0 {
@@ -223,7 +252,7 @@ impl Iteration {
             return not_a_number(self.newton.residual(), system, state, step_size);
         }
         let sizes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size);
-        let (node, _) = system.body.largest_node(sizes);
+        let (node, _) = system.body.space.largest_node(sizes);
         Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
@@ -231,15 +260,20 @@ impl Iteration {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: system.body.at_node(node, |node| state.position(system.body, node)),
+            position: system.body.space.at_node(node, |node| state.position(system.body, node)),
         }
     }
 
-    /// Keeps the rates of a step for the prediction of the next one.
-    pub(super) fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
-        self.prediction.remember(coefficients, &self.unknowns[..self.n_rates], step_size);
-        self.pressures.clear();
-        self.pressures.extend_from_slice(&self.unknowns[self.n_rates..]);
+    /// Keeps what the next step needs of one that counts: its rates for the prediction, and the memory of forces.
+    pub(super) fn remember(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
+        let rates = &self.unknowns[..self.n_rates];
+        system.accept(rates);
+        self.prediction.remember(&system.coefficients, rates, step_size);
+        let (multipliers, local) = self.unknowns[self.n_rates..].split_at(self.n_multipliers);
+        self.multipliers.clear();
+        self.multipliers.extend_from_slice(multipliers);
+        self.local.clear();
+        self.local.extend_from_slice(local);
     }
 
     /// Predicts the rates by the carry of the last deviation with the smaller residual; for k = 1 they are equal.
@@ -309,14 +343,14 @@ fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
 /// The error of an iteration whose residual is not a number, at the first such node.
 fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_size: f64) -> Error {
     let body = system.body;
-    let of_rates = residual.iter().take(residual.len() - system.n_pressures());
+    let of_rates = residual.iter().take(system.n_rates());
     let dofs = of_rates.enumerate().filter(|(_, r)| !r.is_finite()).map(|(at, _)| at % body.n_dofs());
-    let own = dofs.map(|dof| dof / 3).find(|node| body.own_nodes().contains(node));
-    let node = body.lowest_node(own).unwrap_or(0);
+    let own = dofs.map(|dof| dof / 3).find(|node| body.space.own_nodes().contains(node));
+    let node = body.space.lowest_node(own).unwrap_or(0);
     Error::NotANumber {
         step: state.step + 1,
         time: state.time + step_size,
         node,
-        position: body.at_node(node, |node| state.position(body, node)),
+        position: body.space.at_node(node, |node| state.position(body, node)),
     }
 }

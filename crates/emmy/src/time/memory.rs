@@ -41,9 +41,9 @@ impl Memory {
         self.entries.insert(name.to_string(), Entries::Nodes);
     }
 
-    /// Keeps pressures, `[function][n]`.
-    pub fn keep_pressures(&mut self, name: &str, pressures: &[f64]) {
-        self.keep(name, pressures);
+    /// Keeps local unknowns, `[function][n]`.
+    pub fn keep_local(&mut self, name: &str, local: &[f64]) {
+        self.keep(name, local);
         self.entries.insert(name.to_string(), Entries::Pressures);
     }
 

@@ -7,7 +7,6 @@ pub(crate) mod classic;
 mod dissipation;
 pub(crate) mod element_stepper;
 pub(crate) mod error;
-mod followers;
 mod iteration;
 mod linear;
 pub(crate) mod memory;

@@ -2,6 +2,7 @@
 
 use super::dissipation::Dissipation;
 use crate::average::Rule;
+use crate::force::Sampling;
 use crate::sparse::{accurate_sum, split};
 
 /// Coefficients of the stage equations: the only difference between implicit steppers.
@@ -16,6 +17,8 @@ use crate::sparse::{accurate_sum, split};
 pub(crate) struct StageCoefficients {
     /// The rule that averages the internal force.
     pub rule: Rule,
+    /// How the equations take what is given over time.
+    pub sampling: Sampling,
     /// m_ij, `[i k + j]`.
     pub mass: Vec<f64>,
     /// Rounding errors of m_ij.

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, InitialVelocity};
+use crate::body::Body;
 use crate::error::Result;
+use crate::input::InitialVelocity;
+use crate::nodal;
 use crate::tensor::cross;
 
 /// State of a body in motion.
@@ -60,10 +62,10 @@ impl State {
             displacement.resize(body.n_dofs(), 0.0);
         }
         if displacement.len() == body.n_dofs() {
-            body.update_guests("displacement", &mut displacement);
+            body.space.update_guests("displacement", &mut displacement);
         }
         if !has_modes {
-            body.set_internal_means(&mut displacement);
+            body.space.set_internal_means(&mut displacement);
         }
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
@@ -89,7 +91,7 @@ impl State {
     pub fn transferred(mut self, body: &Body, time: f64) -> Result<Self> {
         if self.displacement.len() != body.n_dofs() {
             for field in [&mut self.displacement, &mut self.velocity, &mut self.displacement_low] {
-                body.fit_without_modes(field);
+                body.space.fit_without_modes(field);
             }
         }
         body.check_start(time, &self.displacement)?;
@@ -119,12 +121,12 @@ impl State {
 
     /// Current position of a node.
     pub fn position(&self, body: &Body, node: usize) -> [f64; 3] {
-        [0, 1, 2].map(|i| body.point(node)[i] + self.displacement[3 * node + i])
+        body.space.position(&self.displacement, node)
     }
 
     /// Displacement of the first node of a free body (on a team, of the first rank), zero for any other body: strains and forces do not depend on it.
     pub fn origin(&self, body: &Body) -> [f64; 3] {
-        if body.is_free() { body.first_displacement(&self.displacement) } else { [0.0; 3] }
+        if body.is_free() { body.space.first_displacement(&self.displacement) } else { [0.0; 3] }
     }
 
     /// Sets the displacement relative to [`State::origin`], its low part included.
@@ -155,15 +157,15 @@ impl State {
         let mut moment = [0.0; 3];
         // Internal nodes have no momentum.
         let nodes = body.mesh().points().iter().zip(self.momentum.as_chunks::<3>().0).enumerate();
-        for (node, (X, p)) in nodes.take(body.own_nodes().end) {
+        for (node, (X, p)) in nodes.take(body.space.own_nodes().end) {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
-            let at = 3 * node;
+            let at = nodal::dof(node, 0);
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
             add(&mut moment, cross(q, *p));
             add(&mut total, *p);
         }
         add(&mut moment, cross(origin, total));
-        body.sum_ranks("angular momentum", &mut moment);
+        body.space.sum_ranks("angular momentum", &mut moment);
         moment
     }
 
@@ -179,15 +181,15 @@ impl State {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
         // A resumed motion begins with momenta of guests, which M v does not give.
         let nodes = self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0);
-        for (p, before) in nodes.take(body.own_nodes().end) {
+        for (p, before) in nodes.take(body.space.own_nodes().end) {
             for d in 0..3 {
                 let (change, error) = two_sum(p[d], -before[d]);
                 let (sum, rounding) = two_sum(high[d], change);
                 (high[d], low[d]) = (sum, low[d] + error + rounding);
             }
         }
-        body.sum_ranks("change of momentum", &mut high);
-        body.sum_ranks("rounding of the change of momentum", &mut low);
+        body.space.sum_ranks("change of momentum", &mut high);
+        body.space.sum_ranks("rounding of the change of momentum", &mut low);
         (0..3).for_each(|d| self.momentum_error[d] += (high[d] - impulse[d]) + low[d]);
     }
 }

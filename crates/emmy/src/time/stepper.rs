@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{Body, Reaction, StrainState};
+use crate::body::{Body, Reaction};
 use crate::error::Result;
+use crate::force::StrainState;
 use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
 
@@ -95,7 +96,7 @@ pub struct Impulses {
 impl Impulses {
     /// Adds the impulses of a nodal force that acts for a time at a displacement, both `[n_nodes][3]`.
     pub fn add_force(&mut self, body: &Body, duration: f64, displacement: &[f64], force: &[f64]) {
-        let total = body.sum(force);
+        let total = body.space.sum(force);
         let moment = body.moment(displacement, force);
         (0..3).for_each(|d| self.linear[d] += duration * total[d]);
         (0..3).for_each(|d| self.angular[d] += duration * moment[d]);

@@ -3,7 +3,8 @@
 use super::stage_system::StageSystem;
 use super::{State, TimeElement};
 use crate::average::AveragingRule;
-use crate::body::{Body, InitialVelocity, Region};
+use crate::body::Body;
+use crate::input::{InitialVelocity, Region};
 use crate::material::{NeoHooke, SaintVenantKirchhoff};
 use crate::newton::{System, Tangent};
 use crate::sparse::Solver;

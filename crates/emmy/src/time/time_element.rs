@@ -6,6 +6,7 @@ use super::dissipation::Dissipation;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::{AveragingRule, Rule};
 use crate::error::{Error, Result};
+use crate::force::Sampling;
 use crate::sparse::accurate_inverse;
 
 /// Highest degree of a time element: beyond, the stage equations are too ill-conditioned for any gain.
@@ -165,6 +166,7 @@ impl TimeElement {
         let [a_inverse, low] = accurate_inverse(&a);
         match self.spectral_radius {
             None => StageCoefficients {
+                sampling: Sampling::Averages,
                 mass: a_inverse,
                 mass_low: low,
                 inverse_mass: a.clone(),
@@ -177,6 +179,7 @@ impl TimeElement {
                 let a = dissipation.coefficients(&rule);
                 let [mass, mass_low] = accurate_inverse(&a);
                 StageCoefficients {
+                    sampling: Sampling::Averages,
                     mass,
                     mass_low,
                     inverse_mass: a.clone(),

@@ -29,6 +29,7 @@ mod quadratic_cells;
 mod reactions;
 mod reference_cases;
 mod resumed_motions;
+mod rigid_links;
 mod shared;
 mod small_modes;
 mod solid_elements;

@@ -398,7 +398,7 @@ fn matrices_for_scipy() {
         displacement: &rest,
         rates: &rest,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();

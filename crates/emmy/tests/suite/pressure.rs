@@ -8,8 +8,8 @@ use crate::shared::patch::Patch;
 use crate::shared::schemes::{DGM, at};
 use emmy::Error;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
-use emmy::internals::average::{FollowerRule, Request, Rule};
-use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{Sampling, Span, StepDamping, StepInput};
 use emmy::internals::element::facet_element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, Share};
@@ -18,6 +18,9 @@ use emmy::team::Threads;
 use emmy::time::Scheme;
 
 const PRESSURE: f64 = 80.0;
+
+/// Square of the size of a step.
+const H2: f64 = 0.04;
 
 fn pressure(group: &str, time_function: TimeFunction) -> Load {
     Load { kind: LoadKind::Pressure { group: group.into(), pressure: PRESSURE }, time_function }
@@ -239,48 +242,39 @@ fn balances_close_with_time_functions_and_supports() {
     }
 }
 
+/// A step of size 0.2.
+fn step_at<'a>(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64]) -> StepInput<'a> {
+    let damping = StepDamping::default();
+    StepInput { rule, tangent_factor: H2, displacement, rates, damping, local: None }
+}
+
 /// The derivatives in the stage matrix belong to the stage averages, which are quadratic in the rates: their central
 /// difference is exact for any step.
 #[test]
 fn tangent_is_consistent() {
     let kind = CellKind::Wedge15;
-    let body = body(cube(kind), &[], pressure("surface", TimeFunction::constant()));
-    let (n, h2) = (body.n_dofs(), 0.04);
+    let grows = TimeFunction::new(vec![(0.0, 1.0), (1.0, 2.0)]).unwrap();
+    let body = body(cube(kind), &[], pressure("surface", grows));
+    let n = body.n_dofs();
     let noise = |i: usize, seed: f64| 0.1 * ((i as f64 + seed) * 0.618_034).fract();
     for rule in [Rule::discrete_gradient(1), Rule::discrete_gradient(2)] {
-        let (k, follower) = (rule.degree(), FollowerRule::new(&rule));
+        let k = rule.degree();
         let displacement: Vec<f64> = (0..n).map(|i| noise(i, 1.0)).collect();
         let rates: Vec<f64> = (0..k * n).map(|i| noise(i, 2.0)).collect();
         let direction: Vec<f64> = (0..k * n).map(|i| noise(i, 3.0) - 0.05).collect();
-        let factors: Vec<f64> = (0..follower.n_points()).map(|m| 1.0 + 0.3 * m as f64).collect();
-        let force = |step: f64| {
+        let mut assembly = body.assembly(k);
+        body.begin(&rule, (Span::new(0.0, 1.0), Sampling::Averages), &mut assembly).unwrap();
+        let mut force = |step: f64| {
             let rates: Vec<f64> = rates.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
-            let step = StepInput {
-                rule: &rule,
-                tangent_factor: h2,
-                displacement: &displacement,
-                rates: &rates,
-                damping: StepDamping::default(),
-                pressures: None,
-            };
-            let mut force = vec![0.0; k * n];
-            body.stage_followers(&step, &follower, &factors, &mut force);
-            force
+            body.evaluate_external(&step_at(&rule, &displacement, &rates), &mut assembly).unwrap();
+            assembly.external_parts()[1].to_vec()
         };
         let (plus, minus) = (force(0.5), force(-0.5));
-        let step = StepInput {
-            rule: &rule,
-            tangent_factor: h2,
-            displacement: &displacement,
-            rates: &rates,
-            damping: StepDamping::default(),
-            pressures: None,
-        };
-        let mut assembly = body.assembly(k);
+        let step = step_at(&rule, &displacement, &rates);
         body.assemble(&step, Request::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
         let mut product = |add: bool| {
             if add {
-                body.add_follower_tangent(&step, &follower, &factors, &mut assembly);
+                body.add_external_tangent(&step, &mut assembly).unwrap();
             }
             let mut product = vec![0.0; k * n];
             assembly.matrix.multiply(body.pattern(), &direction, &mut product);
@@ -288,7 +282,7 @@ fn tangent_is_consistent() {
         };
         let (without, with) = (product(false), product(true));
         for i in 0..k * n {
-            let expected = -h2 * (plus[i] - minus[i]);
+            let expected = -H2 * (plus[i] - minus[i]);
             assert!((with[i] - without[i] - expected).abs() < 1e-11, "k = {k}, {i}: {expected}");
         }
     }

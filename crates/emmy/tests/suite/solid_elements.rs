@@ -63,7 +63,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         displacement,
         rates: &rates,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();

@@ -64,8 +64,8 @@ const ELEMENTS: [(Element, [Verdict; 4]); 18] = [
 /// The table's columns.
 const CASES: [(f64, f64); 4] = [(0.3, 0.0), (0.3, 0.25), (0.4999, 0.0), (0.4999, 0.25)];
 
-/// Deflection of the tip under a small transverse force, over Timoshenko's `F L^3 / (3 E I) + F L / (5/6 G A)`:
-/// ten linear or five quadratic cells, their inner faces tilted by a part of a cell. The wall holds the axial displacement
+/// Deflection of the tip under a small transverse force, over Timoshenko's `F L^3 / (3 E I) + F L / (5/6 G A)`: ten
+/// linear or five quadratic cells, their inner faces tilted by a part of a cell. The wall holds the axial displacement
 /// alone, as beam theory does.
 fn deflection(element: Element, poisson: f64, tilt: f64) -> Result<f64, String> {
     let text = |error: emmy::Error| error.to_string();

@@ -6,7 +6,7 @@ mod report;
 use clap::Args;
 use emmy_io::input::Problem;
 
-use super::{Input, agreed, is_first, period, unresolved_steps};
+use super::{Input, agreed, is_first, period, unresolved_steps, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print;
@@ -17,6 +17,9 @@ pub(super) use report::Report;
 pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
+    /// Number of threads; the report does not depend on it [default: all cores; on ranks of `mpirun`, one each]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
 }
 
 impl Arguments {
@@ -28,6 +31,10 @@ impl Arguments {
 
 /// Prints the report.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.threads, host, || run_here(arguments, host))?
+}
+
+fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     // First, since a body cannot be divided among any number of ranks.
     let of_ranks = host.team().map(|team| {
         let problem =
@@ -67,8 +74,8 @@ fn of_body(report: &mut Report, problem: &Problem) {
     report.body(problem);
 }
 
-/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the loads,
-/// supports, start, plan and output.
+/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the
+/// loads, supports, start, plan and output.
 ///
 /// # Errors
 /// [`Failure::Usage`] if the start does not fit the body, [`Failure::Study`] if its equilibrium is not found.

@@ -14,7 +14,10 @@ fn range(part: &Subdomain, own: usize) -> [usize; 2] {
 
 /// The lines on the ranks; a call of all of them.
 pub(super) fn report(problem: &Problem) -> String {
-    let Some(part) = problem.body.subdomain() else { return String::new() };
+    let part = problem.body.ranks();
+    if part.size() == 1 {
+        return String::new();
+    }
     let n_guests = part.nodes().len() - part.n_own();
     let (own, guests) = (range(part, part.n_own()), range(part, n_guests));
     let neighbours = range(part, part.neighbours().count());

@@ -45,8 +45,7 @@ pub(super) struct RunOptions {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
-    /// Stop after the step in which this many seconds since the start of the program have passed, with a checkpoint, as
-    /// a signal does
+    /// Stop after the step in which the program has run for this many seconds, with a checkpoint, as after a signal
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..))]
     wall_limit: Option<u32>,
     #[arg(skip = Instant::now())]

@@ -1,8 +1,8 @@
 //! Expressions of the time, such as `0.5 * sin(2*pi*t)`, of position and time, or of the invariants of a strain.
 //!
-//! A text becomes a tree ([`parse()`]). Its value at a time is computed with first and second derivatives by the time, by the
-//! rules of differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are integrated
-//! exactly.
+//! A text becomes a tree ([`parse()`]). Its value at a time is computed with first and second derivatives by the time,
+//! by the rules of differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are
+//! integrated exactly.
 
 mod jet;
 mod parse;

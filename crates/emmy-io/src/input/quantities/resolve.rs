@@ -161,9 +161,7 @@ const FAR: f64 = 1e-6;
 /// Whether any rank has a node of a group.
 fn has_nodes(body: &Body, group: &str) -> bool {
     let mut n_nodes = [body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()) as f64];
-    if let Some(subdomain) = body.subdomain() {
-        subdomain.largest("nodes of a group", &mut n_nodes);
-    }
+    body.ranks().largest("nodes of a group", &mut n_nodes);
     n_nodes[0] > 0.0
 }
 
@@ -171,9 +169,7 @@ fn has_nodes(body: &Body, group: &str) -> bool {
 fn check_group(body: &Body, probe: &Probe, place: &Place) -> Result<(), Fault> {
     let Some(group) = &probe.group else { return Ok(()) };
     let mut n_cells = [body.mesh().groups().cells(group).map_or(0, |cells| cells.len()) as f64];
-    if let Some(subdomain) = body.subdomain() {
-        subdomain.largest("cells of a group", &mut n_cells);
-    }
+    body.ranks().largest("cells of a group", &mut n_cells);
     if n_cells[0] > 0.0 {
         return Ok(());
     }
@@ -193,16 +189,13 @@ fn sides(body: &Body, probe: &Probe) -> Option<String> {
     let field = fields.next().filter(|_| probe.group.is_none())?;
     let regions = body.regions();
     let mut touches = vec![0.0; regions.len()];
-    let own = |node: usize| body.subdomain().map_or(Some(node), |subdomain| subdomain.own_node(node));
-    if let Some(node) = own(probe.node) {
+    if let Some(node) = body.ranks().own_node(probe.node) {
         let cells = body.mesh().cells().zip(body.region_of_cell());
         let around = cells.filter(|(cell, _)| cell.nodes.contains(&(node as u32)));
         let solid = around.filter(|(cell, _)| cell.kind.dimension() > 1);
         solid.for_each(|(_, &region)| touches[region as usize] = 1.0);
     }
-    if let Some(subdomain) = body.subdomain() {
-        subdomain.sum("regions at a probe", &mut touches);
-    }
+    body.ranks().sum("regions at a probe", &mut touches);
     let sides = regions.iter().zip(&touches).filter(|(_, touches)| **touches > 0.0);
     let sides: Vec<&str> = sides.filter_map(|(region, _)| region.group.as_deref()).collect();
     (sides.len() > 1).then(|| {
@@ -234,25 +227,21 @@ fn find(body: &Body, probe: &mut Probe, notes: &mut Vec<String>) {
 /// The nearest node of the whole mesh or of a group of cells, the first of several, and its position.
 fn nearest_node(body: &Body, point: [f64; 3], group: Option<&str>) -> (usize, [f64; 3]) {
     let points = body.mesh().points();
-    let n_own = body.subdomain().map_or(points.len(), |subdomain| subdomain.n_own());
+    let ranks = body.ranks();
     let nodes: Vec<u32> = match group.map(|group| body.mesh().groups().cells(group)) {
         None => (0..points.len() as u32).collect(),
         Some(cells) => nodes_of(body.mesh(), cells.unwrap_or_default()),
     };
-    let nodes = nodes.into_iter().map(|node| node as usize).filter(|&node| node < n_own);
+    let nodes = nodes.into_iter().map(|node| node as usize).filter(|&node| node < ranks.n_own());
     let own = nodes.map(|node| (node, square(points[node], point)));
     let own = own.min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some(subdomain) = body.subdomain() else {
-        let node = own.map_or(0, |(node, _)| node);
-        return (node, points[node]);
-    };
     let mut nearest = [own.map_or(f64::NEG_INFINITY, |(_, square)| -square)];
-    subdomain.largest("distance of the nearest node", &mut nearest);
+    ranks.largest("distance of the nearest node", &mut nearest);
     let own = own.filter(|(_, square)| -square == nearest[0]);
-    let whole = own.map(|(node, _)| subdomain.nodes()[node] as usize);
-    let node = subdomain.lowest("nearest node", whole).unwrap_or(0);
-    let mut at = subdomain.own_node(node).map_or([0.0; 3], |node| points[node]);
-    subdomain.sum("position of the nearest node", &mut at);
+    let whole = own.map(|(node, _)| ranks.nodes()[node] as usize);
+    let node = ranks.lowest("nearest node", whole).unwrap_or(0);
+    let mut at = ranks.own_node(node).map_or([0.0; 3], |node| points[node]);
+    ranks.sum("position of the nearest node", &mut at);
     (node, at)
 }
 

@@ -124,7 +124,7 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
     format!("cell {cell}")
 }
 
-/// The error of a file without cells, which says what is there instead, if the types of its elements are known.
+/// The error for a file without cells; it lists the elements that are there, if their types are known.
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     let mut others = Account::default();
     for body in deck.bodies() {
@@ -170,7 +170,7 @@ struct Others {
     nodes: Vec<u32>,
 }
 
-/// An instance, or none for what is outside of instances, and a name in lower case.
+/// An instance (`None`: outside of all instances), and a name in lower case.
 type Key = (Option<u32>, String);
 
 struct Assembly<'a> {
@@ -420,7 +420,7 @@ impl<'a> Assembly<'a> {
         nodes.iter().map(index).collect()
     }
 
-    /// Indices in the mesh of a member of a set of a body, and the number of missing ones.
+    /// Mesh indices of a set's member in a body, and the number of missing ones.
     fn indices(&self, of: Of, instance: Option<u32>, member: Member) -> (Vec<u32>, u64) {
         let instance = member.instance.or(instance);
         let (mut indices, missing) = member.indices(self.body(instance).index(of));

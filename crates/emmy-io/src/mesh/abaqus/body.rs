@@ -172,8 +172,7 @@ impl Body {
             .any(|index| index.contains_key(&number))
     }
 
-    /// Takes all lines but the links out of the elements: those of some types become edges of cells, the others are left
-    /// out.
+    /// Removes all lines but the links from the elements: some types become edges of cells, the others are left out.
     pub(super) fn lower_lines(&mut self, links: &HashSet<u32>, are_edges: &[bool]) {
         for (element, index) in std::mem::take(&mut self.elements).into_iter().zip(0..) {
             match element.element_type {

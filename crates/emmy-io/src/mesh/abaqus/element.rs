@@ -62,8 +62,8 @@ pub(super) enum Role {
     LeftOut(Option<usize>),
 }
 
-/// Role of a type of elements, given in upper case; `None`: a solid or unknown type that is not read. Lines of two nodes
-/// may be links or edges.
+/// Role of a type of elements, given in upper case; `None`: a solid or unknown type that is not read. Lines of two
+/// nodes may be links or edges.
 pub(super) fn role(element_type: &str) -> Option<Role> {
     let lower = match element_type {
         "T3D3" | "T3D3H" | "T2D3" | "T2D3H" => Some((CellKind::Line2, 3)),
@@ -97,8 +97,8 @@ const LEFT_OUT: [(usize, &[&str]); 4] = [
     (0, &["R3D", "COH", "CIN", "AC", "ASI", "GK", "F2D", "F3D", "FAX", "DS", "MCL", "SFMCL"]),
 ];
 
-/// Number of nodes, if it is known, of a type of masses, springs, beams, rigid, infinite, cohesive, acoustic or user
-/// elements: nothing that Emmy has cells for.
+/// Number of nodes, if known, of a type for which Emmy has no cells: masses, springs, beams, rigid, infinite, cohesive,
+/// acoustic or user elements.
 fn left_out(element_type: &str) -> Option<Option<usize>> {
     let is_own = |names: &[&str]| names.iter().any(|name| element_type.starts_with(name));
     if let Some((n_nodes, _)) = LEFT_OUT.iter().find(|(_, names)| is_own(names)) {
@@ -119,8 +119,8 @@ fn last_number(name: &str) -> Option<usize> {
     name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
 }
 
-/// Kind of the faces of solid cells for a type of membranes, shells or plane stress elements, in upper case: meshers
-/// write these beside the solid cells for the sake of their sets.
+/// Kind of face for a type of membranes, shells or plane stress elements, in upper case: meshers write these beside the
+/// solid cells for their sets.
 fn face_kind(element_type: &str) -> Option<CellKind> {
     let shape = ["CPS", "M3D", "STRI", "SFM3D", "S"]
         .into_iter()

@@ -5,8 +5,8 @@ use super::super::account::{Entries, Treatment};
 
 use Treatment::{LeftOut, NoEffect, Read, Refused};
 
-/// All known keywords. Materials, sections, amplitudes and steps do nothing by themselves: the input of Emmy gives
-/// materials and times, and the loads and elements that they belong to are counted on their own.
+/// All known keywords. Materials, sections, amplitudes and steps have no effect: the input of Emmy gives materials and
+/// times, and the loads and elements to which they belong are counted by themselves.
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: Read,

@@ -403,7 +403,7 @@ const SURFACE_ALONE: &str = "Gmsh saves only what is in a physical group: put th
 const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), and where there are physical groups put it in one: \
                         Gmsh saves only what is in a group";
 
-/// The error of an element type that has the shape of a cell, but other nodes.
+/// The error for an element type that has the shape of a cell, but other nodes.
 fn other_order(cursor: &Cursor, start: usize, shape: &Shape) -> MeshError {
     let problem = format!("elements of type {} are not supported", shape.name);
     MeshError::Malformed { place: cursor.place(start), problem, advice: shape.cure() }

@@ -1,4 +1,5 @@
-//! Gmsh: the MSH format, versions 1, 2.0 to 2.2, 4.0 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file format").
+//! Gmsh: the MSH format, versions 1, 2.0 to 2.2, 4.0 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file
+//! format").
 
 mod cursor;
 mod draft;

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::message::counted;
 
-/// Partitions of a mesh, with those elements that are copies for a neighbour (ghosts).
+/// Partitions of a mesh, and the elements that are copies for a neighbour (ghosts).
 #[derive(Default)]
 pub(super) struct Partitions {
     /// Number of partitions of the whole mesh, if the file says it.
@@ -24,7 +24,7 @@ impl Partitions {
         self.ghosts.get(&element).is_some_and(|partitions| partitions.contains(&home))
     }
 
-    /// The partition that the file is a part of: the only one in which every cell is, by itself or as a copy. `cells`
+    /// The partition to which the file belongs: the only one that has every cell, as its own or as a copy. `cells`
     /// have their numbers and partitions (0: none, as MSH 4 has it for copies).
     pub(super) fn home(&self, cells: impl Iterator<Item = (u64, u64)>) -> Option<u64> {
         let mut homes: Option<BTreeSet<u64>> = None;

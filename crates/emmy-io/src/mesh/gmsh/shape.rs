@@ -57,7 +57,7 @@ impl Shape {
     }
 }
 
-/// Something to try in Gmsh where elements have an order above 2.
+/// Advice for Gmsh where elements have an order above 2.
 pub(super) const HIGHER_ORDER: &str = "elements of the orders 1 and 2 are read: set `Mesh.ElementOrder = 2` and `Mesh.SecondOrderIncomplete = 1` before meshing";
 
 const AS_IN_VTK: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];

@@ -1,7 +1,7 @@
 //! Sections of MSH 4.0 and 4.1.
 //!
-//! In 4.0 points have a box, not a position; nodes and elements have numbers of 4 bytes, each number of a node stands before
-//! its position, and blocks name the entity before its dimension.
+//! In 4.0 points have a box, not a position; nodes and elements have numbers of 4 bytes, each number of a node stands
+//! before its position, and blocks name the entity before its dimension.
 
 use std::collections::HashMap;
 

@@ -16,7 +16,7 @@ const N_WIDE: usize = 4;
 /// A card with the fields after its name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Card<'a> {
-    /// The name in upper case, without `*`, except of large cells of meshio.
+    /// The name in upper case, without `*` (large cells of meshio keep it).
     pub(super) name: String,
     pub(super) fields: Vec<Cow<'a, str>>,
     /// The first line.
@@ -95,9 +95,9 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The cards from `BEGIN BULK`, if it is there, up to `ENDDATA`, with their continuations: the next lines, if these have no
-/// mark or the mark of the line before, otherwise the lines with its mark anywhere. A line with a mark after a full one
-/// without a mark continues it, too.
+/// The cards from `BEGIN BULK`, if there is one, up to `ENDDATA`, with their continuations. These are the next lines,
+/// if they have no mark or the mark of the line before; otherwise the lines with its mark, anywhere. A line with a mark
+/// also continues a full line without a mark.
 pub(super) fn bulk<'a>(lines: impl Iterator<Item = (&'a str, At)> + Clone) -> Bulk<'a> {
     let lines = lines.map(|(line, at)| (without_comment(line), at));
     let start = lines.clone().position(|(line, _)| is_begin(line)).map_or(0, |index| index + 1);
@@ -272,7 +272,7 @@ fn free(line: &str) -> Line<'_> {
     Line { head, fields, mark, width }
 }
 
-/// A line with spaces in place of its tabs, which lead to the next multiple of eight columns.
+/// A line with its tabs replaced by spaces, up to the next multiple of eight columns.
 fn expanded(line: &str) -> String {
     let mut text = String::with_capacity(2 * line.len());
     for c in line.chars() {

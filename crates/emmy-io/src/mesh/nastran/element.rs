@@ -75,8 +75,9 @@ pub(super) fn is_blank(field: &str) -> bool {
     matches!(field, "" | "0")
 }
 
-/// The row of a card with these fields for nodes: the first one that has all of them, without any midside node the linear
-/// one. Fields after the nodes of a surface or line are its thickness and the like. `Err`: the number of its nodes.
+/// The row of a card with these fields for nodes: the first one that has all of them; without any midside node, the
+/// linear one. Fields after the nodes of a surface or line are its thickness and the like. `Err`: the number of its
+/// nodes.
 pub(super) fn row(rows: &'static [Row], fields: &[&str]) -> Result<Row, usize> {
     let (linear, _) = rows[0];
     let (most, _) = rows[rows.len() - 1];

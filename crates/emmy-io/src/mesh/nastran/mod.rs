@@ -85,7 +85,7 @@ struct Reader {
     constraints: Vec<Option<String>>,
     /// Numbers of the cards `SPC` and `SPC1`.
     n_supports: BTreeMap<String, usize>,
-    /// Ranges of grid points of a group, which come before or after them.
+    /// Ranges of grid points of a group; the grid points may come before or after them.
     ranges: Vec<(String, Range)>,
     /// Properties and grid points of springs, dampers and masses.
     ends: Vec<(u64, u64)>,
@@ -131,7 +131,7 @@ impl Reader {
         found.map(|(n, at)| format!("{}: {} {rest}", self.deck.place(at), counted(n, one, many)))
     }
 
-    /// An error with what is there in place of the body, and with the lines that are not read.
+    /// The error for a file without a body; it lists the elements that are there and the lines that are not read.
     fn explained(&self, error: MeshError) -> MeshError {
         let error = match (error, self.account.left_out()) {
             (MeshError::NoCells { file, .. }, Some(found)) => {

@@ -16,8 +16,8 @@ impl Range {
     }
 }
 
-/// The ranges of a list, and the fields that are not part of any. The numbers after `EXCEPT` are taken out up to the first
-/// one beyond the range.
+/// The ranges of a list, and the fields that are not part of any. The numbers after `EXCEPT` are taken out up to the
+/// first one beyond the range.
 pub(super) fn ranges<'a>(fields: &[&'a str]) -> (Vec<Range>, Vec<&'a str>) {
     let is = |field: Option<&&str>, word: &str| field.is_some_and(|field| field.eq_ignore_ascii_case(word));
     let fields: Vec<&str> = fields.iter().copied().filter(|field| !field.is_empty()).collect();

@@ -13,15 +13,15 @@ pub(super) fn copies(card: &Card<'_>) -> Option<usize> {
     inner(count).parse().ok()
 }
 
-/// Whether a card repeats the fields of one above: its name is `=`, or it has the name of that card, and `=`, `==` or `*n`
-/// among its fields.
+/// Whether a card repeats the fields of one above: its name is `=`, or it has the name of that card, and `=`, `==` or
+/// `*n` among its fields.
 pub(super) fn repeats(card: &Card<'_>, above: Option<&Card<'_>>) -> bool {
     let has_sign = || card.fields.iter().any(|field| field.starts_with(['=', '*']));
     card.name.starts_with('=') || above.is_some_and(|above| above.name == card.name) && has_sign()
 }
 
-/// A card like the one above, but for its own fields: `=` the same field, `==` all further ones, `*n` and `*(n)` the field
-/// plus n. `Err`: the field that cannot be incremented.
+/// A card like the one above, except for its own fields: `=` the same field, `==` all further ones, `*n` and `*(n)` the
+/// field plus n. `Err`: the field that cannot be incremented.
 pub(super) fn repeated<'a>(above: &Card<'a>, card: &Card<'a>) -> Result<Card<'a>, String> {
     let mut fields = Vec::with_capacity(above.fields.len());
     for (index, field) in card.fields.iter().enumerate() {

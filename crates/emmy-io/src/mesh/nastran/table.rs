@@ -8,8 +8,8 @@ const fn entries(treatment: Treatment, what: &'static str, names: &'static [&'st
     Entries { treatment, what, names }
 }
 
-/// Every known card. Materials, loads, supports and damping are those of Emmy's input, so cards of materials have no effect;
-/// what acts on the body beside them is counted in a note.
+/// Every known card. Materials, loads, supports and damping are those of Emmy's input, so cards of materials have no
+/// effect; what acts on the body beside them is counted in a note.
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     entries(Read, "grid points", &["GRID", "GRDSET"]),
     entries(Read, "coordinate systems", &["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"]),
@@ -171,7 +171,7 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
 /// Words in the names of solid cells, also of those that are in no table.
 pub(super) const SOLID: [&str; 6] = ["HEX", "TET", "PENT", "PYR", "WEDGE", "BRICK"];
 
-/// Number of fields of a card, with those that are blank up to the end of a line, if more are no part of it.
+/// Number of fields of a card, blank ones up to the end of a line included, if further fields are not part of it.
 pub(super) fn n_fields(name: &str) -> Option<usize> {
     match name {
         "GRID" | "GRDSET" | "CORD1R" | "CORD1C" | "CORD1S" | "SPC" => Some(8),

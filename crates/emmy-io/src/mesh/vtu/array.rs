@@ -120,7 +120,7 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<
     Ok(data)
 }
 
-/// Most bytes of a number of a type; `None`: no type of numbers.
+/// Largest size of a number in bytes, by its type; `None` for a type without numbers.
 pub(super) fn size(numeric_type: &str) -> Option<usize> {
     match numeric_type {
         "Bit" | "Int8" | "UInt8" => Some(1),

@@ -118,7 +118,7 @@ impl Type {
         }
     }
 
-    /// Something to try where a solid cell is of no kind that Emmy has.
+    /// Advice for a solid cell of a kind that Emmy does not have.
     pub(super) fn cure(&self, n_nodes: usize) -> &'static str {
         match (self.id, n_nodes) {
             // Wedges of 18 and pyramids of 14 nodes.

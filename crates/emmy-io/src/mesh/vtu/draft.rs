@@ -1,4 +1,4 @@
-//! The cells of a grid: those of the body, and what the others are.
+//! The cells of a grid: those of the body, and the roles of the others.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(super) enum Role {
     Facet,
     /// A line or a vertex on the body: its nodes.
     Nodes,
-    /// A shell, a beam, or whatever else may not be in the body: its nodes stay in its groups.
+    /// A shell, a beam, or another cell that cannot be in the body; its nodes stay in its groups.
     LeftOut,
     /// A ghost.
     Absent,
@@ -39,7 +39,7 @@ pub(super) struct Draft<'a> {
     points: &'a [[f64; 3]],
     pub(super) shapes: Vec<Shape>,
     is_ghost: Vec<bool>,
-    /// Dimension of the body: 3, or 2 without solid cells, or 1 without others than lines.
+    /// Dimension of the body: 3; 2 without solid cells; 1 with only lines.
     pub(super) dim: u8,
     /// End of the nodes of each cell in the connectivity.
     ends: Vec<usize>,

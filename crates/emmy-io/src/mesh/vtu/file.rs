@@ -280,7 +280,7 @@ fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a,
     node.children().filter(Node::is_element)
 }
 
-/// What an element is called must be known: a misspelt one would be left out.
+/// The name of an element must be known; otherwise a misspelt one would be left out.
 fn check_name(node: Node<'_, '_>, known: &[&str], at: impl Fn(Node<'_, '_>) -> Place) -> Result<()> {
     let name = node.tag_name().name();
     if known.contains(&name) {

@@ -10,9 +10,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::geometry::for_each_volume_point;
-use super::{Body, Region};
+use super::system::Body;
+use crate::input::Region;
 use crate::mesh::Mesh;
+use crate::nodal;
+use crate::space::geometry::for_each_volume_point;
 use crate::team::Subdomain;
 
 pub use name::{FieldName, Place};
@@ -65,7 +67,7 @@ pub struct Fields {
     recovery: Recovery,
     /// Mean density of the cells around each node, by volume; at guests of the cells that are here.
     density: Vec<f64>,
-    subdomain: Option<Arc<Subdomain>>,
+    ranks: Arc<Subdomain>,
 }
 
 /// The numbers of a field.
@@ -107,13 +109,13 @@ fn has_field(region: &Region, name: FieldName) -> bool {
 impl Fields {
     /// The fields of a body. Computes everything that does not depend on the state.
     pub fn new(body: &Body) -> Self {
-        let mesh = body.mesh.clone();
+        let mesh = body.space.mesh().clone();
         let regions = body.made_of.clone();
         let region_of_cell = body.region_of_cell.clone();
         let projections = Projections::new(&mesh, &regions, &region_of_cell);
-        let recovery = Recovery::new(&mesh, body.internal.clone(), projections);
-        let subdomain = body.subdomain().cloned();
-        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), subdomain };
+        let recovery = Recovery::new(&mesh, body.space.internal().clone(), projections);
+        let ranks = body.ranks().clone();
+        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), ranks };
         let (n_nodes, n_cells) = (fields.mesh.n_nodes(), fields.mesh.n_cells());
         fields.density = fields.densities(0..n_cells as u32, n_nodes, |node| node);
         fields
@@ -171,7 +173,7 @@ impl Fields {
     ) -> Vec<f64> {
         match name.info().formula {
             Formula::Vector(vector) => {
-                let of_node = |node: usize| motion.map(|own| [0, 1, 2].map(|d| own[3 * node + d]));
+                let of_node = |node: usize| motion.map(|own| nodal::at(own, node));
                 members.flat_map(|(node, density)| vector(density, of_node(node))).collect()
             }
             Formula::OfCell(number) | Formula::OfMass(number) => {
@@ -185,7 +187,6 @@ impl Fields {
 
     /// Takes the fields at guests from their owners, which have all cells around them.
     fn update_guests(&self, fields: &mut [FieldValues]) {
-        let Some(subdomain) = &self.subdomain else { return };
         let mut at_nodes: Vec<(usize, &mut Vec<f64>)> = fields
             .iter_mut()
             .filter(|field| field.name.place() == Place::Nodes)
@@ -209,7 +210,7 @@ impl Fields {
             }
         };
         if width > 0 {
-            subdomain.exchange("fields at nodes", width, &mut at_nodes[..], read, write);
+            self.ranks.exchange("fields at nodes", width, &mut at_nodes[..], read, write);
         }
     }
 
@@ -228,7 +229,7 @@ impl Fields {
         for_each_volume_point(&self.mesh, std::iter::once(cell as u32), |_, nodes, point| {
             let component = |d: usize| {
                 let terms = nodes.iter().zip(point.shapes);
-                terms.map(|(&node, N)| N * velocity[3 * node as usize + d]).sum::<f64>()
+                terms.map(|(&node, N)| N * nodal::at(velocity, node as usize)[d]).sum::<f64>()
             };
             sum += point.weight * (0..3).map(|d| component(d).powi(2)).sum::<f64>();
             measure += point.weight;

@@ -1,7 +1,7 @@
 //! Stress, strain and energy at a point.
 
 use super::projected::ProjectedKind;
-use crate::body::Region;
+use crate::input::Region;
 use crate::material::{Link, Material, VolumeMeasure};
 use crate::mesh::Mesh;
 use crate::tensor::{Mat3, Sym, det_of_identity_plus, eigen, green_lagrange, identity_plus_times_sym, sym};

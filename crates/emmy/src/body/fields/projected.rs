@@ -1,10 +1,10 @@
 //! Projected volumes of cells, for output.
 
-use crate::body::Region;
-use crate::body::geometry::positions;
-use crate::body::projection::{orthonormal, shapes};
+use crate::force::projection::{orthonormal, shapes};
+use crate::input::Region;
 use crate::material::{CompiledMaterial, VolumeLaw, VolumeMeasure};
 use crate::mesh::{CellKind, Mesh};
+use crate::space::geometry::positions;
 use crate::tensor::{Mat3, green_lagrange};
 
 /// The cells of each region and kind that project their volume.

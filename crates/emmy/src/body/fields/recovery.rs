@@ -5,10 +5,12 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::projected::Projections;
-use crate::body::geometry::{ReferenceTable, inverse, positions};
-use crate::body::internal_nodes::{InternalNodes, ModeGradients, mode_displacement};
 use crate::element::{element, extrapolation, jacobian};
 use crate::mesh::{CellKind, Mesh};
+use crate::nodal;
+use crate::space::InternalNodes;
+use crate::space::geometry::{ReferenceTable, inverse, positions};
+use crate::space::internal_nodes::{ModeGradients, mode_displacement};
 use crate::tensor::{Mat3, det};
 
 /// Tables that the cells of each kind share.
@@ -121,7 +123,7 @@ impl Recovery {
             let det = det(&J);
             let mut H = [[0.0; 3]; 3];
             for (&node, dN) in cell.nodes.iter().zip(dN) {
-                let u = &displacement[3 * node as usize..3 * node as usize + 3];
+                let u = nodal::at(displacement, node as usize);
                 (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += u[i] * dN[m]));
             }
             let gradients = modes.iter().flat_map(|modes| modes.at(table.points[point], J, det));

@@ -1,7 +1,7 @@
 //! Tests of the check that steps resolve functions of time.
 
 use super::*;
-use crate::body::{Load, LoadKind, Region, Support, TimeFunction};
+use crate::input::{Load, LoadKind, Region, Support, TimeFunction};
 use crate::material::NeoHooke;
 use crate::mesh;
 use crate::motion::Phase;
@@ -123,7 +123,7 @@ fn a_pulse_in_one_place_of_a_field_is_seen_by_calls_for_all_its_points() {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use crate::body::Field;
+    use crate::input::Field;
     let calls = Arc::new(AtomicUsize::new(0));
     let count = calls.clone();
     let field = Field::of_points("pulse", move |points, time, values| {

@@ -4,6 +4,7 @@ use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
 use crate::body::{Body, Reaction};
 use crate::error::Result;
+use crate::force::Span;
 use crate::newton::{NewtonSettings, Outcome};
 use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
@@ -68,7 +69,7 @@ impl<'a> BatheStepper<'a> {
             work: vec![0.0; n],
             split: state.clone(),
             points: [point, TimePoint::new(body), TimePoint::new(body)],
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
         })
     }
 
@@ -79,10 +80,9 @@ impl<'a> BatheStepper<'a> {
         self.system.start(&state.displacement, s);
         let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
-        self.system.followers.sample(self.system.body, state.time, part)?;
-        self.forces.set_loads(state.time + part, &mut self.system.dead_load)?;
+        self.system.begin(Span::new(state.time, part))?;
         let outcome = self.iteration.solve(&mut self.system, state, part, None)?;
-        self.iteration.remember(&self.system.coefficients, part);
+        self.iteration.remember(&mut self.system, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
         for (dof, x) in self.iteration.rates().iter().enumerate() {
@@ -91,7 +91,7 @@ impl<'a> BatheStepper<'a> {
             self.split.velocity[dof] = x / s - state.velocity[dof];
         }
         let body = self.forces.body;
-        body.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
+        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
         self.points[1].displacement.copy_from_slice(&self.split.displacement);
         self.points[1].evaluate_for_reactions(&mut self.forces, self.split.time)?;
         Ok(outcome)
@@ -108,10 +108,9 @@ impl<'a> BatheStepper<'a> {
         }
         self.system.body.mass_product(&self.work, &mut self.system.known);
         let part = (1.0 - SPLIT) * h;
-        self.system.followers.sample(self.system.body, self.split.time, part)?;
-        self.forces.set_loads(state.time + h, &mut self.system.dead_load)?;
+        self.system.begin(Span { start: self.split.time, size: part, end: state.time + h })?;
         let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
-        self.iteration.remember(&self.system.coefficients, part);
+        self.iteration.remember(&mut self.system, part);
         let end = &mut self.points[2];
         let parts = self.split.displacement.iter().zip(self.iteration.rates());
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);
@@ -142,8 +141,8 @@ impl<'a> BatheStepper<'a> {
             self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
             self.increment[dof] += x;
         }
-        self.acceleration[body.internal_dofs()].fill(0.0);
-        body.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
+        self.acceleration[body.space.internal_dofs()].fill(0.0);
+        body.space.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.points[2].displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);

@@ -55,7 +55,7 @@ impl<'a> CentralDifferences<'a> {
             increment: vec![0.0; n],
             start,
             end: TimePoint::new(body),
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
             limit,
         };
         set_inertia(body, &mut stepper.start, &mut stepper.inertia);
@@ -83,7 +83,7 @@ fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
     for (dof, &fixed) in body.fixed().iter().enumerate() {
         inertia[dof] = if fixed { 0.0 } else { point.force[dof] };
     }
-    body.update_guests("net force", inertia);
+    body.space.update_guests("net force", inertia);
     point.set_reactions(body, inertia);
 }
 
@@ -150,15 +150,15 @@ impl Stepper for CentralDifferences<'_> {
 
 /// Rejects a step whose forces are not finite: no other check would find this.
 fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
-    let mut numbers = end.force.iter().zip(&end.displacement).take(3 * body.own_nodes().end);
+    let mut numbers = end.force.iter().zip(&end.displacement).take(3 * body.space.own_nodes().end);
     let own = numbers.position(|(force, u)| !(force.is_finite() && u.is_finite()));
-    match body.lowest_node(own.map(|dof| dof / 3)) {
+    match body.space.lowest_node(own.map(|dof| dof / 3)) {
         None => Ok(()),
         Some(node) => Err(Error::NotANumber {
             step: state.step + 1,
             time: state.time + h,
             node,
-            position: body.at_node(node, |node| state.position(body, node)),
+            position: body.space.at_node(node, |node| state.position(body, node)),
         }),
     }
 }
@@ -185,7 +185,11 @@ impl StabilityLimit {
         // A fixed vector with a component in every mode: fractional parts of multiples of the golden section.
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let entry = |(dof, &fixed): (usize, &bool)| {
-            if fixed { 0.0 } else { ((forces.body.dof_of_ranks(dof) + 1) as f64 * golden).fract() - 0.5 }
+            if fixed {
+                0.0
+            } else {
+                ((forces.body.space.dof_of_ranks(dof) + 1) as f64 * golden).fract() - 0.5
+            }
         };
         let mode: Vec<f64> = forces.body.fixed().iter().enumerate().map(entry).collect();
         let mut limit = StabilityLimit { critical_step: 0.0, n_steps: 0, product: mode.clone(), mode };
@@ -213,10 +217,10 @@ impl StabilityLimit {
     fn iterate(&mut self, forces: &mut Forces<'_>) -> f64 {
         let body = forces.body;
         let mode = &mut self.mode;
-        body.update_guests("mode", mode);
+        body.space.update_guests("mode", mode);
         forces.assembly.matrix.multiply(body.pattern(), mode, &mut self.product);
         let (mut old, mut new) = (0.0, 0.0);
-        for (dof, &fixed) in body.fixed().iter().enumerate().take(3 * body.own_nodes().end) {
+        for (dof, &fixed) in body.fixed().iter().enumerate().take(3 * body.space.own_nodes().end) {
             let mass = body.lumped_mass()[dof / 3];
             let value = if fixed { 0.0 } else { self.product[dof] / mass };
             old += mass * mode[dof] * mode[dof];
@@ -224,7 +228,7 @@ impl StabilityLimit {
             mode[dof] = value;
         }
         let mut squares = [old, new];
-        body.sum_ranks("squares of a mode", &mut squares);
+        body.space.sum_ranks("squares of a mode", &mut squares);
         let [old, new] = squares;
         if new == 0.0 {
             return 0.0;

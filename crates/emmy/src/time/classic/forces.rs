@@ -2,10 +2,10 @@
 
 use super::configurations;
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, LoadMemory, MassSolver, Reaction, StepDamping, StepInput};
+use crate::body::{Assembly, Body, MassSolver, Reaction};
 use crate::error::Result;
+use crate::force::{Sampling, Span, StepDamping, StepInput};
 use crate::quadrature::gauss;
-use crate::time::followers::Followers;
 use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
@@ -14,25 +14,15 @@ pub(crate) struct Forces<'a> {
     pub body: &'a Body,
     rule: Rule,
     pub assembly: Assembly,
-    followers: Followers,
     rest: Vec<f64>,
     internal: Vec<f64>,
-    load_memory: LoadMemory,
 }
 
 impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         let rule = configurations(&[(1.0, 1.0)]);
-        Forces {
-            body,
-            followers: Followers::new(body, &rule),
-            rule,
-            assembly: body.assembly(1),
-            rest: zero.clone(),
-            internal: zero,
-            load_memory: body.load_memory(1),
-        }
+        Forces { body, assembly: body.assembly_of(&rule), rule, rest: zero.clone(), internal: zero }
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -48,43 +38,42 @@ impl<'a> Forces<'a> {
         self.assemble_with((displacement, &[]), request)
     }
 
-    /// Sets the force of the body at a displacement with given pressures, `[function]`, and its derivative if wanted.
+    /// Sets the force of the body at a displacement with given local unknowns, `[function]`, and its derivative if wanted.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble_with(
         &mut self,
-        (displacement, pressures): (&[f64], &[f64]),
+        (displacement, local): (&[f64], &[f64]),
         request: Request,
     ) -> Result<()> {
         let step = StepInput {
             tangent_factor: 1.0,
-            pressures: (!pressures.is_empty()).then_some(pressures),
+            local: (!local.is_empty()).then_some(local),
             ..StepInput::undamped(&self.rule, displacement, &self.rest)
         };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
-    /// Adds the forces of pressures to a force, with the derivatives assembled last.
-    pub(crate) fn add_pressure_force(&self, factor: f64, pressures: &[f64], force: &mut [f64]) {
-        self.body.add_pressure_force(&self.rule, &self.assembly, factor, pressures, force);
+    /// Adds the forces of local unknowns to a force, with the derivatives assembled last.
+    pub(crate) fn add_local_force(&self, factor: f64, local: &[f64], force: &mut [f64]) {
+        self.body.add_local_force(&self.rule, &self.assembly, factor, local, force);
     }
 
-    /// Adds the changes of the pressures with a change of the displacement, with the derivatives assembled last.
-    pub(crate) fn add_pressure_response(&self, change: &[f64], pressures: &mut [f64]) {
-        self.body.add_pressure_response(&self.rule, &self.assembly, change, pressures);
+    /// Adds the changes of the local unknowns with a change of the displacement, with the derivatives assembled last.
+    pub(crate) fn add_local_response(&self, change: &[f64], local: &mut [f64]) {
+        self.body.add_local_response(&self.rule, &self.assembly, change, local);
     }
 
-    /// Subtracts the derivative of the follower loads of a time from the K assembled last.
+    /// Subtracts the derivative of the loads of a time from the K assembled last.
     ///
     /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
-    pub(crate) fn add_follower_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
+    /// [`crate::Error::NotFiniteAt`], and the reason of a force that refuses the displacement.
+    pub(crate) fn add_external_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
         let step =
             StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
-        self.followers.sample(self.body, time, 0.0)?;
-        self.followers.add_tangent(self.body, &step, &mut self.assembly);
-        Ok(())
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
     /// Force of the body on the ground at a displacement, zero without ground; the springs of supports are added to the
@@ -102,21 +91,16 @@ impl<'a> Forces<'a> {
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
-    /// Sets the dead loads at a time, `[n_nodes][3]`.
-    ///
-    /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
-    pub(crate) fn set_loads(&mut self, time: f64, force: &mut [f64]) -> Result<()> {
-        self.body.set_loads_at(time, &mut self.load_memory, force).map(|_| ())
-    }
-
     /// All loads at a displacement and time.
     ///
     /// # Errors
-    /// [`crate::Error::NotFiniteAt`].
+    /// As [`Forces::add_external_tangent`].
     pub(crate) fn external(&mut self, displacement: &[f64], time: f64, external: &mut [f64]) -> Result<()> {
-        self.set_loads(time, external)?;
-        self.body.add_followers_at(displacement, time, external)
+        let step = StepInput::undamped(&self.rule, displacement, &self.rest);
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.evaluate_external(&step, &mut self.assembly)?;
+        external.iter_mut().enumerate().for_each(|(at, force)| *force = self.assembly.external(at));
+        Ok(())
     }
 
     /// Force that remains for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
@@ -133,19 +117,19 @@ impl<'a> Forces<'a> {
         self.net_with((displacement, &[]), time, external, net)
     }
 
-    /// [`Forces::net`] with given pressures, `[function]`.
+    /// [`Forces::net`] with given local unknowns, `[function]`.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn net_with(
         &mut self,
-        (displacement, pressures): (&[f64], &[f64]),
+        (displacement, local): (&[f64], &[f64]),
         time: f64,
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
         self.external(displacement, time, external)?;
-        self.assemble_with((displacement, pressures), Request::Stress)?;
+        self.assemble_with((displacement, local), Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
@@ -195,7 +179,7 @@ impl TimePoint {
     pub(crate) fn new(body: &Body) -> Self {
         let n = body.n_dofs();
         TimePoint {
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
             displacement: vec![0.0; n],
             external: vec![0.0; n],
             force: vec![0.0; n],
@@ -240,7 +224,7 @@ impl TimePoint {
     pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
         forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)?;
-        forces.body.share_internal_forces(&mut self.force);
+        forces.body.space.share_internal_forces(&mut self.force);
         Ok(())
     }
 
@@ -249,7 +233,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
-        if forces.body.held_axes() != [false; 3] {
+        if forces.body.space.is_supported() {
             return self.evaluate(forces, time);
         }
         forces.external(&self.displacement, time, &mut self.external)?;
@@ -260,12 +244,12 @@ impl TimePoint {
     /// `inertia`: M a.
     pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         let reaction = |dof: usize| inertia[dof] - self.force[dof];
-        body.add_reactions(&self.displacement, reaction, &mut self.reactions);
+        body.space.add_reactions(&self.displacement, reaction, &mut self.reactions);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
         }
-        body.sum_reactions(&mut self.reactions);
+        body.space.sum_reactions(&mut self.reactions);
     }
 
     /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
@@ -277,7 +261,7 @@ impl TimePoint {
         step_size: f64,
         x: &[f64],
     ) {
-        impulses.work += weight * body.dot(&self.external, x);
+        impulses.work += weight * body.space.dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
     }
 }

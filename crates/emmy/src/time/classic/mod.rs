@@ -22,6 +22,7 @@ pub(crate) use statics::solve_stiffness;
 
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Rule;
+use crate::force::Sampling;
 use crate::quadrature::Quadrature;
 
 /// Rule that evaluates the internal force at configurations of the step: `sum_s w_s f(u_1 + alpha_s x)`, given as
@@ -35,6 +36,7 @@ fn configurations(points: &[(f64, f64)]) -> Rule {
 fn stage_coefficients(rule: Rule, c: f64, w: f64) -> StageCoefficients {
     StageCoefficients {
         rule,
+        sampling: Sampling::Points,
         mass: vec![c],
         mass_low: vec![0.0],
         inverse_mass: vec![1.0 / c],

@@ -4,6 +4,7 @@ use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
+use crate::force::Span;
 use crate::newton::NewtonSettings;
 use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
@@ -144,8 +145,6 @@ pub struct NewmarkStepper<'a> {
     acceleration: Vec<f64>,
     /// M a.
     inertia: Vec<f64>,
-    /// Dead loads at the start of the step.
-    old_load: Vec<f64>,
     start: TimePoint,
     end: TimePoint,
     reactions: Vec<Reaction>,
@@ -169,7 +168,6 @@ impl<'a> NewmarkStepper<'a> {
         };
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
-        let n = body.n_dofs();
         let system = StageSystem::new(
             body,
             stage_coefficients(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f),
@@ -182,28 +180,22 @@ impl<'a> NewmarkStepper<'a> {
             forces,
             acceleration,
             inertia,
-            old_load: vec![0.0; n],
             start: point,
             end: TimePoint::new(body),
-            reactions: body.no_reactions(),
+            reactions: body.space.no_reactions(),
         })
     }
 
     /// Sets the equations of the step.
     fn start(&mut self, state: &State, h: f64) -> Result<()> {
-        let NewmarkParameters { alpha_m, alpha_f, beta, .. } = self.parameters;
+        let NewmarkParameters { alpha_m, beta, .. } = self.parameters;
         let system = &mut self.system;
         system.start(&state.displacement, h);
         let c = (1.0 - alpha_m) / beta;
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
         let known = system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = c * h * p + of_inertia * ma);
-        system.followers.sample(system.body, state.time, h)?;
-        self.forces.set_loads(state.time, &mut self.old_load)?;
-        self.forces.set_loads(state.time + h, &mut system.dead_load)?;
-        let loads = system.dead_load.iter_mut().zip(&self.old_load);
-        loads.for_each(|(new, old)| *new = (1.0 - alpha_f) * *new + alpha_f * *old);
-        Ok(())
+        system.begin(Span::new(state.time, h)).map(|_| ())
     }
 
     /// Forces at the end of the step.
@@ -224,8 +216,8 @@ impl<'a> NewmarkStepper<'a> {
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
             self.acceleration[dof] = new;
         }
-        self.acceleration[body.internal_dofs()].fill(0.0);
-        body.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
+        self.acceleration[body.space.internal_dofs()].fill(0.0);
+        body.space.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.end.displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);
@@ -250,7 +242,7 @@ impl Stepper for NewmarkStepper<'_> {
         self.start(state, step_size)?;
         let newton = self.iteration.solve(&mut self.system, state, step_size, None)?;
         self.evaluate_end(state, step_size)?;
-        self.iteration.remember(&self.system.coefficients, step_size);
+        self.iteration.remember(&mut self.system, step_size);
         self.update(state, step_size);
         let impulses = self.impulses(step_size);
         std::mem::swap(&mut self.start, &mut self.end);

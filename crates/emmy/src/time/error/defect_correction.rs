@@ -95,14 +95,14 @@ impl DefectCorrection {
         let mut part: f64 = 0.0;
         for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
             let (mut change, mut all) = (0.0, 0.0);
-            for dof in body.counted_dofs() {
+            for dof in body.space.counted_dofs() {
                 let terms = self.correction[dof..k * n].iter().step_by(n).zip(&weights);
                 let own: f64 = terms.map(|(dx, weights)| weights[which] * dx).sum();
                 at_end[dof] += own;
                 (change, all) = (change + own * own, all + at_end[dof] * at_end[dof]);
             }
             let mut squares = [change, all];
-            body.sum_ranks("squares of the change at the end", &mut squares);
+            body.space.sum_ranks("squares of the change at the end", &mut squares);
             let [change, all] = squares;
             if change > 0.0 {
                 part = part.max((change / all).sqrt());

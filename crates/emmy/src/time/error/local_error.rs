@@ -117,6 +117,7 @@ impl<'a> LocalError<'a> {
         state: &State,
     ) -> Result<Self> {
         estimator.check(element)?;
+        body.check_unconstrained("an estimate of the error")?;
         let n = body.n_dofs();
         let next = || NextDegree::new(body, element, estimator, settings, state).map(Box::new);
         let kind = match estimator {

@@ -196,7 +196,7 @@ mod tests {
     use std::ops::Range;
 
     use super::*;
-    use crate::body::Region;
+    use crate::input::Region;
     use crate::material::NeoHooke;
     use crate::mesh;
 

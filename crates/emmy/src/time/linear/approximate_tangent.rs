@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use super::mode_solvers::ModeSolvers;
 use super::strain_rates::StrainRateTransform;
 use crate::average::{Request, Rule, VolumeDamping};
-use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::body::{Assembly, Body};
 use crate::error::Result;
+use crate::force::{StepDamping, StepInput};
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
 use crate::sparse::{Solver, SolverChoice, SolverKind};
@@ -52,9 +53,9 @@ pub(crate) struct ApproximateTangent {
     /// `sum_m |K_lm|` of each row l.
     row_sums: Vec<f64>,
     /// Pressures of K, `[function]`.
-    pressures: Vec<f64>,
-    /// Stage forces of pressures.
-    pressure_force: Vec<f64>,
+    local: Vec<f64>,
+    /// Stage forces of local unknowns.
+    local_force: Vec<f64>,
     /// Part of M + s^2 K that is not the stiffness of the projected volumes, by traces.
     soft_part: f64,
 }
@@ -93,9 +94,9 @@ impl ApproximateTangent {
             rates: vec![0.0; n],
             positions: vec![0.0; body.mesh().n_dofs()],
             row_sums: vec![0.0; n],
-            pressures: vec![0.0; body.n_pressures()],
+            local: vec![0.0; body.n_local()],
             soft_part: 1.0,
-            pressure_force: vec![0.0; if body.n_pressures() > 0 { n * nodes.len() } else { 0 }],
+            local_force: vec![0.0; if body.n_local() > 0 { n * nodes.len() } else { 0 }],
         })
     }
 
@@ -104,8 +105,8 @@ impl ApproximateTangent {
         self.made_for.is_some()
     }
 
-    /// Takes the stiffness in the middle of a step from a displacement with rates x and pressures, `[function][n]`; at its
-    /// start, if the middle is inverted. The pressures of K are means over the step: those of a predicted configuration would contain the error of
+    /// Takes the stiffness in the middle of a step from a displacement with rates x and local unknowns, `[function][n]`; at its
+    /// start, if the middle is inverted. The local unknowns of K are means over the step: those of a predicted configuration would contain the error of
     /// the prediction times the bulk modulus.
     ///
     /// # Errors
@@ -115,13 +116,13 @@ impl ApproximateTangent {
         body: &Body,
         displacement: &[f64],
         rates: &[f64],
-        pressures: &[f64],
+        local: &[f64],
         time_scale: f64,
     ) -> Result<()> {
         self.made_for = None;
         self.orientation = IDENTITY;
         self.set_midpoint(displacement, rates);
-        set_means(pressures, &mut self.pressures);
+        set_means(local, &mut self.local);
         // With the size of w, viscosities have the same weight as in the stage equations.
         self.viscous_rate = 0.5 / (time_scale * self.response_size);
         if self.assemble(body).is_err() {
@@ -137,7 +138,7 @@ impl ApproximateTangent {
     pub(crate) fn keep(&self, memory: &mut Memory) {
         memory.keep_nodal("tangent.displacement", &self.displacement);
         memory.keep_nodal("tangent.rates", &self.rates);
-        memory.keep_pressures("tangent.pressures", &self.pressures);
+        memory.keep_local("tangent.pressures", &self.local);
         memory.keep_number("tangent.viscous_rate", self.viscous_rate);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);
@@ -152,7 +153,7 @@ impl ApproximateTangent {
     pub(crate) fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
-        memory.fill("tangent.pressures", &mut self.pressures)?;
+        memory.fill("tangent.pressures", &mut self.local)?;
         self.viscous_rate = memory.number("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
@@ -198,19 +199,22 @@ impl ApproximateTangent {
         self.solvers.choice()
     }
 
-    /// Sets the solvers to a time s, with the present stiffness.
+    /// Sets the solvers to a time s, with the present stiffness. Returns whether they change.
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub(crate) fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<()> {
-        if self.made_for == Some(time_scale) { Ok(()) } else { self.set(body, time_scale) }
+    pub(crate) fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<bool> {
+        if self.made_for == Some(time_scale) {
+            return Ok(false);
+        }
+        self.set(body, time_scale).map(|()| true)
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
         let step = StepInput {
             tangent_factor: self.rate_factor(body),
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
-            pressures: (!self.pressures.is_empty()).then_some(&self.pressures),
+            local: (!self.local.is_empty()).then_some(&self.local),
             ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
         };
         body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
@@ -239,15 +243,15 @@ impl ApproximateTangent {
     }
 
     fn set_soft_part(&mut self, body: &Body, time_scale: f64) {
-        if !body.has_pressures() {
+        if !body.has_local() {
             return;
         }
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0, |position| position);
         let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
-        let stiffness: f64 = body.counted_nodes().flat_map(of_node).sum();
+        let stiffness: f64 = body.space.counted_nodes().flat_map(of_node).sum();
         let mass = 3.0 * body.total_lumped_mass();
-        let mut traces = [stiffness, self.rate_factor(body) * body.pressure_stiffness(&self.assembly)];
-        body.sum_ranks("traces of stiffnesses", &mut traces);
+        let mut traces = [stiffness, self.rate_factor(body) * body.local_stiffness(&self.assembly)];
+        body.space.sum_ranks("traces of stiffnesses", &mut traces);
         let [stiffness, volumes] = traces;
         let square = time_scale * time_scale * self.response_size;
         self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);
@@ -267,21 +271,21 @@ impl ApproximateTangent {
     /// Solves the linearised stage equations to a relative tolerance. Returns the number of iterations, `None` if a
     /// solver missed the tolerance.
     ///
-    /// `r`: negative residual, `[k][n_nodes][3]`, and on input the pressures of the rates less those of the step; `z`:
-    /// corrections of the rates and of these pressures.
+    /// `r`: negative residual, `[k][n_nodes][3]`, and on input the local unknowns of the rates less those of the step; `z`:
+    /// corrections of the rates and of these local unknowns.
     pub(crate) fn solve(
         &mut self,
         (body, rule): (&Body, &Rule),
         r: &[f64],
-        (z, pressures): (&mut [f64], &mut [f64]),
+        (z, local): (&mut [f64], &mut [f64]),
         tolerance: f64,
     ) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);
-        if let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) {
-            body.add_kept_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.turned);
-            // Supports do not move under a change of pressures.
-            body.clear_inactive(&mut self.turned);
+        if let Some(s) = self.made_for.filter(|_| !local.is_empty()) {
+            body.add_kept_local_force(rule, &self.assembly, -s * s, local, &mut self.turned);
+            // Supports do not move under a change of local unknowns.
+            body.space.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         let damping = VolumeDamping {
@@ -289,33 +293,28 @@ impl ApproximateTangent {
             dissipative: self.dissipation,
         };
         let factor = self.rate_factor(body);
-        body.add_kept_pressure_response((rule, &damping), &self.assembly, factor, z, pressures);
+        body.add_kept_local_response((rule, &damping), &self.assembly, factor, z, local);
         self.turn_forward(z);
         if iterations.is_none() {
-            self.solvers.fall_back(body.shared_part().is_some());
+            self.solvers.fall_back(body.space.is_shared());
             self.made_for = None;
         }
         iterations
     }
 
-    /// Adds the stage forces of pressures in the present orientation, times the square of the time scale, with the
-    /// forces of unit pressures in K.
-    pub(crate) fn add_pressure_force(
-        &mut self,
-        (body, rule): (&Body, &Rule),
-        pressures: &[f64],
-        r: &mut [f64],
-    ) {
-        let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) else { return };
+    /// Adds the stage forces of local unknowns in the present orientation, times the square of the time scale, with the
+    /// forces of unit local unknowns in K.
+    pub(crate) fn add_local_force(&mut self, (body, rule): (&Body, &Rule), local: &[f64], r: &mut [f64]) {
+        let Some(s) = self.made_for.filter(|_| !local.is_empty()) else { return };
         let n = self.row_sums.len();
-        let mut force = std::mem::take(&mut self.pressure_force);
+        let mut force = std::mem::take(&mut self.local_force);
         force.fill(0.0);
-        body.add_kept_pressure_force(rule, &self.assembly, s * s, pressures, &mut force);
+        body.add_kept_local_force(rule, &self.assembly, s * s, local, &mut force);
         for (stage, R) in force.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, &product(R, &self.orientation));
         }
         r.iter_mut().zip(&force).for_each(|(r, force)| *r += force);
-        self.pressure_force = force;
+        self.local_force = force;
     }
 
     /// `z = P^-1 r`, a linear map that approximates the inverse of the linearised stage equations.
@@ -367,28 +366,28 @@ impl ApproximateTangent {
         rates: &[f64],
         time_scale: f64,
     ) -> f64 {
-        let square = |dof: usize| match body.inactive()[dof] {
+        let square = |dof: usize| match body.space.inactive()[dof] {
             true => 0.0,
             false => (self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs())).powi(2),
         };
-        let mut sum = [body.counted_dofs().map(square).sum::<f64>()];
-        body.sum_ranks("squares of the rounding", &mut sum);
+        let mut sum = [body.space.counted_dofs().map(square).sum::<f64>()];
+        body.space.sum_ranks("squares of the rounding", &mut sum);
         time_scale * time_scale * sum[0].sqrt()
     }
 
     /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
     pub(crate) fn rounding_energy(&self, body: &Body, displacement: &[f64], rates: &[f64]) -> f64 {
         let term = |dof: usize| self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs()).powi(2);
-        let mut sum = [body.counted_dofs().map(term).sum::<f64>()];
-        body.sum_ranks("energy of the rounding", &mut sum);
+        let mut sum = [body.space.counted_dofs().map(term).sum::<f64>()];
+        body.space.sum_ranks("energy of the rounding", &mut sum);
         0.125 * f64::EPSILON * f64::EPSILON * sum[0]
     }
 }
 
-/// Sets the mean pressure of each function; `pressures: [function][n]`.
-fn set_means(pressures: &[f64], means: &mut [f64]) {
-    let n = pressures.len().checked_div(means.len()).unwrap_or(1);
-    for (mean, of_function) in means.iter_mut().zip(pressures.chunks_exact(n)) {
+/// Sets the mean pressure of each function; `local unknowns: [function][n]`.
+fn set_means(local: &[f64], means: &mut [f64]) {
+    let n = local.len().checked_div(means.len()).unwrap_or(1);
+    for (mean, of_function) in means.iter_mut().zip(local.chunks_exact(n)) {
         *mean = of_function.iter().sum::<f64>() / n as f64;
     }
 }

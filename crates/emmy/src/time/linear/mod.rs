@@ -1,6 +1,7 @@
 //! The linearised stage equations: an approximate tangent from one stiffness, decoupled into one system for each mode.
 
 mod approximate_tangent;
+mod border;
 mod decoupling;
 mod linearised;
 mod mode_solvers;
@@ -11,4 +12,5 @@ mod strain_rates;
 mod multigrid_tests;
 
 pub(crate) use approximate_tangent::ApproximateTangent;
+pub(super) use border::Border;
 pub(super) use linearised::LinearisedStages;

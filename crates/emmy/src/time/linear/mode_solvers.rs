@@ -47,7 +47,7 @@ impl ModeSolvers {
     /// [`crate::Error::Linear`]; [`crate::Error::NotOnTeam`] for a factorisation by a team without engine.
     pub(super) fn new(body: &Body, coefficients: &StageCoefficients, requested: Solver) -> Result<Self> {
         let (k, n) = (coefficients.rule.degree(), body.n_dofs());
-        let is_alone = body.shared_part().is_none();
+        let is_alone = !body.space.is_shared();
         let is_here =
             |kind: &SolverKind| is_alone || *kind == SolverKind::Iterative || engine(body, *kind).is_some();
         let kinds: Vec<SolverKind> = SolverKind::ALL.into_iter().filter(is_here).collect();
@@ -105,7 +105,7 @@ impl ModeSolvers {
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
-        if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
+        if body.dissipates() && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
         // In 16 bits a stiffness of projected volumes is indefinite, and sweeps do not smooth its volumes.
@@ -115,20 +115,18 @@ impl ModeSolvers {
         self.time_scale = time_scale;
         loop {
             let chosen = self.choose(body, number, is_stiff);
-            let done = body.agree(chosen).and_then(|()| self.factorize(body, stiffness, positions));
-            let done = body.agree(done);
+            let done = body.space.agree(chosen).and_then(|()| self.factorize(body, stiffness, positions));
+            let done = body.space.agree(done);
             let Err(error) = &done else { return done };
             match self
                 .choice
                 .filter(|_| self.requested == Solver::Auto && !is_stiff)
                 .map(|choice| choice.kind)
             {
-                Some(kind) if body.shared_part().is_some() && !self.failed.contains(&kind) => {
-                    self.exclude(kind)
-                }
+                Some(kind) if body.space.is_shared() && !self.failed.contains(&kind) => self.exclude(kind),
                 Some(SolverKind::Direct)
                     if matches!(error, Error::OutOfMemory { .. })
-                        && body.shared_part().is_none()
+                        && !body.space.is_shared()
                         && !self.failed.contains(&SolverKind::Multigrid) =>
                 {
                     self.exclude(SolverKind::Direct);
@@ -139,9 +137,9 @@ impl ModeSolvers {
     }
 
     fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
-        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.inactive());
+        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.space.inactive());
         if let Some(condensation) = &mut self.condensation {
-            body.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
+            body.space.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
@@ -180,7 +178,7 @@ impl ModeSolvers {
             return Ok(());
         }
         if is_stiff && !self.kinds.contains(&SolverKind::Direct) {
-            body.check_whole("a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)")?;
+            body.space.check_whole("a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)")?;
         }
         let failed: &[SolverKind] = if is_stiff { &SolverKind::ALL } else { &self.failed };
         let choice = match kind {
@@ -197,19 +195,20 @@ impl ModeSolvers {
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
         self.condensation = body
+            .space
             .has_internal_nodes()
-            .then(|| Condensation::new(body.pattern(), body.mass()).on(body.subdomain().cloned()));
+            .then(|| Condensation::new(body.pattern(), body.mass()).on(body.space.shared().cloned()));
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
-        let fixed = &body.inactive()[..3 * pattern.n_rows()];
+        let fixed = &body.space.inactive()[..3 * pattern.n_rows()];
         let order = || -> Result<Vec<usize>> {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
-        let part = body.shared_part();
+        let part = body.space.shared();
         let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
         let ranks = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
-        let is_mixed = body.has_pressures();
+        let is_mixed = body.has_local();
         for mode in &self.modes {
             if let (Some(sweep), Some(ranks), Some(engine)) = (&sweep, ranks(), engine(body, choice.kind)) {
                 self.choice = Some(SolverChoice { engine: Some(engine.name()), ..choice });
@@ -335,7 +334,7 @@ impl ModeSolvers {
         let has_direct = self.kinds.contains(&SolverKind::Direct);
         self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || has_direct);
         let created = self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice));
-        body.agree(created)
+        body.space.agree(created)
     }
 }
 
@@ -346,7 +345,7 @@ fn engine(body: &Body, kind: SolverKind) -> Option<Box<dyn Engine>> {
         SolverKind::Multigrid => EngineKind::Multigrid,
         SolverKind::Iterative => return None,
     };
-    body.shared_part()?.team().engine(kind)
+    body.space.shared()?.team().engine(kind)
 }
 
 fn no_factorization() -> Error {
@@ -396,9 +395,9 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
         let diagonal = body.pattern().position(node, node).unwrap_or(0);
         stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
     };
-    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.inactive()[dof]);
+    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.space.inactive()[dof]);
     let mut most = [free.map(ratio).fold(0.0, f64::max)];
-    body.largest_of_ranks("stiffness over mass", &mut most);
+    body.space.largest_of_ranks("stiffness over mass", &mut most);
     most[0]
 }
 

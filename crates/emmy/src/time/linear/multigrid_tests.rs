@@ -4,8 +4,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::average::{Request, Rule};
-use crate::body::{Body, Region, StepInput};
+use crate::body::Body;
 use crate::element::{CellKind, element};
+use crate::force::StepInput;
+use crate::input::Region;
 use crate::material::NeoHooke;
 use crate::mesh::{Mesh, MeshBuilder};
 use crate::quadrature::gauss;

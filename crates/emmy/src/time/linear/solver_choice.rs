@@ -23,7 +23,7 @@ impl Costs {
     pub(super) fn of(body: &Body) -> Self {
         let mesh = body.mesh();
         let n_quadratic = mesh.cells().filter(|cell| cell.kind != cell.kind.linear()).count();
-        let Some(part) = body.shared_part() else {
+        let Some(part) = body.space.shared() else {
             return Costs::new(mesh.n_dofs(), body.pattern().n_outer_blocks(), n_quadratic == 0);
         };
         let n_couplings: usize = (0..part.n_own()).map(|row| body.pattern().n_outer_columns(row)).sum();

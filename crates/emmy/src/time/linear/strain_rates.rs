@@ -1,6 +1,7 @@
 //! The rates that strain a rotating body.
 
 use crate::average::Rule;
+use crate::nodal;
 use crate::sparse::eliminate;
 use crate::tensor::rotation::skew;
 
@@ -68,8 +69,8 @@ impl StrainRateTransform {
             for node in 0..n / 3 {
                 for d in 0..3 {
                     let row = &self.inverse[(3 * i + d) * 3 * k..][..3 * k];
-                    let old = |column: usize| self.old[column / 3 * n + 3 * node + column % 3];
-                    x[i * n + 3 * node + d] = (0..3 * k).map(|column| row[column] * old(column)).sum();
+                    let old = |column: usize| self.old[column / 3 * n + nodal::dof(node, column % 3)];
+                    x[i * n + nodal::dof(node, d)] = (0..3 * k).map(|column| row[column] * old(column)).sum();
                 }
             }
         }

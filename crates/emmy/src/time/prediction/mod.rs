@@ -4,12 +4,14 @@
 #[cfg(test)]
 mod tests;
 
-use super::rigid_step::{self, RigidStep};
+use super::rigid_step;
+use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::body::Body;
 use crate::error::Result;
+use crate::nodal;
 use crate::tensor::rotation::{exp, image, skew};
 use crate::tensor::{Mat3, cross};
 
@@ -72,7 +74,7 @@ struct Free {
 impl Free {
     /// Axes that the supports of a body leave free. A rotation about an axis moves all points off the axis.
     fn of(body: &Body) -> Self {
-        let shifts = body.held_axes().map(|held| !held);
+        let shifts = body.space.held_axes().map(|held| !held);
         let turns = [0, 1, 2].map(|axis| (0..3).all(|d| d == axis || shifts[d]));
         Free { shifts, turns }
     }
@@ -108,6 +110,11 @@ impl Prediction {
     /// Whether there was no step before.
     pub(super) fn is_first(&self) -> bool {
         self.last_size.is_none()
+    }
+
+    /// Size of the last step.
+    pub(super) fn last_size(&self) -> Option<f64> {
+        self.last_size
     }
 
     /// Keeps the memory that the next steps depend on.
@@ -158,7 +165,7 @@ impl Prediction {
         let inertia = self.tensor(body, &self.weighted_arm);
         self.rigid.solve(stage, &inertia, &self.moments, turns);
         if is_first {
-            let linear = body.sum(&state.momentum).map(|p| p / mass);
+            let linear = body.space.sum(&state.momentum).map(|p| p / mass);
             let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
             self.subtract_rigid_velocity(body, &inertia, &state.momentum, drift, turns);
         }
@@ -170,7 +177,7 @@ impl Prediction {
         for (v, y) in vector.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
             (0..3).for_each(|d| (0..3).for_each(|e| tensor[d][e] += v[d] * y[e]));
         }
-        body.sum_ranks("tensor of a nodal vector", tensor.as_flattened_mut());
+        body.space.sum_ranks("tensor of a nodal vector", tensor.as_flattened_mut());
         tensor
     }
 
@@ -197,14 +204,14 @@ impl Prediction {
 
     /// Sets y and M y.
     fn set_arm(&mut self, body: &Body, displacement: &[f64], mass: f64) {
-        let points = body.points().zip(displacement.chunks_exact(3));
+        let points = body.space.points().zip(displacement.chunks_exact(3));
         for ((X, u), y) in points.zip(self.arm.chunks_exact_mut(3)) {
             (0..3).for_each(|d| y[d] = X[d] + u[d]);
         }
         // Twice: for a body far from the origin, the first result has rounding errors.
         for _ in 0..2 {
             body.mass_product(&self.arm, &mut self.weighted_arm);
-            let centre = body.sum(&self.weighted_arm).map(|sum| sum / mass);
+            let centre = body.space.sum(&self.weighted_arm).map(|sum| sum / mass);
             self.arm.chunks_exact_mut(3).for_each(|y| (0..3).for_each(|d| y[d] -= centre[d]));
         }
         body.mass_product(&self.arm, &mut self.weighted_arm);
@@ -216,17 +223,20 @@ impl Prediction {
         let s = system.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
-            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.own_nodes().end) {
+            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.space.own_nodes().end) {
                 for d in 0..3 {
-                    let at = i * n + 3 * node + d;
+                    let at = i * n + nodal::dof(node, d);
                     let force = system.known[at] + s * s * system.external_force(at);
                     sum[d] += force;
                     (0..3).for_each(|e| moments[d][e] += force * y[e]);
                 }
             }
         }
-        system.body.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
-        system.body.sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
+        system.body.space.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
+        system
+            .body
+            .space
+            .sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
     }
 
     /// Balances resultants and moments of a solution by an additional rigid motion, to rounding.
@@ -234,19 +244,27 @@ impl Prediction {
     /// Internal forces have no resultants and moments, so inertia and loads alone decide, and the rounding of the
     /// stiffness, which may exceed the inertia, has no effect. The error of an iteration would act like a constant
     /// force. `residual`: memory for k n numbers.
-    pub(super) fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
+    ///
+    /// # Errors
+    /// As [`StageSystem::unbalanced`].
+    pub(super) fn balance(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        rates: &mut [f64],
+        residual: &mut [f64],
+    ) -> Result<()> {
         if self.mass == 0.0 || !system.is_self_balanced() {
-            return;
+            return Ok(());
         }
         let k = self.changes.len();
         let n = self.arm.len();
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
-            system.unbalanced(rates, residual);
+            system.unbalanced(rates, residual)?;
             self.set_resultants(system, rates, residual);
             let left = self.resultant_size(system.body);
             if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
-                return;
+                break;
             }
             last = left;
             let inverse_mass = &system.coefficients.inverse_mass;
@@ -262,6 +280,7 @@ impl Prediction {
                 }
             }
         }
+        Ok(())
     }
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
@@ -273,8 +292,8 @@ impl Prediction {
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             let residual = residual.as_chunks::<3>().0;
-            for node in system.body.counted_nodes() {
-                let (at, r) = (3 * node, residual[node]);
+            for node in system.body.space.counted_nodes() {
+                let (at, r) = (nodal::dof(node, 0), residual[node]);
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
                     (0..3).for_each(|d| q[d] += a[i * k + j] * rates[j * n + at + d]);
@@ -284,8 +303,8 @@ impl Prediction {
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
         }
-        system.body.sum_ranks("resultants", self.sums.as_flattened_mut());
-        system.body.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
+        system.body.space.sum_ranks("resultants", self.sums.as_flattened_mut());
+        system.body.space.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
     }
 
     /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
@@ -316,7 +335,7 @@ impl Prediction {
         }
         let stages = residual.chunks_exact(n).zip(rates.chunks_exact(n)).zip(rule.weights()).enumerate();
         for (i, ((residual, rates), b)) in stages {
-            work += b * system.body.dot(residual, rates) / (s * s);
+            work += b * system.body.space.dot(residual, rates) / (s * s);
             for d in (0..3).filter(|_| self.mass > 0.0) {
                 impulse[d] += if self.free.shifts[d] { b / s * self.sums[i][d] } else { 0.0 };
                 moment[d] += if self.free.turns[d] { b / s * self.moment[i][d] } else { 0.0 };
@@ -332,7 +351,10 @@ impl Prediction {
         if self.mass == 0.0 {
             return [f64::INFINITY; 2];
         }
-        [(2.0 * energy * self.mass).sqrt(), (2.0 * energy * body.dot(&self.arm, &self.weighted_arm)).sqrt()]
+        [
+            (2.0 * energy * self.mass).sqrt(),
+            (2.0 * energy * body.space.dot(&self.arm, &self.weighted_arm)).sqrt(),
+        ]
     }
 
     /// The rotation of the rigid motion.
@@ -364,7 +386,7 @@ impl Prediction {
             for (node, (x, y)) in nodes {
                 let mut carried = [0.0; 3];
                 for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
-                    (0..3).for_each(|d| carried[d] += e * z[3 * node + d]);
+                    (0..3).for_each(|d| carried[d] += e * z[nodal::dof(node, d)]);
                 }
                 let rigid = image(D, y);
                 let carried = image(&turn, &carried);

@@ -278,10 +278,13 @@ impl Scheme {
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;
         }
-        if body.is_viscous() || body.drag() > 0.0 {
+        if !matches!(self, Scheme::TimeElement(_)) {
+            body.check_unconstrained(&self.name())?;
+        }
+        if body.dissipates() {
             self.check_feature(BodyFeature::Damping)?;
         }
-        if body.has_internal_nodes() {
+        if body.space.has_internal_nodes() {
             self.check_feature(BodyFeature::IncompatibleModes)?;
         }
         Ok(())

@@ -5,6 +5,7 @@ use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{ROUND_OFF, Sizes, System, Tangent};
 use crate::time::linear::LinearisedStages;
+use crate::unknowns::BorderStep;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -18,42 +19,78 @@ const SMALL: usize = 500;
 impl StageSystem<'_> {
     /// Computes and factorises the approximate tangent at some unknowns.
     fn refactorize(&mut self, unknowns: &[f64]) -> Result<()> {
-        let (x, pressures) = self.split(unknowns);
-        self.approximate_tangent.refactorize(self.body, &self.displacement, x, pressures, self.time_scale)
+        let [x, _, local] = self.split(unknowns);
+        self.border.forget();
+        self.approximate_tangent.refactorize(self.body, &self.displacement, x, local, self.time_scale)
     }
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
-        if let Some(projection) = &mut self.projection {
-            projection.correct(self.body, &mut self.negative);
-            self.body.clear_inactive(&mut self.negative);
+        let (n_rates, n_multipliers) = (self.force.len(), self.n_multipliers());
+        let (dx, others) = correction.split_at_mut(n_rates);
+        let (multipliers, local) = others.split_at_mut(n_multipliers);
+        let StageSystem { body, coefficients, projection, approximate_tangent, border, force, .. } = self;
+        let rule = &coefficients.rule;
+        let mut solve = |right: &[f64], dx: &mut [f64], local: &mut [f64]| {
+            force.copy_from_slice(right);
+            if let Some(projection) = projection {
+                projection.correct(body, force);
+                body.space.clear_inactive(force);
+            }
+            let iterations = approximate_tangent.solve((body, rule), force, (dx, local), tolerance);
+            iterations.ok_or_else(|| Error::Linear {
+                reason: format!("conjugate gradients did not reach {tolerance:e}"),
+            })
+        };
+        let iterations = solve(&self.negative[..n_rates], dx, local)?;
+        if multipliers.is_empty() {
+            return Ok(iterations);
         }
-        let parts = correction.split_at_mut(self.negative.len());
-        let system = (self.body, &self.coefficients.rule);
-        let iterations = self.approximate_tangent.solve(system, &self.negative, parts, tolerance);
-        iterations.ok_or_else(|| Error::Linear {
-            reason: format!("conjugate gradients did not reach {tolerance:e}"),
-        })
+        multipliers.copy_from_slice(&self.negative[n_rates..]);
+        let mut rest = vec![0.0; local.len()];
+        let further = border.solve(
+            |right, dx| {
+                rest.fill(0.0);
+                solve(right, dx, &mut rest)
+            },
+            dx,
+            multipliers,
+        )?;
+        // The last solution is that for the forces of the constraints.
+        local.iter_mut().zip(&rest).for_each(|(change, rest)| *change -= rest);
+        Ok(iterations + further)
+    }
+
+    /// Sets the derivatives of the constraints.
+    fn set_border(&mut self, unknowns: &[f64]) {
+        if !self.body.constraints().is_empty() {
+            let [rates, multipliers, _] = self.split(unknowns);
+            let (rule, displacement) = (&self.coefficients.rule, &self.displacement);
+            self.border.set(self.body, BorderStep { rule, displacement, rates }, multipliers);
+        }
     }
 
     /// Solves with the exact tangent.
     fn solve_exactly(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
-        let (dx, pressures) = correction.split_at_mut(self.negative.len());
+        let n_rates = self.force.len();
+        let (dx, local) = correction.split_at_mut(self.negative.len());
         let rule = &self.coefficients.rule;
         let s = self.time_scale;
-        self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
-        self.body.clear_inactive(&mut self.negative);
+        let right = &mut self.negative[..n_rates];
+        self.body.add_local_force(rule, &self.assembly, -s * s, local, right);
+        self.body.space.clear_inactive(right);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
             approximate_tangent: &mut self.approximate_tangent,
             projection: self.projection.as_mut(),
+            border: &mut self.border,
             time_scale: self.time_scale,
             right: &mut self.force,
         };
         let solution = self.gmres.solve(&mut system, &self.negative, dx, tolerance, MAX_LINEAR_ITERATIONS);
         if solution.relative_residual <= tolerance {
-            self.body.add_pressure_response(rule, &self.assembly, dx, pressures);
+            self.body.add_local_response(rule, &self.assembly, &dx[..n_rates], local);
             return Ok(solution.iterations);
         }
         Err(Error::Linear {
@@ -61,19 +98,29 @@ impl StageSystem<'_> {
         })
     }
 
-    /// This rank's square of the residual with the pressures eliminated by the approximate tangent, their part in proportion to its
-    /// effect: otherwise, an error of the rates of the second order, times the bulk modulus, would hide the convergence.
-    fn condensed_square(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
-        if of_pressures.is_empty() {
-            return self.body.own_dot(residual, residual);
+    /// This rank's square of the residual with the local unknowns eliminated by the approximate tangent. Their residuals are
+    /// scaled by their effect. Unscaled, a second-order error of the rates times the bulk modulus would mask convergence.
+    fn condensed_square(&mut self, residual: &[f64], of_local: &[f64]) -> f64 {
+        if of_local.is_empty() {
+            return self.body.space.own_dot(residual, residual);
         }
         let system = (self.body, &self.coefficients.rule);
         self.condensed.fill(0.0);
-        self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
+        self.approximate_tangent.add_local_force(system, of_local, &mut self.condensed);
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
-        self.body.clear_inactive(&mut self.condensed);
-        self.body.own_dot(&self.condensed, &self.condensed)
+        self.body.space.clear_inactive(&mut self.condensed);
+        self.body.space.own_dot(&self.condensed, &self.condensed)
+    }
+
+    /// Square of the residual of the rates that would mend the residuals of the constraints, for the mean mass of a node.
+    fn square_of_constraints(&mut self, x: &[f64], of_constraints: &[f64]) -> f64 {
+        let constraints = self.body.constraints();
+        if constraints.is_empty() {
+            return 0.0;
+        }
+        let mass = self.body.total_lumped_mass() / self.body.mesh().n_nodes() as f64;
+        mass * mass * constraints.square_of_residual(self.border_step(x), of_constraints)
     }
 
     /// Sets the rounding floor, once per step.
@@ -92,10 +139,11 @@ impl StageSystem<'_> {
 impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let [inertia, internal, external] = self.full_residual(x, residual)?;
-        let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
-        self.body.clear_inactive(of_rates);
-        let mut squares = [inertia, internal, external, self.condensed_square(of_rates, of_pressures)];
-        self.body.sum_ranks("squares of a residual and its parts", &mut squares);
+        let [of_rates, of_constraints, of_local] = self.split_mut(residual);
+        self.body.space.clear_inactive(of_rates);
+        let own = self.condensed_square(of_rates, of_local) + self.square_of_constraints(x, of_constraints);
+        let mut squares = [inertia, internal, external, own];
+        self.body.space.sum_ranks("squares of a residual and its parts", &mut squares);
         let [inertia, internal, external, residual] = squares.map(f64::sqrt);
         Ok(Sizes {
             residual,
@@ -112,16 +160,19 @@ impl System for StageSystem<'_> {
         tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        let (of_rates, of_pressures) = self.split(residual);
+        let n_rates = self.force.len();
+        let (of_rates, of_local) = residual.split_at(self.negative.len());
         self.negative.iter_mut().zip(of_rates).for_each(|(b, r)| *b = -r);
-        let pressures = &mut dx[of_rates.len()..];
-        pressures.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
+        let local = &mut dx[of_rates.len()..];
+        local.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
+        self.set_border(x);
         if tangent == Tangent::Refactorized || !self.approximate_tangent.is_made() {
             self.refactorize(x)?;
         }
-        self.approximate_tangent.rescale(self.body, self.time_scale)?;
+        if self.approximate_tangent.rescale(self.body, self.time_scale)? {
+            self.border.forget();
+        }
         self.set_floor(x);
-        let n_rates = of_rates.len();
         let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
@@ -130,8 +181,13 @@ impl System for StageSystem<'_> {
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),
         }?;
-        self.body.update_guests("correction", &mut dx[..n_rates]);
+        self.body.space.update_guests("correction", &mut dx[..n_rates]);
         Ok(iterations)
+    }
+
+    fn largest_part(&mut self, x: &[f64], dx: &[f64]) -> f64 {
+        let [rates, ..] = self.split(x);
+        self.body.largest_part(&self.step_at(rates), &self.assembly, &dx[..rates.len()])
     }
 
     fn refactorization_cost(&self) -> f64 {
@@ -148,10 +204,10 @@ impl System for StageSystem<'_> {
     }
 
     /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or the
-    /// last K contracted too little. With pressures the exact tangent differs from K by directions that the bulk modulus
+    /// last K contracted too little. With local unknowns the exact tangent differs from K by directions that the bulk modulus
     /// makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
-        match (self.body.has_pressures(), self.body.n_dofs_of_ranks()) {
+        match (self.body.has_local(), self.body.n_dofs_of_ranks()) {
             (false, SMALL..) if slow_corrections == 0 => 0.4,
             (false, _) => 0.0,
             _ => 0.9,

@@ -22,7 +22,7 @@ fn forces(body: &Body, rule: &Rule, u: &[f64], x: &[f64], direction: &[f64]) -> 
         displacement: u,
         rates: x,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let (mut force, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     let mut assembly = body.assembly(rule.degree());

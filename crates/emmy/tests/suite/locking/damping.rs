@@ -158,7 +158,7 @@ fn step<'a>(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64], dissipati
         displacement,
         rates,
         damping: StepDamping { inverse_step_size: 2.0, dissipation },
-        pressures: None,
+        local: None,
     }
 }
 

@@ -66,7 +66,7 @@ fn forces_and_energy(mesh: &Mesh, region: Region) -> (Vec<f64>, f64) {
         displacement: &displacement,
         rates: &rates,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let mut assembly = body.assembly(2);
     body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();

@@ -238,7 +238,7 @@ fn forces_and_tangents_of_a_step() {
             displacement: &displacement,
             rates: &rates,
             damping: Default::default(),
-            pressures: None,
+            local: None,
         };
         let mut assembly = body.assembly(k);
         body.assemble(&step, Request::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();

@@ -19,7 +19,7 @@ pub(crate) fn stiffness(kind: CellKind, region: Region) -> Vec<Vec<f64>> {
         displacement: &zeros,
         rates: &zeros,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();

@@ -189,11 +189,8 @@ fn from_equilibrium(parts: fn(BodyBuilder) -> BodyBuilder, builder: BodyBuilder)
     let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
     let state = equilibrium.start(settings, &[], &mut [&mut watch])?;
     let displacement = state.displacement.as_chunks::<3>().0;
-    let nodes = match body.subdomain() {
-        Some(part) => part.nodes()[..part.n_own()].iter().map(|&node| node as usize).collect(),
-        None => (0..body.mesh().n_nodes()).collect::<Vec<_>>(),
-    };
-    let nodes = nodes.into_iter().zip(displacement).map(|(node, u)| (node, *u)).collect();
+    let nodes = body.ranks().nodes()[..body.ranks().n_own()].iter().map(|&node| node as usize);
+    let nodes = nodes.zip(displacement).map(|(node, u)| (node, *u)).collect();
     let mut motion = Motion::starting(&body, at(DGM, 2), settings, state)?.with_static_reactions()?;
     let reactions = motion.reactions().to_vec();
     let mut moves = Watch::default();

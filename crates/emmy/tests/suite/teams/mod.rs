@@ -310,7 +310,7 @@ fn fields_are_those_of_the_whole_body() {
     for size in [2, 4] {
         on_team(&mesh, size, |share, team| {
             let body = parts(Body::shared(share, team));
-            let part = body.subdomain().unwrap();
+            let part = body.ranks();
             for (own, whole) in fields(&body).iter().zip(&whole) {
                 let (n, numbers) = match own.name.place() {
                     Place::Nodes => (body.mesh().n_nodes(), part.nodes()),
@@ -861,9 +861,7 @@ fn starts_of_a_team_belong_to_the_body() {
     let start = |builder: BodyBuilder| -> Result<()> {
         let body = builder.region(rubber()).build()?;
         let mut state = State::initial(&body, 0.0, &[])?;
-        let own = body
-            .subdomain()
-            .map_or(Some(node), |part| part.nodes().iter().position(|&whole| whole as usize == node));
+        let own = body.ranks().nodes().iter().position(|&whole| whole as usize == node);
         own.into_iter().for_each(|own| state.velocity[3 * own] = 1.0);
         Motion::starting(&body, DGM, NewtonSettings::default(), state).map(|_| ())
     };

@@ -132,7 +132,7 @@ impl Deck {
         self.instances.iter_mut().for_each(|instance| instance.body.raise_shells());
     }
 
-    /// Makes edges of the trusses beside other cells, and leaves out the other lines there, but for those in some groups.
+    /// Turns trusses beside other cells into edges, and leaves out the other lines there, except those in some groups.
     fn lower_lines(&mut self, links: &[String]) {
         if !self.has_cells() {
             return;
@@ -171,7 +171,7 @@ impl Deck {
         found
     }
 
-    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
+    /// Names of a group: in an instance `Instance.Set`, and also `Set` if the assembly has no set of that name.
     pub(super) fn group_names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
         match instance {
             None => vec![name.to_string()],

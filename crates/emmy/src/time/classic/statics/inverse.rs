@@ -48,7 +48,7 @@ impl Inverse {
     /// # Errors
     /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
     pub(super) fn new(body: &Body) -> Result<Self> {
-        if body.subdomain().is_some() {
+        if body.space.is_shared() {
             return Ok(Inverse::OfRanks(Box::new(InverseOfRanks::new(body))));
         }
         let factor = BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?;
@@ -65,7 +65,7 @@ impl Inverse {
                 factor.factorize(|source| stiffness.block(source / 9)[source % 9])?;
                 Ok(factor.factor().is_definite())
             }
-            Inverse::OfRanks(inverse) => body.agree(inverse.set(body, stiffness)).map(|()| true),
+            Inverse::OfRanks(inverse) => body.space.agree(inverse.set(body, stiffness)).map(|()| true),
         }
     }
 
@@ -86,7 +86,7 @@ impl Inverse {
             }
             Inverse::OfRanks(inverse) => {
                 inverse.apply(y);
-                body.update_guests("preconditioned force", y);
+                body.space.update_guests("preconditioned force", y);
             }
         }
     }
@@ -96,12 +96,13 @@ impl InverseOfRanks {
     fn new(body: &Body) -> Self {
         let no_mass = vec![0.0; body.pattern().n_blocks()];
         let condensation = body
+            .space
             .has_internal_nodes()
-            .then(|| Condensation::new(body.pattern(), &no_mass).on(body.subdomain().cloned()));
+            .then(|| Condensation::new(body.pattern(), &no_mass).on(body.space.shared().cloned()));
         let pattern = condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let sweep = Arc::new(SweepOrder::new(pattern));
-        let ranks = body.subdomain().cloned().map(|subdomain| Ranks::new(subdomain, &sweep));
-        let fixed = &body.inactive()[..3 * pattern.n_rows()];
+        let ranks = body.space.shared().cloned().map(|subdomain| Ranks::new(subdomain, &sweep));
+        let fixed = &body.space.inactive()[..3 * pattern.n_rows()];
         let zero = vec![0.0; body.n_dofs()];
         InverseOfRanks {
             solver: Box::new(Iterative::<1>::new(fixed, sweep, ranks)),
@@ -123,7 +124,7 @@ impl InverseOfRanks {
         self.solver.factorize(&Shifted {
             stiffness,
             mass: &self.no_mass,
-            fixed: &body.inactive()[..3 * n_rows],
+            fixed: &body.space.inactive()[..3 * n_rows],
             positions: body.mesh().points().as_flattened(),
             shift: [1.0, 0.0],
         })
@@ -147,28 +148,28 @@ impl InverseOfRanks {
         x.fill(0.0);
         self.direction.fill(0.0);
         self.residual.copy_from_slice(b);
-        let norm = body.norm(b);
+        let norm = body.space.norm(b);
         let (mut left, mut rho, mut iterations) = (norm, 1.0, 0);
         while left > tolerance * norm {
             self.preconditioned.copy_from_slice(&self.residual);
             let mut z = std::mem::take(&mut self.preconditioned);
             self.apply(&mut z);
-            let new = body.dot(&self.residual, &z);
+            let new = body.space.dot(&self.residual, &z);
             let beta = if iterations == 0 { 0.0 } else { new / rho };
             rho = new;
             self.direction.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
             self.preconditioned = z;
-            body.update_guests("direction of a step", &mut self.direction);
+            body.space.update_guests("direction of a step", &mut self.direction);
             stiffness.multiply(body.pattern(), &self.direction, &mut self.product);
-            body.clear_inactive(&mut self.product);
-            let curvature = body.dot(&self.direction, &self.product);
+            body.space.clear_inactive(&mut self.product);
+            let curvature = body.space.dot(&self.direction, &self.product);
             if curvature <= 0.0 {
                 return Found::NotDefinite;
             }
             let alpha = rho / curvature;
             x.iter_mut().zip(&self.direction).for_each(|(x, p)| *x += alpha * p);
             self.residual.iter_mut().zip(&self.product).for_each(|(r, q)| *r -= alpha * q);
-            left = body.norm(&self.residual);
+            left = body.space.norm(&self.residual);
             iterations += 1;
             if iterations == MAX_ITERATIONS || !left.is_finite() {
                 return Found::Nothing;

@@ -35,16 +35,16 @@ pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64
     inverse.set(body, stiffness)?;
     let mut x = vec![0.0; b.len()];
     let mut residual = b.to_vec();
-    body.clear_inactive(&mut residual);
-    let size = body.norm(&residual);
+    body.space.clear_inactive(&mut residual);
+    let size = body.space.norm(&residual);
     let mut left = size;
     while left > REFINED * size {
         inverse.apply(body, &mut residual);
         x.iter_mut().zip(&residual).for_each(|(x, change)| *x += change);
         stiffness.multiply(body.pattern(), &x, &mut residual);
         residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
-        body.clear_inactive(&mut residual);
-        let last = std::mem::replace(&mut left, body.norm(&residual));
+        body.space.clear_inactive(&mut residual);
+        let last = std::mem::replace(&mut left, body.space.norm(&residual));
         if left.is_nan() || left > 0.5 * last {
             break;
         }
@@ -128,19 +128,19 @@ impl<'a> StaticStepper<'a> {
         let mut moved = self.displacement().to_vec();
         moved.iter_mut().zip(&state.displacement).for_each(|(u, old)| *u -= old);
         let body = self.system.forces.body;
-        let distance = body.norm(&moved);
+        let distance = body.space.norm(&moved);
         if distance <= NO_DISTANCE * self.system.size {
             return Ok(());
         }
         // At a limit of the loads the stiffness is singular.
         let displacement = &self.unknowns[..moved.len()];
-        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| body.norm(&step));
+        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| body.space.norm(&step));
         let forth = self.system.predicted.unwrap_or(0.0);
         if distance <= (FARTHEST * forth).min(FARTHEST_BACK * back) {
             return Ok(());
         }
         let node = largest_node(body, &moved);
-        let position = body.at_node(node, |node| state.position(body, node));
+        let position = body.space.at_node(node, |node| state.position(body, node));
         Err(Error::OtherPath { fraction: self.system.time, node, position })
     }
 
@@ -154,7 +154,7 @@ impl<'a> StaticStepper<'a> {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: body.at_node(node, |node| state.position(body, node)),
+            position: body.space.at_node(node, |node| state.position(body, node)),
         }
     }
 }

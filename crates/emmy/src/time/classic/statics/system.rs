@@ -5,6 +5,7 @@ use crate::average::Request;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
+use crate::nodal;
 use crate::sparse::{Gmres, LinearSystem, SparseLu, StageMatrix};
 use crate::time::classic::forces::Forces;
 
@@ -20,8 +21,8 @@ const FLOOR: f64 = 0.25;
 /// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
 const LARGEST_CORRECTION: f64 = 1e6;
 
-/// The equations of equilibrium at a time. The unknowns are the displacement, then the pressures of cells with a
-/// projected volume, `[function]`.
+/// The equations of equilibrium at a time. The unknowns are the displacement, then the local unknowns,
+/// `[function]`.
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
     pub(super) forces: Forces<'a>,
@@ -58,7 +59,7 @@ impl<'a> StaticSystem<'a> {
             gmres: Gmres::default(),
             lu: None,
             must_be_definite: true,
-            first: vec![0.0; zero.len() + body.n_pressures()],
+            first: vec![0.0; zero.len() + body.n_local()],
             shift: zero.clone(),
             predicted: None,
             size: body.mesh().extent().into_iter().fold(0.0, f64::max),
@@ -72,10 +73,10 @@ impl<'a> StaticSystem<'a> {
 
     /// Number of unknowns.
     pub(super) fn n_unknowns(&self) -> usize {
-        self.rest.len() + self.forces.body.n_pressures()
+        self.rest.len() + self.forces.body.n_local()
     }
 
-    /// Displacement and pressures among the unknowns.
+    /// Displacement and local unknowns among the unknowns.
     fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
         unknowns.split_at(self.rest.len())
     }
@@ -88,7 +89,7 @@ impl<'a> StaticSystem<'a> {
         let n = displacement.len();
         unknowns[..n].copy_from_slice(displacement);
         self.forces.assemble(displacement, Request::Stress)?;
-        body.copy_pressures(&self.forces.assembly, &mut unknowns[n..]);
+        body.copy_local(&self.forces.assembly, &mut unknowns[n..]);
         let mut first = std::mem::take(&mut self.first);
         let outcome = self.residual(unknowns, &mut first);
         self.first = first;
@@ -97,25 +98,25 @@ impl<'a> StaticSystem<'a> {
             return Ok(());
         }
         self.shift.copy_from_slice(displacement);
-        body.set_driven_displacement(self.time, &mut self.shift);
+        body.space.set_driven_displacement(self.time, &mut self.shift);
         self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
         self.factorize(unknowns)?;
         let step = self.linear_step(displacement)?;
-        self.predicted = Some(body.norm(&step));
-        let (u, pressures) = unknowns.split_at_mut(n);
+        self.predicted = Some(body.space.norm(&step));
+        let (u, local) = unknowns.split_at_mut(n);
         u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
-        self.forces.add_pressure_response(&step, pressures);
+        self.forces.add_local_response(&step, local);
         // Exactly there, not but for rounding.
-        body.set_driven_displacement(self.time, u);
+        body.space.set_driven_displacement(self.time, u);
         Ok(())
     }
 
-    /// Sets the right side of a correction: the negative residual, without the pressures after the first tangent.
-    fn condense(&mut self, residual: &[f64], of_pressures: &[f64]) {
+    /// Sets the right side of a correction: the negative residual, without the local unknowns after the first tangent.
+    fn condense(&mut self, residual: &[f64], of_local: &[f64]) {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
-            self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
-            self.forces.body.clear_inactive(&mut self.right);
+            self.forces.add_local_force(1.0, of_local, &mut self.right);
+            self.forces.body.space.clear_inactive(&mut self.right);
         }
     }
 
@@ -124,20 +125,20 @@ impl<'a> StaticSystem<'a> {
         let body = self.forces.body;
         let mut residual = self.rest.clone();
         self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
-        body.clear_inactive(&mut residual);
+        body.space.clear_inactive(&mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
         self.solve(x, PREDICTION, &mut step)?;
-        body.update_guests("linear step", &mut step);
+        body.space.update_guests("linear step", &mut step);
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
     }
 
     /// Sets the exact tangent, and factorises it without the follower loads.
     fn factorize(&mut self, unknowns: &[f64]) -> Result<()> {
-        let (displacement, pressures) = self.split(unknowns);
-        self.forces.assemble_with((displacement, pressures), Request::Tangent)?;
+        let (displacement, local) = self.split(unknowns);
+        self.forces.assemble_with((displacement, local), Request::Tangent)?;
         self.is_linearised = true;
         let body = self.forces.body;
         self.lu = None;
@@ -146,7 +147,7 @@ impl<'a> StaticSystem<'a> {
             return Err(not_definite());
         }
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
-        self.forces.add_follower_tangent(displacement, self.time)
+        self.forces.add_external_tangent(displacement, self.time)
     }
 
     /// Solves `K dx = b` for the right side with the tangent that was set last.
@@ -156,13 +157,13 @@ impl<'a> StaticSystem<'a> {
     fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let body = self.forces.body;
         let mut iterations = self.iterate(tolerance, dx)?;
-        if iterations.is_none() && self.lu.is_none() && body.subdomain().is_none() {
+        if iterations.is_none() && self.lu.is_none() && !body.space.is_shared() {
             let lu = SparseLu::new(&self.forces.assembly.matrix, body.pattern(), body.fixed());
             self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
             iterations = self.iterate(tolerance, dx)?;
         }
         let mut size = [dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max)];
-        body.largest_of_ranks("largest correction", &mut size);
+        body.space.largest_of_ranks("largest correction", &mut size);
         let iterations = iterations.filter(|_| size[0] <= LARGEST_CORRECTION * self.size);
         iterations.ok_or_else(|| self.singular(x, dx))
     }
@@ -178,7 +179,7 @@ impl<'a> StaticSystem<'a> {
         let mut limit = MAX_LINEAR_ITERATIONS;
         if let Inverse::OfRanks(inverse) = &mut self.inverse {
             limit = MAX_ITERATIONS_OF_RANKS;
-            if body.n_followers() == 0 {
+            if body.is_symmetric() {
                 match inverse.solve(body, matrix, &self.right, dx, tolerance) {
                     Found::Solution(iterations) => return Ok(Some(iterations)),
                     Found::NotDefinite if self.must_be_definite => return Err(not_definite()),
@@ -189,7 +190,7 @@ impl<'a> StaticSystem<'a> {
         let mut system = Linearised { body, matrix, inverse: &mut self.inverse, lu: self.lu.as_ref() };
         let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, limit);
         let mut faults = [dx.iter().filter(|dx| !dx.is_finite()).count() as f64];
-        body.largest_of_ranks("corrections that are not finite", &mut faults);
+        body.space.largest_of_ranks("corrections that are not finite", &mut faults);
         let is_solved = solution.relative_residual <= tolerance && faults == [0.0];
         Ok(is_solved.then_some(solution.iterations))
     }
@@ -201,13 +202,13 @@ impl<'a> StaticSystem<'a> {
             let diagonal = body.pattern().position(dof / 3, dof / 3).unwrap_or(0);
             self.forces.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
         };
-        let free = || (0..3 * body.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
+        let free = || (0..3 * body.space.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
         let mut largest = [free().map(stiffness).fold(0.0, f64::max)];
-        body.largest_of_ranks("largest stiffness", &mut largest);
+        body.space.largest_of_ranks("largest stiffness", &mut largest);
         let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
-        let node = body.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
-        let position = |node: usize| [0, 1, 2].map(|d| body.point(node)[d] + x[3 * node + d]);
-        Error::Singular { fraction: self.time, node, position: body.at_node(node, position) }
+        let node = body.space.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
+        let position = |node: usize| body.space.position(x, node);
+        Error::Singular { fraction: self.time, node, position: body.space.at_node(node, position) }
     }
 }
 
@@ -220,17 +221,17 @@ const PREDICTION: f64 = 1e-6;
 
 impl System for StaticSystem<'_> {
     fn residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        let (x, pressures) = self.split(unknowns);
-        let (residual, of_pressures) = residual.split_at_mut(x.len());
-        self.forces.net_with((x, pressures), self.time, &mut self.external, residual)?;
+        let (x, local) = self.split(unknowns);
+        let (residual, of_local) = residual.split_at_mut(x.len());
+        self.forces.net_with((x, local), self.time, &mut self.external, residual)?;
         let body = self.forces.body;
-        body.copy_pressures(&self.forces.assembly, of_pressures);
-        of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
-        let scale = body.norm(&self.external).max(body.norm(self.forces.internal()));
+        body.copy_local(&self.forces.assembly, of_local);
+        of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
+        let scale = body.space.norm(&self.external).max(body.space.norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
-        body.clear_inactive(residual);
-        self.condense(residual, of_pressures);
-        Ok(Sizes { residual: self.forces.body.norm(&self.right), scale, floor: self.floor })
+        body.space.clear_inactive(residual);
+        self.condense(residual, of_local);
+        Ok(Sizes { residual: self.forces.body.space.norm(&self.right), scale, floor: self.floor })
     }
 
     fn correction(
@@ -244,15 +245,15 @@ impl System for StaticSystem<'_> {
         if tangent != Tangent::LastExact {
             self.factorize(x)?;
         }
-        let (of_displacement, of_pressures) = self.split(residual);
-        self.condense(of_displacement, of_pressures);
+        let (of_displacement, of_local) = self.split(residual);
+        self.condense(of_displacement, of_local);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
-        self.forces.body.update_guests("correction", dx);
-        change.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
-        self.forces.add_pressure_response(dx, change);
+        self.forces.body.space.update_guests("correction", dx);
+        change.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
+        self.forces.add_local_response(dx, change);
         let body = self.forces.body;
-        self.predicted.get_or_insert_with(|| body.norm(dx));
+        self.predicted.get_or_insert_with(|| body.space.norm(dx));
         Ok(iterations)
     }
 
@@ -273,7 +274,7 @@ struct Linearised<'a> {
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.matrix.multiply(self.body.pattern(), x, y);
-        self.body.clear_inactive(y);
+        self.body.space.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -284,12 +285,12 @@ impl LinearSystem for Linearised<'_> {
             return;
         }
         y.copy_from_slice(x);
-        self.body.clear_inactive(y);
+        self.body.space.clear_inactive(y);
         self.inverse.apply(self.body, y);
     }
 
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
-        self.body.dot(x, y)
+        self.body.space.dot(x, y)
     }
 }
 
@@ -297,7 +298,7 @@ impl LinearSystem for Linearised<'_> {
 fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> f64 {
     let pattern = body.pattern();
     let mut square = 0.0;
-    for node in body.counted_nodes() {
+    for node in body.space.counted_nodes() {
         let mut sum = [0.0; 3];
         for (position, &column) in pattern.range(node).zip(pattern.row(node)) {
             let u = &displacement[3 * column as usize..][..3];
@@ -305,20 +306,20 @@ fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> 
                 sum[i] += row.iter().zip(u).map(|(k, u)| (k * u).abs()).sum::<f64>();
             }
         }
-        let free = (0..3).filter(|i| !body.fixed()[3 * node + i]);
+        let free = (0..3).filter(|i| !nodal::at(body.fixed(), node)[*i]);
         square += free.map(|i| sum[i] * sum[i]).sum::<f64>();
     }
     let mut square = [square];
-    body.sum_ranks("squares of the rounding", &mut square);
+    body.space.sum_ranks("squares of the rounding", &mut square);
     square[0].sqrt()
 }
 
 /// Node with the largest vector, `[n_nodes][3]`; NaN exceeds every number.
 pub(super) fn largest_node(body: &Body, vectors: &[f64]) -> usize {
     let squares = vectors.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>().abs());
-    let own = squares.take(body.own_nodes().end).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let own = squares.take(body.space.own_nodes().end).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
     let (node, size) = own.unwrap_or_default();
     let mut most = [size];
-    body.largest_of_ranks("largest vector", &mut most);
-    body.lowest_node((size == most[0] || size.is_nan()).then_some(node)).unwrap_or(0)
+    body.space.largest_of_ranks("largest vector", &mut most);
+    body.space.lowest_node((size == most[0] || size.is_nan()).then_some(node)).unwrap_or(0)
 }

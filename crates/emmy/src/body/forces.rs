@@ -1,0 +1,567 @@
+//! The forces of a body as one list, and what a step asks of it.
+
+use std::collections::HashSet;
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use super::system::Body;
+use crate::average::{FollowerRule, Request, Rule};
+use crate::error::Result;
+use crate::force::solid::SolidForce;
+use crate::force::{
+    Book, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side, Signal, Span, StepInput,
+    StepStart, StrainState, cells,
+};
+use crate::input::SignalTarget;
+use crate::quadrature::Quadrature;
+use crate::space::Reaction;
+use crate::sparse::{RowPart, StageMatrix};
+
+/// The forces of a body: those of its cells, which are made on first use, then the others.
+#[derive(Debug, Clone)]
+pub(super) struct Forces {
+    pub(super) cells: Arc<OnceLock<Cells>>,
+    pub(super) others: Arc<Vec<Arc<dyn Force>>>,
+}
+
+/// Forces of the cells, one for each region and kind; those of cells that count on another rank are last.
+#[derive(Debug)]
+pub(super) struct Cells {
+    all: Vec<SolidForce>,
+    n_counted: usize,
+}
+
+impl Cells {
+    fn new(body: &Body) -> Self {
+        let counts = |cell: u32| body.ranks().counts()[cell as usize];
+        let of_cells = |chosen: &dyn Fn(u32) -> bool| {
+            let (mesh, internal) = (body.mesh(), body.space.internal());
+            let forces = cells::forces(mesh, &body.made_of, &body.region_of_cell, internal, chosen);
+            // The builder has checked all else.
+            forces.unwrap_or_else(|error| panic!("{error}"))
+        };
+        let mut all = of_cells(&counts);
+        let n_counted = all.len();
+        if body.space.is_shared() {
+            all.extend(of_cells(&|cell| !counts(cell)));
+        }
+        all.iter_mut().for_each(|force| force.attach(&body.pattern, &body.parts));
+        cells::number_pressures(&mut all, &body.parts);
+        Cells { all, n_counted }
+    }
+}
+
+/// Stage forces and matrix of a body, with the working memory of their assembly.
+#[derive(Debug)]
+pub struct Assembly {
+    /// Forces and matrix.
+    pub matrix: StageMatrix,
+    parts: Vec<Part>,
+    acting: Acting,
+}
+
+#[derive(Debug)]
+struct Part {
+    scratch: Scratch,
+    outcome: Result<()>,
+}
+
+/// The forces other than those of cells in the steps of one stepper: their memory, and the stage averages of those that act
+/// from outside.
+#[derive(Debug, Default)]
+struct Acting {
+    /// Points at which the rule of the stepper takes loads, once a step has begun.
+    points: Option<FollowerRule>,
+    memories: Vec<ForceMemory>,
+    /// Whether each acts in the present step.
+    acts: Vec<bool>,
+    /// Sum of the forces that do not depend on the motion, `[k][n_nodes][3]`.
+    steady: Vec<f64>,
+    /// Sum of the others, as evaluated last.
+    varying: Vec<f64>,
+    /// Whether there are others.
+    varies: bool,
+}
+
+impl Assembly {
+    /// Results of the cells of a force with pressures, part by part.
+    pub(super) fn pressure_results(&self, force: usize) -> impl Iterator<Item = &PressureResults> {
+        self.parts.iter().map(move |part| &part.scratch.pressures[force])
+    }
+
+    /// Stage average of all forces from outside that do work, at the rates evaluated last; `at`: position in
+    /// `[k][n_nodes][3]`.
+    #[inline]
+    pub(crate) fn external(&self, at: usize) -> f64 {
+        self.acting.steady[at] + self.acting.varying[at]
+    }
+
+    /// The part of these forces that does not depend on the motion, and the rest, both `[k][n_nodes][3]`.
+    #[doc(hidden)]
+    pub fn external_parts(&self) -> [&[f64]; 2] {
+        [&self.acting.steady, &self.acting.varying]
+    }
+
+    /// Whether some of these forces depend on the motion in the present step.
+    pub(crate) fn varies(&self) -> bool {
+        self.acting.varies
+    }
+}
+
+/// The memory of the forces of cells.
+static NO_MEMORY: ForceMemory = ForceMemory::NONE;
+
+/// Whether a force does work from outside.
+fn is_external(force: &dyn Force) -> bool {
+    force.book() == Book::Work
+}
+
+/// Whether a force connects the body to the ground by a potential.
+fn is_ground(force: &dyn Force) -> bool {
+    force.book() == Book::Stored && force.side() == Side::Outside
+}
+
+impl Body {
+    fn cells(&self) -> &Cells {
+        self.forces.cells.get_or_init(|| Cells::new(self))
+    }
+
+    /// All forces.
+    pub(super) fn forces(&self) -> impl Iterator<Item = &dyn Force> {
+        self.cells().all.iter().map(|force| force as &dyn Force).chain(self.others())
+    }
+
+    /// The forces that count here: not those of cells that count on another rank.
+    pub(super) fn counted_forces(&self) -> impl Iterator<Item = &dyn Force> {
+        let Cells { all, n_counted } = self.cells();
+        all[..*n_counted].iter().map(|force| force as &dyn Force).chain(self.others())
+    }
+
+    /// The forces that are not those of cells.
+    fn others(&self) -> impl Iterator<Item = &dyn Force> {
+        self.forces.others.iter().map(|force| &**force)
+    }
+
+    /// The forces that are given over time.
+    fn over_time(&self) -> impl Iterator<Item = &dyn OverTime> {
+        self.others().filter_map(|force| force.over_time())
+    }
+
+    /// Traces of viscosity and elasticity at rest, summed over all cells that count here.
+    pub(super) fn viscosity_and_stiffness(&self) -> [f64; 2] {
+        let Cells { all, n_counted } = self.cells();
+        let traces = all[..*n_counted].iter().map(|force| force.viscosity_and_stiffness());
+        traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]])
+    }
+
+    /// Memory for the assembly with time elements of a degree.
+    #[doc(hidden)]
+    pub fn assembly(&self, degree: usize) -> Assembly {
+        let largest = |at: usize| self.forces().map(|force| force.scratch_size()[at]).max().unwrap_or(0);
+        let [n_nodes, n_points] = [0, 1].map(largest);
+        let n_pressure_forces = self.forces().filter(|force| force.pressure_cells().is_some()).count();
+        let scratch = || Scratch::new(degree, n_nodes, n_points, n_pressure_forces);
+        Assembly {
+            matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
+            parts: self.parts.iter().map(|_| Part { scratch: scratch(), outcome: Ok(()) }).collect(),
+            acting: Acting::default(),
+        }
+    }
+
+    /// The same for the steps of a rule.
+    pub(crate) fn assembly_of(&self, rule: &Rule) -> Assembly {
+        let mut assembly = self.assembly(rule.degree());
+        self.prepare(rule, &mut assembly.acting);
+        assembly
+    }
+
+    /// Begins a step: evaluates what is given over time. Returns whether some force does work from outside.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    #[doc(hidden)]
+    pub fn begin(
+        &self,
+        rule: &Rule,
+        (span, sampling): (Span, Sampling),
+        assembly: &mut Assembly,
+    ) -> Result<bool> {
+        self.begin_acting(rule, (span, sampling), &mut assembly.acting)
+    }
+
+    /// Makes the memory of the forces in a stepper with a rule, once.
+    fn prepare(&self, rule: &Rule, acting: &mut Acting) {
+        if acting.points.is_none() {
+            acting.points = Some(FollowerRule::new(rule));
+            acting.memories = self.others().map(|force| force.memory(rule)).collect();
+            acting.acts = vec![true; acting.memories.len()];
+            [acting.steady, acting.varying] = [(); 2].map(|()| vec![0.0; rule.degree() * self.n_dofs()]);
+        }
+    }
+
+    fn begin_acting(
+        &self,
+        rule: &Rule,
+        (span, sampling): (Span, Sampling),
+        acting: &mut Acting,
+    ) -> Result<bool> {
+        self.prepare(rule, acting);
+        let Acting { points, memories, acts, steady, varying, varies } = acting;
+        let Some(points) = points else { return Ok(false) };
+        let start = StepStart { rule, points, span, sampling };
+        steady.fill(0.0);
+        if std::mem::take(varies) {
+            varying.fill(0.0);
+        }
+        let (mut outcome, mut is_loaded) = (Ok(()), false);
+        for ((force, memory), acts) in self.others().zip(memories).zip(acts) {
+            match force.begin(&start, memory, steady) {
+                Ok(begun) => *acts = begun,
+                Err(error) => outcome = outcome.and(Err(error)),
+            }
+            is_loaded |= *acts && is_external(force);
+            *varies |= *acts && is_external(force) && !force.is_steady();
+        }
+        // A field may fail at a point of one rank alone; whether it acts depends on the time alone.
+        self.space.agree(outcome).map(|()| is_loaded)
+    }
+
+    /// Stage averages of the stored forces; with [`Request::Tangent`] also the stage matrix
+    /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`] if a cell is inverted, and the reasons of other forces.
+    #[doc(hidden)]
+    pub fn assemble(
+        &self,
+        step: &StepInput<'_>,
+        request: Request,
+        mass_coefficients: &[f64],
+        assembly: &mut Assembly,
+    ) -> Result<()> {
+        let mass = (request == Request::Tangent).then_some(mass_coefficients);
+        self.assemble_those(|force| force.book() == Book::Stored, (step, request), mass, assembly)
+    }
+
+    /// Evaluates the forces that do work from outside and depend on the motion.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    #[doc(hidden)]
+    pub fn evaluate_external(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> Result<()> {
+        if assembly.acting.varies {
+            let is_wanted = |force: &dyn Force| is_external(force) && !force.is_steady();
+            self.assemble_those(is_wanted, (step, Request::Stress), None, assembly)?;
+            assembly.matrix.copy_force(&mut assembly.acting.varying);
+        }
+        Ok(())
+    }
+
+    /// Adds the derivatives of these forces to the stage matrix, times `-tangent_factor`: they have the opposite sign in the
+    /// equations.
+    ///
+    /// # Errors
+    /// As [`Body::evaluate_external`].
+    #[doc(hidden)]
+    pub fn add_external_tangent(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> Result<()> {
+        if !assembly.acting.varies {
+            return Ok(());
+        }
+        let is_wanted = |force: &dyn Force| is_external(force) && !force.is_steady();
+        self.assemble_those(is_wanted, (step, Request::Tangent), None, assembly)
+    }
+
+    /// Stage averages of the force of the body on the ground through potentials, `force: [k][n_nodes][3]`. Its negative is
+    /// an external force in the momentum balances.
+    ///
+    /// # Errors
+    /// As [`Body::assemble`].
+    pub(crate) fn ground_force(
+        &self,
+        step: &StepInput<'_>,
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<()> {
+        self.assemble_those(is_ground, (step, Request::Stress), None, assembly)?;
+        assembly.matrix.copy_force(force);
+        Ok(())
+    }
+
+    /// Assembles some of the forces, rows by rows, beside a multiple of the mass if it is given.
+    fn assemble_those(
+        &self,
+        is_wanted: impl Fn(&dyn Force) -> bool + Sync,
+        input: (&StepInput<'_>, Request),
+        mass: Option<&[f64]>,
+        assembly: &mut Assembly,
+    ) -> Result<()> {
+        let Assembly { matrix, parts, acting } = assembly;
+        let n_cells = self.cells().all.len();
+        let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
+            sink.clear_force();
+            if let Some(coefficients) = mass {
+                sink.set_blocks(&self.mass, coefficients);
+            }
+            let mut forces = self.forces().enumerate().filter(|(_, force)| is_wanted(*force));
+            part.outcome = forces.try_for_each(|(at, force)| {
+                let other = at.checked_sub(n_cells);
+                if other.is_some_and(|other| acting.acts.get(other) == Some(&false)) {
+                    return Ok(());
+                }
+                let memory = other.and_then(|other| acting.memories.get(other)).unwrap_or(&NO_MEMORY);
+                force.assemble(input, memory, index, &mut part.scratch, sink)
+            });
+        };
+        let rows = matrix.parts_mut();
+        if rows.len() == 1 {
+            rows.iter_mut().zip(&mut *parts).enumerate().for_each(work);
+        } else {
+            rows.par_iter_mut().zip(&mut *parts).enumerate().for_each(work);
+        }
+        self.space.agree(parts.iter().try_for_each(|part| part.outcome.clone()))
+    }
+
+    /// Largest part, up to 1, of a correction of the rates that the forces admit, on all ranks.
+    pub(crate) fn largest_part(&self, step: &StepInput<'_>, assembly: &Assembly, correction: &[f64]) -> f64 {
+        if !self.others().any(|force| force.bounds()) {
+            return 1.0;
+        }
+        let forces = self.others().zip(&assembly.acting.memories);
+        let parts = forces.map(|(force, memory)| force.largest_part(step, memory, correction));
+        let mut most = [-parts.fold(1.0, f64::min)];
+        self.space.largest_of_ranks("part of a correction", &mut most);
+        -most[0]
+    }
+
+    /// Tells the forces that a step counts.
+    pub(crate) fn accept(&self, step: &StepInput<'_>, assembly: &mut Assembly) {
+        let forces = self.others().zip(&mut assembly.acting.memories);
+        forces.for_each(|(force, memory)| force.accept(step, memory));
+    }
+
+    /// The numbers of the memories of forces that later steps depend on.
+    pub(crate) fn saved_by_forces(&self, assembly: &Assembly) -> Vec<f64> {
+        let forces = self.others().zip(&assembly.acting.memories);
+        forces.flat_map(|(force, memory)| force.saved(memory)).copied().collect()
+    }
+
+    /// Restores the numbers of [`Body::saved_by_forces`]; false if there are not as many.
+    pub(crate) fn restore_forces(&self, rule: &Rule, assembly: &mut Assembly, saved: &[f64]) -> bool {
+        self.prepare(rule, &mut assembly.acting);
+        let mut left = saved;
+        for (force, memory) in self.others().zip(&mut assembly.acting.memories) {
+            let Some((own, others)) = left.split_at_checked(force.saved(memory).len()) else { return false };
+            force.restore(memory, own);
+            left = others;
+        }
+        left.is_empty()
+    }
+
+    /// Rate of the drag \[1/time\].
+    pub fn drag(&self) -> f64 {
+        self.others().map(|force| force.momentum_rate()).sum()
+    }
+
+    /// Whether some force dissipates energy.
+    pub(crate) fn dissipates(&self) -> bool {
+        self.is_viscous() || self.others().any(|force| force.dissipates())
+    }
+
+    /// Energy that viscosity and the scheme dissipate through strain rates in a step \[energy\].
+    ///
+    /// ```math
+    /// sum_i b_i integral S_i : E'_i dV
+    /// ```
+    pub(crate) fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
+        let scratch = &mut assembly.parts[0].scratch;
+        let mut sum = [self.counted_forces().map(|force| force.dissipated(step, scratch)).sum()];
+        self.space.sum_ranks("dissipated energy", &mut sum);
+        sum[0]
+    }
+
+    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the
+    /// step, at fixed rates; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads are not included.
+    ///
+    /// ```math
+    /// sum_i (df_i/du_1)^T mu_i
+    /// ```
+    pub(crate) fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        self.forces().for_each(|force| force.add_start_gradient(step, adjoint, gradient));
+    }
+
+    /// Why adjoints do not cover some force; `None` if they cover all.
+    pub(crate) fn without_adjoint(&self) -> Option<&'static str> {
+        self.others().find_map(|force| force.without_adjoint())
+    }
+
+    /// Whether the forces of the body, with those that do work from outside, have symmetric derivatives.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        self.others().all(|force| force.is_symmetric())
+    }
+
+    /// Whether springs or attractions connect the body to the ground.
+    pub(crate) fn has_ground(&self) -> bool {
+        self.others().any(is_ground)
+    }
+
+    /// Whether the body is free: no supports, no springs, attractions and constraints to the ground.
+    pub(crate) fn is_free(&self) -> bool {
+        !self.has_ground() && !self.space.is_supported() && !self.constraints().is_grounded()
+    }
+
+    /// Strain energy and smallest det F of the forces that count here.
+    pub(super) fn own_strain_state(&self, displacement: &[f64]) -> StrainState {
+        let states = self.counted_forces().map(|force| force.strain_state(displacement));
+        states.fold(StrainState::NONE, StrainState::with)
+    }
+
+    /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.
+    pub(crate) fn add_spring_reactions(
+        &self,
+        step: &StepInput<'_>,
+        stage: usize,
+        weight: f64,
+        displacement: &[f64],
+        reactions: &mut [Reaction],
+    ) {
+        for (group, reaction) in self.space.groups().iter().zip(reactions) {
+            for &spring in &group.springs {
+                self.forces.others[spring].for_each_reaction(step, stage, &mut |node, force| {
+                    reaction.add_at(self.space.position(displacement, node), force.map(|f| weight * f));
+                });
+            }
+        }
+    }
+
+    /// The first time after another at which the time function of a load or a driven support has a kink or a jump; of
+    /// the kinks of a measured table only the corners count.
+    pub(crate) fn next_corner(&self, after: f64) -> Option<f64> {
+        let drives = self.space.drives().iter().flat_map(|drive| drive.time_functions());
+        let of_drives = drives.filter_map(|time_function| time_function.next_corner(after));
+        self.over_time().filter_map(|load| load.next_corner(after)).chain(of_drives).min_by(f64::total_cmp)
+    }
+
+    /// The smooth functions of time that act on the body, without repetition. A call of all ranks.
+    ///
+    /// A field contributes its components at some of its points.
+    pub(crate) fn signals(&self) -> Vec<Signal> {
+        let of_loads = self.over_time().flat_map(|load| load.signals(self.ranks()));
+        let (of_fields, of_loads): (Vec<Signal>, Vec<Signal>) =
+            of_loads.partition(|signal| signal.n_components > 1);
+        let of_supports = self.space.drives().iter().flat_map(|drive| {
+            let target = SignalTarget::Support(drive.support);
+            drive
+                .arms()
+                .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
+        });
+        let mut known = HashSet::new();
+        let is_new = |signal: &Signal| {
+            signal.text.is_empty()
+                || known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
+        };
+        of_loads.into_iter().chain(of_supports).filter(is_new).chain(of_fields).collect()
+    }
+}
+
+impl Forces {
+    /// The forces under the loads of a time, all in proportion to a load fraction that takes the place of time.
+    pub(super) fn in_proportion(&self, time: f64, n_dofs: usize) -> Forces {
+        let grown = |force: &Arc<dyn Force>| match force.over_time() {
+            Some(load) => load.in_proportion(time, n_dofs),
+            None => force.clone(),
+        };
+        Forces { others: Arc::new(self.others.iter().map(grown).collect()), ..self.clone() }
+    }
+}
+
+/// The rule that takes the loads of one time.
+fn of_one_time() -> Rule {
+    Rule::standard(1, &Quadrature { points: vec![[1.0]], weights: vec![1.0] })
+}
+
+/// Resultant of a load at factor 1 in the reference configuration.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let body = Body::builder(mesh::block([2.0, 1.0, 1.0], [1; 3])?)
+///     .region(Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0))
+///     .load(Load::traction("x-max", [0.0, 0.0, 3.0]))
+///     .build()?;
+/// let resultant = body.load_resultants()[0];
+/// assert!((resultant.force[2] - 3.0).abs() < 1e-14 && (resultant.torque[1] + 6.0).abs() < 1e-14);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadResultant {
+    /// Force \[force\].
+    pub force: [f64; 3],
+    /// Torque about the origin \[force length\].
+    pub torque: [f64; 3],
+}
+
+impl Body {
+    /// Dead loads at a time (after a jump of a time function at this time), `force: [n_nodes][3]`. Returns whether any
+    /// load acts.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub fn loads_at(&self, time: f64, force: &mut [f64]) -> Result<bool> {
+        let mut acting = Acting::default();
+        let acts = self.begin_acting(&of_one_time(), (Span::at(time), Sampling::Points), &mut acting)?;
+        force.copy_from_slice(&acting.steady);
+        Ok(acts)
+    }
+
+    /// The first load by a field that is not a finite number at one of its points between two times: its number, the point
+    /// and the time. 1000 times are tried at a few points, fewer at all of them; a costly field is tried at the start only.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// use emmy::body::Field;
+    /// let field = Field::new(|X, t| [X[0] / (t - 0.5), 0.0, 0.0]);
+    /// let load = Load::new(LoadKind::BodyForceField { group: None, field });
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).load(load).build()?;
+    /// assert!(matches!(body.field_not_finite(0.0, 1.0), Some((0, _, 0.5))));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn field_not_finite(&self, start: f64, end: f64) -> Option<(usize, [f64; 3], f64)> {
+        self.over_time().find_map(|load| {
+            let found = load.find_not_finite([start, end]);
+            let (X, time) = self.space.of_lowest_rank(found)?;
+            Some((load.number(), X, time))
+        })
+    }
+
+    /// Resultant of every load at factor 1 in the reference configuration; for a field, with its time function, at t =
+    /// 0, or NaN if it is not finite there.
+    pub fn load_resultants(&self) -> Vec<LoadResultant> {
+        let rest = vec![0.0; self.n_dofs()];
+        let resultant = |load: &dyn OverTime| {
+            let mut force = rest.clone();
+            load.add_unit_force(&mut force);
+            let (torque, force) = (self.space.moment(&rest, &force), self.space.sum(&force));
+            LoadResultant { force, torque }
+        };
+        self.over_time().map(resultant).collect()
+    }
+
+    /// Whether a load or a given displacement acts at a time, before a jump there.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let pull = Load::traction("x-max", [2.0, 0.0, 0.0]).over([(0.0, 3.0), (0.0, 0.0)])?;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).load(pull).build()?;
+    /// assert!(body.is_loaded_at(0.0) && !body.is_loaded_at(1.0));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn is_loaded_at(&self, time: f64) -> bool {
+        let loaded = self.in_proportion(time);
+        let acts = loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()]).unwrap_or(true);
+        let [acts] = self.ranks().any("loads that act", [acts]);
+        acts || loaded.space.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
+    }
+}

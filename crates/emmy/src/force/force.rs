@@ -1,0 +1,213 @@
+//! What a force is to a body, and to a step.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use super::integral::Scratch;
+use super::pressures::PressureCells;
+use super::signal::Signal;
+use super::step::{StepInput, StepStart};
+use super::strain_state::StrainState;
+use crate::average::{Request, Rule};
+use crate::error::Result;
+use crate::sparse::RowPart;
+use crate::team::Subdomain;
+
+/// The term of the energy balance in which a force counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Book {
+    /// Its energy is a part of that of the body.
+    Stored,
+    /// Its work is done from outside.
+    Work,
+    /// Its work is lost.
+    Dissipated,
+}
+
+/// The momentum balances in which a force counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// It has neither a resultant nor a moment.
+    Inside,
+    /// It acts from outside.
+    Outside,
+}
+
+/// A force on the nodes of a body: stage averages f_i, their derivatives, energy and dissipation.
+///
+/// A stored force is on the left of the equations of motion, `M a + f = F`, like that of a spring; other forces are on the
+/// right. The step knows of a force only what is here; one that does not answer a question has no part in it.
+pub(crate) trait Force: fmt::Debug + Send + Sync {
+    /// Where its energy counts.
+    fn book(&self) -> Book;
+
+    /// Where its impulse counts.
+    fn side(&self) -> Side;
+
+    /// Nodes and quadrature points of a cell, for the memory of an assembly.
+    fn scratch_size(&self) -> [usize; 2] {
+        [0; 2]
+    }
+
+    /// Memory in a stepper with a rule.
+    fn memory(&self, _: &Rule) -> ForceMemory {
+        ForceMemory::default()
+    }
+
+    /// Begins a step. Adds the stage averages that do not depend on the motion to `steady: [k][n_nodes][3]`, and returns
+    /// whether the force acts in the step; one that does not is not assembled.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    fn begin(&self, _: &StepStart<'_>, _: &mut ForceMemory, _steady: &mut [f64]) -> Result<bool> {
+        Ok(true)
+    }
+
+    /// Whether all its stage averages are set by [`Force::begin`].
+    fn is_steady(&self) -> bool {
+        false
+    }
+
+    /// Adds stage forces to the rows of a part, and with [`Request::Tangent`] their derivatives, those of forces on the
+    /// right with the opposite sign.
+    ///
+    /// # Errors
+    /// The reason why the force refuses the step, such as [`crate::Error::Inverted`].
+    fn assemble(
+        &self,
+        _: (&StepInput<'_>, Request),
+        _: &ForceMemory,
+        _part: usize,
+        _: &mut Scratch,
+        _: &mut RowPart,
+    ) -> Result<()> {
+        Ok(())
+    }
+
+    /// Rate r of a force `-r M v` \[1/time\], which the equations take into the inertia.
+    fn momentum_rate(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether it can dissipate energy.
+    fn dissipates(&self) -> bool {
+        false
+    }
+
+    /// Energy that it dissipates in a step, beside that of [`Force::momentum_rate`] \[energy\].
+    fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
+        0.0
+    }
+
+    /// Stored energy, and smallest det F, at a displacement.
+    fn strain_state(&self, _displacement: &[f64]) -> StrainState {
+        StrainState::NONE
+    }
+
+    /// Whether its derivative by the displacement is symmetric.
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    /// Adds the product of adjoint vectors with the derivatives of the stage forces by the displacement at the start of
+    /// the step, at fixed rates; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`.
+    ///
+    /// ```math
+    /// sum_i (df_i/du_1)^T mu_i
+    /// ```
+    fn add_start_gradient(&self, _: &StepInput<'_>, _adjoint: &[f64], _gradient: &mut [f64]) {}
+
+    /// Why adjoints do not cover the force.
+    fn without_adjoint(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Calls a function with the stage average of the force of a support on the body at each node.
+    fn for_each_reaction(&self, _: &StepInput<'_>, _stage: usize, _: &mut dyn FnMut(usize, [f64; 3])) {}
+
+    /// Whether it bounds corrections.
+    fn bounds(&self) -> bool {
+        false
+    }
+
+    /// Largest part, up to 1, of a correction of the rates that the force admits.
+    fn largest_part(&self, _: &StepInput<'_>, _: &ForceMemory, _correction: &[f64]) -> f64 {
+        1.0
+    }
+
+    /// Takes over what later steps depend on, at the rates of a step that counts.
+    fn accept(&self, _: &StepInput<'_>, _: &mut ForceMemory) {}
+
+    /// The numbers of its memory that later steps depend on, the same on all ranks.
+    fn saved<'m>(&self, _: &'m ForceMemory) -> &'m [f64] {
+        &[]
+    }
+
+    /// Restores the numbers of [`Force::saved`].
+    fn restore(&self, _: &mut ForceMemory, _saved: &[f64]) {}
+
+    /// How it is given over time; `None` for a force that does not depend on it.
+    fn over_time(&self) -> Option<&dyn OverTime> {
+        None
+    }
+
+    /// Nodes and pressures of cells with a projected volume; `None` for other forces.
+    fn pressure_cells(&self) -> Option<PressureCells<'_>> {
+        None
+    }
+}
+
+/// What a force has that is given over time: a load.
+pub(crate) trait OverTime {
+    /// Number of the load.
+    fn number(&self) -> usize;
+
+    /// The first time after another with a kink or a jump; of a measured table only its corners count.
+    fn next_corner(&self, after: f64) -> Option<f64>;
+
+    /// The smooth functions of time in it. A call of all ranks.
+    fn signals(&self, ranks: &Subdomain) -> Vec<Signal>;
+
+    /// The load of a time, before a jump there, in proportion to a fraction from 0 to 1 that takes the place of time.
+    fn in_proportion(&self, time: f64, n_dofs: usize) -> Arc<dyn Force>;
+
+    /// Adds the force at factor 1 in the reference configuration, `force: [n_nodes][3]`; of a field, with its time
+    /// function, at t = 0, or NaN if it is not finite there.
+    fn add_unit_force(&self, force: &mut [f64]);
+
+    /// A point and a time of a span at which a field is not a finite number.
+    fn find_not_finite(&self, _span: [f64; 2]) -> Option<([f64; 3], f64)> {
+        None
+    }
+}
+
+/// Memory of a force in a stepper: a type of its own choice.
+#[derive(Default)]
+pub(crate) struct ForceMemory(Option<Box<dyn Any + Send + Sync>>);
+
+impl ForceMemory {
+    /// No memory.
+    pub(crate) const NONE: ForceMemory = ForceMemory(None);
+
+    /// Memory of a type.
+    pub(crate) fn new(memory: impl Any + Send + Sync) -> Self {
+        ForceMemory(Some(Box::new(memory)))
+    }
+
+    /// The memory, if it is of this type.
+    pub(crate) fn of<T: 'static>(&self) -> Option<&T> {
+        self.0.as_ref()?.downcast_ref()
+    }
+
+    /// The memory, if it is of this type.
+    pub(crate) fn of_mut<T: 'static>(&mut self) -> Option<&mut T> {
+        self.0.as_mut()?.downcast_mut()
+    }
+}
+
+impl fmt::Debug for ForceMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "ForceMemory(..)" } else { "ForceMemory" })
+    }
+}

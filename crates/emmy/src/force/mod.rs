@@ -1,0 +1,32 @@
+//! Forces on the nodes of a body, one file each: cells and links, springs and attractions to the ground, loads, drag.
+
+#![allow(non_snake_case)]
+
+mod attraction;
+mod batches;
+pub(crate) mod cells;
+pub(crate) mod dead;
+mod drag;
+mod facets;
+mod field_load;
+mod force;
+mod integral;
+mod load;
+pub(crate) mod pressures;
+pub(crate) mod projection;
+pub(crate) mod signal;
+pub(crate) mod solid;
+pub(crate) mod source;
+mod spring;
+pub(crate) mod step;
+mod strain_state;
+mod surface_pressure;
+
+pub(crate) use drag::Drag;
+pub(crate) use force::{Book, Force, ForceMemory, OverTime, Side};
+pub(crate) use integral::Scratch;
+pub(crate) use pressures::{PressureCells, PressureResults};
+pub(crate) use signal::{MAX_COMPONENTS, Signal};
+pub(crate) use source::{ForceSource, Site};
+pub(crate) use step::{Sampling, Span, StepDamping, StepInput, StepStart};
+pub(crate) use strain_state::StrainState;

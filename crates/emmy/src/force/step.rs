@@ -1,0 +1,113 @@
+//! A step, as the forces need it.
+
+use crate::average::{FollowerRule, Rule};
+use crate::error::Result;
+
+/// A step, as the forces need it.
+#[derive(Debug, Clone, Copy)]
+pub struct StepInput<'a> {
+    /// Averaging rule.
+    pub rule: &'a Rule,
+    /// Factor on the derivatives df_i/dx_j (h^2 in the stage equations).
+    pub tangent_factor: f64,
+    /// Displacement at the start, `[n_nodes][3]`.
+    pub displacement: &'a [f64],
+    /// Rates x_j of the displacement, `[k][n_nodes][3]`.
+    pub rates: &'a [f64],
+    /// Damping of the strain rates.
+    pub damping: StepDamping,
+    /// Local unknowns, such as the pressures of cells with a projected volume, `[function][l]`; `None`: those of the
+    /// deformation.
+    pub local: Option<&'a [f64]>,
+}
+
+impl<'a> StepInput<'a> {
+    /// A step for its forces alone, without derivatives and damping.
+    pub(crate) fn undamped(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64]) -> Self {
+        StepInput {
+            rule,
+            tangent_factor: 0.0,
+            displacement,
+            rates,
+            damping: StepDamping::default(),
+            local: None,
+        }
+    }
+}
+
+/// Factors of the damping in a step; zero by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepDamping {
+    /// Factor on viscosities: one over the step size \[1/time\].
+    pub inverse_step_size: f64,
+    /// Factor beta on the elasticity at rest, for a dissipative scheme.
+    pub dissipation: f64,
+}
+
+/// The times of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Time at the start.
+    pub start: f64,
+    /// Step size.
+    pub size: f64,
+    /// Time at the end: `start + size` but for rounding.
+    pub end: f64,
+}
+
+impl Span {
+    /// A step of a size.
+    pub fn new(start: f64, size: f64) -> Self {
+        Span { start, size, end: start + size }
+    }
+
+    /// A single time.
+    pub fn at(time: f64) -> Self {
+        Span::new(time, 0.0)
+    }
+
+    /// The time at a point alpha in `[0, 1]`.
+    pub fn time(&self, alpha: f64) -> f64 {
+        if alpha == 1.0 { self.end } else { self.start + alpha * self.size }
+    }
+}
+
+/// How a step takes what is given over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// By averages over the step, exact for every kink.
+    Averages,
+    /// By the values at the points of the rule.
+    Points,
+}
+
+/// The start of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepStart<'a> {
+    /// Averaging rule.
+    pub rule: &'a Rule,
+    /// Points at which the rule takes loads.
+    pub points: &'a FollowerRule,
+    pub span: Span,
+    pub sampling: Sampling,
+}
+
+impl StepStart<'_> {
+    /// The stage averages of a function of time from its values at the points of the rule, `averages: [k]`.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub(crate) fn average_values(
+        &self,
+        value: impl Fn(f64) -> Result<f64>,
+        averages: &mut [f64],
+    ) -> Result<()> {
+        averages.fill(0.0);
+        for (m, alpha) in self.points.alphas().enumerate() {
+            let value = value(self.span.time(alpha))?;
+            let weights = self.points.stage_weights(m);
+            averages.iter_mut().zip(weights).for_each(|(average, weight)| *average += weight * value);
+        }
+        Ok(())
+    }
+}

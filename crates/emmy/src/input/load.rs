@@ -1,0 +1,192 @@
+//! Loads of a body.
+
+use super::field::Field;
+use super::time_function::TimeFunction;
+use crate::error::Result;
+
+/// A load: where it acts and how, with a factor over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Kind of the load.
+    pub kind: LoadKind,
+    /// Factor over time.
+    pub time_function: TimeFunction,
+}
+
+impl Load {
+    /// A load of constant size.
+    pub fn new(kind: LoadKind) -> Self {
+        Load { kind, time_function: TimeFunction::constant() }
+    }
+
+    /// A force \[force\] at each node of a group.
+    pub fn nodal_force(group: impl Into<String>, force: [f64; 3]) -> Self {
+        Load::new(LoadKind::NodalForce { group: group.into(), force })
+    }
+
+    /// A resultant \[force\] spread evenly over the reference area of a facet group.
+    pub fn force(group: impl Into<String>, force: [f64; 3]) -> Self {
+        Load::new(LoadKind::Force { group: group.into(), force })
+    }
+
+    /// A traction per reference area \[force/length^2\] on a facet group.
+    pub fn traction(group: impl Into<String>, traction: [f64; 3]) -> Self {
+        Load::new(LoadKind::Traction { group: group.into(), traction })
+    }
+
+    /// A pressure \[force/length^2\] on a facet group that follows the motion.
+    pub fn pressure(group: impl Into<String>, pressure: f64) -> Self {
+        Load::new(LoadKind::Pressure { group: group.into(), pressure })
+    }
+
+    /// An acceleration \[length/time^2\] of all masses, such as gravity.
+    pub fn acceleration(acceleration: [f64; 3]) -> Self {
+        Load::new(LoadKind::Acceleration { group: None, acceleration })
+    }
+
+    /// The same load with a factor over time: a table of (time, factor).
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let pull = Load::nodal_force("right", [0.0, 0.0, -2.0]).over([(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)])?;
+    /// assert_eq!(pull.time_function.value(0.05), 0.5);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`TimeFunction::new`].
+    pub fn over(self, table: impl Into<Vec<(f64, f64)>>) -> Result<Self> {
+        Ok(self.with_time_function(TimeFunction::new(table.into())?))
+    }
+
+    /// The same load with a factor over time.
+    pub fn with_time_function(self, time_function: TimeFunction) -> Self {
+        Load { time_function, ..self }
+    }
+}
+
+/// Kind of a load. All but the pressure are dead: they keep their direction while the body turns.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let weight = Load::new(LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -9.81] });
+/// assert_eq!(weight, Load::acceleration([0.0, 0.0, -9.81]));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub enum LoadKind {
+    /// Traction per reference area \[force/length^2\] on a facet group.
+    Traction {
+        /// Facet group.
+        group: String,
+        /// Traction.
+        traction: [f64; 3],
+    },
+    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the
+    /// current area, and pushes onto the body where it is positive.
+    ///
+    /// ```math
+    /// F_A = - p(t) integral N_A (q_,xi x q_,eta) dxi deta
+    /// ```
+    Pressure {
+        /// Facet group.
+        group: String,
+        /// Pressure.
+        pressure: f64,
+    },
+    /// Resultant \[force\] spread evenly over the reference area of a facet group.
+    Force {
+        /// Facet group.
+        group: String,
+        /// Resultant.
+        force: [f64; 3],
+    },
+    /// Traction per reference area \[force/length^2\] on a facet group, by a function of reference position and time.
+    TractionField {
+        /// Facet group.
+        group: String,
+        /// Traction.
+        field: Field,
+    },
+    /// Force per reference volume \[force/length^3\] on a cell group, by a function of reference position and time.
+    BodyForceField {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Body force.
+        field: Field,
+    },
+    /// Force \[force\] at each node of a group: n nodes carry n times the force.
+    NodalForce {
+        /// Group of nodes, facets or cells.
+        group: String,
+        /// Force at each node.
+        force: [f64; 3],
+    },
+    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses
+    /// included, without a group.
+    Acceleration {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Acceleration.
+        acceleration: [f64; 3],
+    },
+    /// Acceleration \[length/time^2\] of every mass of a cell group, by a function of reference position and time; of
+    /// all masses, point masses included, without a group.
+    ///
+    /// ```math
+    /// F_A = integral rho N_A f(X, t) dV
+    /// ```
+    AccelerationField {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Acceleration.
+        field: Field,
+    },
+}
+
+/// Where a load by a field acts.
+///
+/// ```
+/// use emmy::body::{Field, FieldDomain, LoadKind};
+/// let wind = LoadKind::TractionField { group: "x-max".into(), field: Field::new(|_, t| [t, 0.0, 0.0]) };
+/// assert_eq!(wind.field().unwrap().1, FieldDomain::Facets("x-max"));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FieldDomain<'a> {
+    /// A facet group.
+    Facets(&'a str),
+    /// The volume of a cell group; `None`: all cells.
+    Cells(Option<&'a str>),
+    /// The masses of a cell group; `None`: all masses.
+    Masses(Option<&'a str>),
+}
+
+impl LoadKind {
+    /// Whether it acts on mass or volume, not on a surface or at single nodes.
+    pub(crate) fn acts_on_mass(&self) -> bool {
+        use LoadKind::{Acceleration, AccelerationField, BodyForceField};
+        matches!(self, Acceleration { .. } | AccelerationField { .. } | BodyForceField { .. })
+    }
+
+    /// The function of position and time of a load by a field, and where it acts.
+    ///
+    /// ```
+    /// use emmy::body::{Field, FieldDomain, LoadKind};
+    /// let field = Field::named("0, 0, t", |_, t| [0.0, 0.0, t]);
+    /// let kind = LoadKind::BodyForceField { group: None, field: field.clone() };
+    /// assert_eq!(kind.field(), Some((&field, FieldDomain::Cells(None))));
+    /// ```
+    pub fn field(&self) -> Option<(&Field, FieldDomain<'_>)> {
+        match self {
+            LoadKind::TractionField { group, field } => Some((field, FieldDomain::Facets(group))),
+            LoadKind::BodyForceField { group, field } => Some((field, FieldDomain::Cells(group.as_deref()))),
+            LoadKind::AccelerationField { group, field } => {
+                Some((field, FieldDomain::Masses(group.as_deref())))
+            }
+            LoadKind::Traction { .. }
+            | LoadKind::Pressure { .. }
+            | LoadKind::Force { .. }
+            | LoadKind::NodalForce { .. }
+            | LoadKind::Acceleration { .. } => None,
+        }
+    }
+}

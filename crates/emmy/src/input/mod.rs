@@ -1,0 +1,30 @@
+//! What a body is made of besides its mesh: regions, masses and springs at nodes, supports, loads, initial velocity, and the
+//! functions of time and place in them. Plain data.
+
+#![allow(non_snake_case)]
+
+mod field;
+mod initial_velocity;
+mod load;
+pub(crate) mod models;
+mod points;
+pub(crate) mod pole;
+mod region;
+mod region_material;
+mod support;
+pub(crate) mod symmetry;
+mod target;
+pub(crate) mod time_function;
+mod viscosity;
+
+pub use field::Field;
+pub use initial_velocity::InitialVelocity;
+pub use load::{FieldDomain, Load, LoadKind};
+pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms, SpreadMass};
+pub use region::Region;
+pub(crate) use region_material::RegionMaterial;
+pub use support::{Rotation, Support};
+pub(crate) use target::SignalTarget;
+pub(crate) use time_function::NotFinite;
+pub use time_function::TimeFunction;
+pub use viscosity::Viscosity;

@@ -1,0 +1,148 @@
+//! Corrections of the rates together with the multipliers of constraints.
+//!
+//! Constraints act on a few joint nodes B. Their derivatives at the iterate are exact, those of the rest of the body are kept:
+//! with the approximate inverse `P^-1` of the stage equations and its part F at the joint nodes, a correction is
+//!
+//! ```math
+//! z = P^-1 (-R),    x_B + F (Q x_B + G^T dLambda) = z_B,    J x_B = -C,    dx = z - P^-1 (Q x_B + G^T dLambda)
+//! ```
+
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::sparse::eliminate;
+use crate::unknowns::{BorderStep, Derivatives};
+
+/// The dense system of the joint nodes and the multipliers.
+#[derive(Debug, Default)]
+pub(crate) struct Border {
+    /// Entries of the joint nodes among the rates, `[k][n_nodes][3]`.
+    entries: Vec<usize>,
+    /// F, `[n][n]`; empty if it has to be computed.
+    flexibility: Vec<f64>,
+    derivatives: Derivatives,
+    /// Memory for the dense system, its right side, and a right side and a solution of the body.
+    matrix: Vec<f64>,
+    right: Vec<f64>,
+    force: Vec<f64>,
+    column: Vec<f64>,
+}
+
+impl Border {
+    /// Memory for the constraints of a body.
+    pub(crate) fn new(body: &Body, degree: usize) -> Self {
+        let n = body.n_dofs();
+        let stages = 0..degree;
+        let entries = stages.flat_map(|i| body.constraints().dofs().map(move |dof| i * n + dof)).collect();
+        Border { entries, ..Border::default() }
+    }
+
+    /// Forgets F: the approximate inverse is another one.
+    pub(crate) fn forget(&mut self) {
+        self.flexibility.clear();
+    }
+
+    /// Sets the derivatives at a step with multipliers.
+    pub(crate) fn set(&mut self, body: &Body, step: BorderStep<'_>, multipliers: &[f64]) {
+        body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
+    }
+
+    /// Adds the products of the derivatives with changes of the rates and the multipliers to those of the body.
+    pub(crate) fn add_product(
+        &mut self,
+        (x, multipliers): (&[f64], &[f64]),
+        (y, rows): (&mut [f64], &mut [f64]),
+    ) {
+        let n = self.entries.len();
+        for (row, table) in rows.iter_mut().zip(self.derivatives.rates.chunks_exact(n)) {
+            *row = table.iter().zip(&self.entries).map(|(entry, &at)| entry * x[at]).sum();
+        }
+        let mut x_B = std::mem::take(&mut self.right);
+        x_B.clear();
+        x_B.extend(self.entries.iter().map(|&at| x[at]));
+        self.add_forces(&x_B, multipliers, y);
+        self.right = x_B;
+    }
+
+    /// Adds `Q x_B + G^T dLambda`.
+    fn add_forces(&self, x_B: &[f64], multipliers: &[f64], y: &mut [f64]) {
+        let (n, m) = (self.entries.len(), multipliers.len());
+        let Derivatives { forces, multipliers: by_multipliers, .. } = &self.derivatives;
+        let rows = forces.chunks_exact(n).zip(by_multipliers.chunks_exact(m));
+        for (&at, (forces, by_multipliers)) in self.entries.iter().zip(rows) {
+            let of_rates: f64 = forces.iter().zip(x_B).map(|(entry, x)| entry * x).sum();
+            let own: f64 = by_multipliers.iter().zip(multipliers).map(|(entry, x)| entry * x).sum();
+            y[at] += of_rates + own;
+        }
+    }
+
+    /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
+    /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`; its last
+    /// call is for the forces of the constraints. Returns the number of iterations.
+    ///
+    /// # Errors
+    /// Those of `solve`; [`Error::Linear`] if the system is singular.
+    pub(crate) fn solve(
+        &mut self,
+        mut solve: impl FnMut(&[f64], &mut [f64]) -> Result<usize>,
+        solution: &mut [f64],
+        multipliers: &mut [f64],
+    ) -> Result<usize> {
+        let (n, m) = (self.entries.len(), multipliers.len());
+        self.force.resize(solution.len(), 0.0);
+        self.column.resize(solution.len(), 0.0);
+        let mut iterations = 0;
+        if self.flexibility.is_empty() {
+            let mut flexibility = vec![0.0; n * n];
+            for (column, &at) in self.entries.iter().enumerate() {
+                self.force.fill(0.0);
+                self.force[at] = 1.0;
+                self.column.fill(0.0);
+                iterations += solve(&self.force, &mut self.column)?;
+                self.entries.iter().enumerate().for_each(|(row, &at)| {
+                    flexibility[row * n + column] = self.column[at];
+                });
+            }
+            self.flexibility = flexibility;
+        }
+        self.set_matrix(n, m);
+        self.right.clear();
+        self.right.extend(self.entries.iter().map(|&at| solution[at]));
+        self.right.extend_from_slice(multipliers);
+        if !eliminate(&mut self.matrix, &mut self.right, 1) {
+            let reason = "the constraints depend on each other, or hold what nothing moves".to_string();
+            return Err(Error::Linear { reason });
+        }
+        let (x_B, changes) = self.right.split_at(n);
+        multipliers.copy_from_slice(changes);
+        let mut force = std::mem::take(&mut self.force);
+        force.fill(0.0);
+        self.add_forces(x_B, changes, &mut force);
+        self.column.fill(0.0);
+        let solved = solve(&force, &mut self.column);
+        self.force = force;
+        solution.iter_mut().zip(&self.column).for_each(|(dx, change)| *dx -= change);
+        Ok(iterations + solved?)
+    }
+
+    /// `[1 + F Q, F G^T; J, 0]`
+    fn set_matrix(&mut self, n: usize, m: usize) {
+        let size = n + m;
+        self.matrix.clear();
+        self.matrix.resize(size * size, 0.0);
+        let Derivatives { rates, multipliers, forces } = &self.derivatives;
+        for (row, flexibility) in self.flexibility.chunks_exact(n).enumerate() {
+            let own = &mut self.matrix[row * size..(row + 1) * size];
+            own[row] = 1.0;
+            for (l, f) in flexibility.iter().enumerate() {
+                let (of_rates, of_multipliers) = own.split_at_mut(n);
+                let forces = of_rates.iter_mut().zip(&forces[l * n..(l + 1) * n]);
+                forces.for_each(|(sum, entry)| *sum += f * entry);
+                let multipliers = of_multipliers.iter_mut().zip(&multipliers[l * m..(l + 1) * m]);
+                multipliers.for_each(|(sum, entry)| *sum += f * entry);
+            }
+        }
+        for (row, rates) in rates.chunks_exact(n).enumerate() {
+            self.matrix[(n + row) * size..(n + row) * size + n].copy_from_slice(rates);
+        }
+    }
+}

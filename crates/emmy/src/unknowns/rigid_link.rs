@@ -1,0 +1,45 @@
+//! A rigid link.
+
+use super::affine::Affine;
+use super::constraint::Constraint;
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// A rigid link without mass between two nodes, or between a node and a point of the ground.
+///
+/// ```math
+/// (|p - r|^2 - L^2) / 2 = 0
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RigidLink {
+    /// Two nodes of the mesh.
+    Nodes([u32; 2]),
+    /// A node of the mesh and a point of the ground.
+    Ground(u32, [f64; 3]),
+}
+
+impl RigidLink {
+    /// The constraint of a link as long as it is in the mesh.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for its length.
+    pub(crate) fn constraint(&self, mesh: &Mesh) -> Result<Constraint> {
+        let X = |node: u32| mesh.points()[node as usize];
+        let (nodes, weights, other) = match *self {
+            RigidLink::Nodes([a, b]) => (vec![a, b], vec![1.0, -1.0], X(b)),
+            RigidLink::Ground(node, point) => (vec![node], vec![1.0], point),
+        };
+        let reference = [0, 1, 2].map(|d| X(nodes[0])[d] - other[d]);
+        let square: f64 = reference.iter().map(|x| x * x).sum();
+        if !(square > 0.0 && square.is_finite()) {
+            return Err(Error::NotPositive { what: "length of a rigid link".into(), value: square.sqrt() });
+        }
+        let arm = Affine { nodes, weights, reference };
+        Ok(Constraint { pairs: vec![(arm.clone(), arm, 0.5)], value: 0.5 * square })
+    }
+
+    /// Whether the link holds the body to the ground.
+    pub(crate) fn is_grounded(&self) -> bool {
+        matches!(self, RigidLink::Ground(..))
+    }
+}

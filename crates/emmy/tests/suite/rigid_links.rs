@@ -1,0 +1,121 @@
+//! Rigid links: multipliers of constraints beside the rates.
+
+#![allow(non_snake_case)]
+
+use crate::shared::schemes::{DGM, at};
+use emmy::internals::unknowns::RigidLink;
+use emmy::material::Link;
+use emmy::mesh::MeshBuilder;
+use emmy::prelude::*;
+
+const GRAVITY: f64 = 9.81;
+
+/// A mass of 2 on a rigid link of length 1 to the origin, 2.5 rad from the downward vertical, in the plane of x and z. Its cell
+/// is a spring so soft that its force is rounding.
+fn pendulum() -> Body {
+    let mut mesh = MeshBuilder::new();
+    let pivot = mesh.point([0.0; 3]);
+    let mass = mesh.point([2.5f64.sin(), 0.0, -(2.5f64.cos())]);
+    mesh.cell(CellKind::Line2, &[pivot, mass]).unwrap();
+    mesh.node_group("pivot", [pivot]);
+    mesh.node_group("mass", [mass]);
+    let spring = Link::spring(1e-20, Some(1.0)).unwrap();
+    Body::builder(mesh.build().unwrap())
+        .region(Region::links(spring, 0.0))
+        .point_terms(emmy::body::PointTerms {
+            masses: vec![PointMass { group: "mass".into(), mass: 2.0 }],
+            ..Default::default()
+        })
+        .support(Support::fixed("pivot"))
+        .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
+        .rigid_link(RigidLink::Ground(mass, [0.0; 3]))
+        .build()
+        .unwrap()
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Positions by elliptic functions, and the errors of an independent implementation of the method.
+#[test]
+fn a_pendulum_on_a_rigid_link_has_the_errors_of_the_method() {
+    let exact = [
+        (0.5, [0.9963213962432422, 0.0, 0.08569524717226916]),
+        (1.0, [-0.8397213098423872, 0.0, -0.5430176072620347]),
+        (2.0, [-0.8593287654041214, 0.0, 0.5114235748858558]),
+    ];
+    let body = pendulum();
+    for (k, h, expected) in [(1, 0.01, 3.384_576e-4), (2, 0.02, 5.765_248e-7), (3, 0.05, 5.732_235e-8)] {
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+        let energy = 2.0 * GRAVITY * -(2.5f64.cos());
+        let (mut error, mut drift, mut length, mut corrections) = (0f64, 0f64, 0f64, 0);
+        for (time, position) in exact {
+            while motion.time() < time - 1e-9 {
+                let record = motion.step(h).unwrap().clone();
+                let [x, y, z] = motion.state().position(&body, 1);
+                let potential = 2.0 * GRAVITY * z;
+                drift = drift.max((record.total_energy + potential - energy).abs());
+                length = length.max((distance([x, y, z], [0.0; 3]) - 1.0).abs());
+                corrections += record.newton_iterations;
+                assert!(record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12);
+            }
+            error = error.max(distance(motion.state().position(&body, 1), position));
+        }
+        let steps = (2.0 / h).round();
+        assert!((error / expected - 1.0).abs() < 0.02, "k = {k}: {error:e} is not {expected:e}");
+        assert!(drift < 1e-12 * energy.abs() && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
+        assert!(corrections as f64 / steps < 6.0, "k = {k}: {corrections} corrections in {steps} steps");
+    }
+}
+
+/// A soft block tumbles with a rigid link between two opposite corners: the link has neither a resultant nor a moment and
+/// does no work.
+#[test]
+fn a_link_between_two_nodes_keeps_energy_and_momenta() {
+    let mesh = mesh::block([1.0; 3], [2; 3]).unwrap();
+    let ends = [[0.0; 3], [1.0; 3]];
+    let node = |X: [f64; 3]| mesh.points().iter().position(|Y| distance(*Y, X) < 1e-12).unwrap() as u32;
+    let link = ends.map(node);
+    let body = Body::builder(mesh.clone())
+        .region(Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0))
+        .rigid_link(RigidLink::Nodes(link))
+        .build()
+        .unwrap();
+    let flies = InitialVelocity {
+        velocity: [0.3, -0.2, 0.1],
+        angular_velocity: [1.0, 2.0, -3.0],
+        ..InitialVelocity::default()
+    };
+    for k in 1..=3 {
+        let state = State::initial(&body, 0.0, &[flies.clone()]).unwrap();
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(state).unwrap();
+        let (mut length, mut energy) = (0f64, Vec::new());
+        let (mut corrections, mut moved) = (0, 0f64);
+        for _ in 0..50 {
+            let record = motion.step(0.05).unwrap().clone();
+            let [a, b] = link.map(|node| motion.state().position(&body, node as usize));
+            length = length.max((distance(a, b) - 3f64.sqrt()).abs());
+            energy.push(record.total_energy);
+            corrections += record.newton_iterations;
+            moved = moved.max(record.strain_energy / record.total_energy);
+            assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
+            assert!(record.linear_momentum_residual < 1e-12 && record.angular_momentum_residual < 1e-12);
+        }
+        let drift = energy.iter().map(|e| (e / energy[0] - 1.0).abs()).fold(0.0, f64::max);
+        assert!(drift < 1e-12 && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
+        assert!(moved > 1e-3, "the block must deform, {moved:e}");
+        assert!(corrections < 50 * 12, "k = {k}: {corrections} corrections in 50 steps");
+    }
+}
+
+/// What has no multipliers says so.
+#[test]
+fn rigid_links_are_refused_where_they_have_no_multipliers() {
+    let body = pendulum();
+    for scheme in ["HHT(0.05)", "Bathe", "central-differences", "static"] {
+        let scheme: Scheme = scheme.parse().unwrap();
+        let error = scheme.check_body(&body).unwrap_err().to_string();
+        assert!(error.contains("rigid links need a time element"), "{error}");
+    }
+}
