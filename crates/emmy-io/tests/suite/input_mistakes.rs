@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use emmy_io::input::{self, Overrides};
 
+/// Inputs with a mark on each line with mistakes: their number. Kinds, ranges, words, unknown and missing keys, rules
+/// and meaning; several in one table, several in one list of tables.
+const INPUTS: [&str; 2] = [
     r#"title = 3                                               #! 1
 units.system = "mm-t-z"                                 #! 1
 [mesh]
