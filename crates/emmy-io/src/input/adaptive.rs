@@ -1,15 +1,12 @@
 //! `time.adaptive`: steps chosen by their error.
 
-use emmy::body::Body;
 use emmy::internals::time::ESTIMATORS;
 use emmy::motion::{Adaptivity, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
-use super::description::{Described, Kind, POSITIVE, Section, whole};
+use super::description::{BELOW_ONE, Described, POSITIVE, Section, whole, word};
 use super::fault::{Fault, Place};
-use super::settings::BELOW_ONE;
 use super::table::{Item, Table, spelled};
-use super::time::Time;
 
 /// `time.adaptive`.
 pub(super) static ADAPTIVE: Described = Described::new(|| {
@@ -25,7 +22,7 @@ pub(super) static ADAPTIVE: Described = Described::new(|| {
         .absent("errors of velocities do not count")
         .may(
             "estimator",
-            Kind::Word(ESTIMATORS.map(|(name, ..)| name).to_vec()),
+            word("an estimator", ESTIMATORS.map(|(name, ..)| name)),
             "",
             "Estimator of the error; `emmy list estimators` explains them",
         )
@@ -56,18 +53,22 @@ pub(super) fn plan(
         );
         return Err(degree_item.fault(message, "too high"));
     }
-    let table = adaptive.table(&ADAPTIVE)?;
+    let table: Table<'_> = time.must("adaptive");
     let adaptivity = read(&table)?;
     let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(element));
     if let Err(emmy::Error::Adaptivity { setting, reason }) = checked {
-        let item = table.require(setting)?;
-        return Err(item.fault(format!("`{setting}` {reason}"), "here"));
+        let place = table.item(setting).map_or(table.place, |item| item.place());
+        return Err(Fault::at(place, format!("`{setting}` {reason}"), "here"));
     }
-    let (end, place) = match until {
-        Some(until) => flag(until),
-        None => {
-            let item = time.require("until")?;
-            (item.number()?, item.place().clone())
+    let (end, place) = match (until, time.item("until")) {
+        (Some(until), _) => flag(until),
+        (None, Some(item)) => (time.must("until"), item.place().clone()),
+        (None, None) => {
+            return Err(Fault::at(
+                time.place,
+                "`until` is missing in [time]: steps of `adaptive` have no end",
+                "needs `until`",
+            ));
         }
     };
     let plan = StepPlan::adaptive(0.0, end, adaptivity);
@@ -88,7 +89,7 @@ fn flag(until: f64) -> (f64, Place) {
 
 /// Checks that no key is given that it replaces.
 fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
-    let beside = |key: &str, message: &str, help: &str| match time.get(key) {
+    let beside = |key: &str, message: &str, help: &str| match time.item(key) {
         Some(item) => {
             let fault = Fault::at(item.key_place, message, "this one");
             Err(fault.label(adaptive.key_place, "and this one").help(help.to_string()))
@@ -108,51 +109,40 @@ fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
 }
 
 fn read(table: &Table<'_>) -> Result<Adaptivity, Fault> {
-    let positive = |key: &str| table.get(key).map(|item| item.positive()).transpose();
-    let adaptivity = Adaptivity::new(table.require("tolerance")?.number()?);
+    let adaptivity = Adaptivity::new(table.must("tolerance"));
     let estimators = ESTIMATORS.map(|(name, estimator, _)| (name, estimator));
     Ok(Adaptivity {
-        smallest: positive("min_size")?.unwrap_or(adaptivity.smallest),
-        largest: positive("max_size")?.unwrap_or(adaptivity.largest),
-        first: positive("first_size")?,
-        length: positive("length")?,
-        velocity: positive("velocity")?,
+        smallest: table.may("min_size").unwrap_or(adaptivity.smallest),
+        largest: table.may("max_size").unwrap_or(adaptivity.largest),
+        first: table.may("first_size"),
+        length: table.may("length"),
+        velocity: table.may("velocity"),
         degrees: degrees(table)?,
-        estimator: table.get("estimator").map(|item| item.one_of("an estimator", &estimators)).transpose()?,
+        estimator: table.item("estimator").map(|item| item.one_of(estimators)),
         ..adaptivity
     })
 }
 
 /// The degrees to choose from, if there are several.
 fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
-    let lowest = table.get("min_degree").map(|item| item.whole(1)).transpose()?;
-    if lowest.is_none() && table.get("max_degree").is_none() {
-        return Ok(None);
+    match (table.may("min_degree"), table.may("max_degree")) {
+        (None, None) => Ok(None),
+        (lowest, Some(highest)) => Ok(Some([lowest.unwrap_or(1), highest])),
+        (Some(_), None) => {
+            let message = "`max_degree` is missing in `adaptive`: `min_degree` alone has no choice";
+            Err(Fault::at(table.place, message, "needs `max_degree`"))
+        }
     }
-    Ok(Some([lowest.unwrap_or(1), table.require("max_degree")?.whole(1)?]))
 }
 
 /// Checks the table alone.
-pub(super) fn check(item: &Item<'_>) -> Result<(), Fault> {
-    let adaptivity = read(&item.table(&ADAPTIVE)?)?;
-    adaptivity.check().map_err(|error| item.fault(error.to_string(), "here"))
-}
-
-/// Checks that there is a scale of positions.
-pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
-    let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());
-    match &time.adaptive {
-        Some(place) if !has_scale && body.radius_of_gyration() == 0.0 => {
-            let message = "`adaptive` needs a `length`: the body is a point and has none";
-            Err(Fault::at(place, message, "needs `length`"))
-        }
-        _ => Ok(()),
-    }
+pub(super) fn check(table: &Table<'_>) -> Result<(), Fault> {
+    read(table)?.check().map_err(|error| Fault::at(table.place, error.to_string(), "here"))
 }
 
 /// `until` without `adaptive`.
 pub(super) fn check_until(time: &Table<'_>) -> Result<(), Fault> {
-    match time.get("until") {
+    match time.item("until") {
         Some(item) => {
             let fault = Fault::at(item.key_place, "`until` of [time] needs `adaptive`", "not here");
             Err(fault.help("every phase of `steps` has its own `until`"))

@@ -6,10 +6,10 @@ use emmy::internals::material::IfAbsent;
 use emmy::motion::{Phase, StepPlan};
 
 use super::Start;
-use super::description::{Kind, Section};
+use super::catalogue::ROOT;
+use super::description::Section;
 use super::fault::{InputError, Place};
-use super::history;
-use super::problem::ROOT;
+use super::measured::MEASURED;
 use super::tree::{self, Node, Value};
 use crate::{link, message};
 
@@ -28,30 +28,38 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Inserts the defaults of the missing keys of a table; their place is the place of the table.
-pub(super) fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
-    for key in &section.keys {
-        if let (None, IfAbsent::Value(value)) = (own.get_mut(key.name), key.if_absent) {
-            let mut default = tree::parse("defaults", &format!("{} = {value}", key.name))?;
-            let place = own.place.clone();
-            let default = default.get_mut(key.name).map(|node| Node { place, ..node.clone() });
-            default.into_iter().for_each(|node| own.put(key.name, node));
-        }
-        let Some(value) = own.get_mut(key.name) else { continue };
-        match (&key.kind, &mut value.value) {
-            (Kind::Tables(inner), Value::Array(items)) => {
-                items.iter_mut().try_for_each(|item| fill(item, inner))?
-            }
-            (Kind::List(_, entry), Value::Array(items)) => {
-                if let Kind::Table(inner) = &**entry {
-                    items.iter_mut().try_for_each(|item| fill(item, inner))?;
+/// Inserts the defaults of the missing keys of a table and of the tables in it; their place is that of their table.
+pub(super) fn fill(own: &mut Node, section: &'static Section) -> Result<(), InputError> {
+    let mut result = Ok(());
+    for_each_table(own, section, &mut |table, section| {
+        for key in &section.keys {
+            let (None, IfAbsent::Value(value)) = (table.get_mut(key.name), key.if_absent) else { continue };
+            match tree::parse("defaults", &format!("{} = {value}", key.name)) {
+                Ok(mut default) => {
+                    let place = table.place.clone();
+                    let default = default.get_mut(key.name).map(|node| Node { place, ..node.clone() });
+                    default.into_iter().for_each(|node| table.put(key.name, node));
                 }
+                Err(error) => result = Err(error),
             }
-            (Kind::Table(inner) | Kind::Tables(inner), _) => fill(value, inner)?,
-            _ => {}
         }
+    });
+    result
+}
+
+/// Visits a table and the tables in it with their descriptions, each before those in it.
+fn for_each_table(
+    node: &mut Node,
+    section: &'static Section,
+    visit: &mut impl FnMut(&mut Node, &'static Section),
+) {
+    if let Value::Array(items) = &mut node.value {
+        return items.iter_mut().for_each(|item| for_each_table(item, section, visit));
     }
-    Ok(())
+    visit(node, section);
+    for (name, inner) in section.keys.iter().filter_map(|key| Some((key.name, key.kind.section()?))) {
+        node.get_mut(name).into_iter().for_each(|value| for_each_table(value, inner, visit));
+    }
 }
 
 /// Replaces characters of the title that a file cannot hold, with a remark.
@@ -79,8 +87,12 @@ pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>)
 /// Makes the files of histories absolute, or else relative to the output directory, and returns their paths.
 pub(super) fn resolve_histories(tree: &mut Node, directory: &Path, output: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
-    history::for_each_file(tree, &mut |node| {
-        let Value::String(name) = &mut node.value else { return };
+    for_each_table(tree, &ROOT, &mut |table, section| {
+        let Some(Node { value: Value::String(name), .. }) =
+            table.get_mut("file").filter(|_| std::ptr::eq(section, &*MEASURED))
+        else {
+            return;
+        };
         let file = directory.join(&*name);
         let absolute = std::path::absolute(&file).unwrap_or_else(|_| file.clone());
         *name = spellable(absolute, output).to_string_lossy().into_owned();

@@ -2,24 +2,12 @@
 
 use emmy::body::{Body, InitialVelocity, Load, Region, Support, TimeFunction};
 use emmy::internals::number::short;
-use emmy::mesh::Mesh;
 use emmy::motion::{State, StepPlan};
 
 use super::fault::{Fault, Place};
-use super::groups::Members;
+use super::finite::{HELP, LARGEST};
 use super::nodal::PlacedNodal;
-use super::region::Placed;
-use super::table::Item;
-
-/// Numbers up to this have finite squares; numbers from its inverse on have squares that are not zero.
-const LARGEST: f64 = 1e150;
-
-/// Lengths up to this have cubes below [`LARGEST`]; lengths from its inverse on have cubes above the inverse of
-/// [`LARGEST`].
-const LARGEST_LENGTH: f64 = 1e50;
-
-const HELP: &str = "choose other units: the squares of numbers above 1e150 overflow, and those of numbers below 1e-150 vanish \
-                    (for lengths, whose cubes count, 1e50 and 1e-50)";
+use super::placed::{Members, Placed};
 
 /// The remark on a body at rest without loads.
 pub const NOTHING_MOVES: &str =
@@ -99,56 +87,6 @@ pub(super) fn pulls(regions: &[Placed<Region>]) -> bool {
 fn is_motion(field: &InitialVelocity) -> bool {
     let numbers = field.velocity.iter().chain(&field.angular_velocity).chain(field.gradient.iter().flatten());
     numbers.into_iter().any(|&value| value != 0.0)
-}
-
-/// The value of an item, if its square is finite.
-pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
-    match value.abs() <= LARGEST {
-        true => Ok(value),
-        false => {
-            let message = format!("`{}` must not be beyond {}", item.key(), short(LARGEST));
-            Err(item.fault(message, "too large").help(HELP))
-        }
-    }
-}
-
-/// Checks the Lame parameters derived from Young's modulus and Poisson's ratio.
-pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {
-    // Parameters out of their ranges have their own fault.
-    match emmy::material::lame("", youngs_modulus, poissons_ratio) {
-        Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
-            let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
-            Err(item.fault(message, "too large").help(HELP))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Checks the moduli at rest of a formula.
-pub(super) fn check_moduli(item: &Item<'_>, region: &Region) -> Result<(), Fault> {
-    match region.moduli() {
-        Some([bulk, shear]) if bulk.abs().max(shear.abs()) > LARGEST => {
-            let [bulk, shear] = [bulk, shear].map(short);
-            let message = format!("the bulk and shear modulus that follow are {bulk} and {shear}");
-            Err(item.fault(message, "too large").help(HELP))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Checks that volumes and moments of inertia of a mesh can be computed.
-pub(super) fn check_extent(mesh: &Mesh, place: &Place) -> Result<(), Fault> {
-    let farthest = mesh.points().iter().flatten().fold(0.0, |farthest: f64, x| farthest.max(x.abs()));
-    if farthest > LARGEST_LENGTH || farthest.is_nan() {
-        let message = format!("the mesh has coordinates up to {}", short(farthest));
-        return Err(Fault::at(place, message, "too large").help(HELP));
-    }
-    let size = mesh.extent().into_iter().fold(0.0, f64::max);
-    if size < 1.0 / LARGEST_LENGTH {
-        let message = format!("the mesh has a size of {}", short(size));
-        return Err(Fault::at(place, message, "too small").help(HELP));
-    }
-    Ok(())
 }
 
 /// Places of the parts of a body, in its order.

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use emmy::body::Region;
 use emmy::material::{EnergyFormula, Expression as Energy, Invariant};
 
-use super::derived;
 use super::description::{Described, Kind, NUMBER, Others, Section, vector};
 use super::expression::{self, CONSTANTS, Expression, FUNCTIONS, Operator, Vocabulary};
 use super::fault::Fault;
+use super::finite;
 use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
 
@@ -62,13 +62,9 @@ const OF_ENERGIES: [(&str, Function); 7] = [
 ];
 
 /// Reads the material and creates its region.
-pub(super) fn region(item: &Item<'_>, density: f64) -> Result<Region, Fault> {
-    let table = item.table(&SECTION)?;
-    let formula = table.require(FORMULA).map_err(|fault| {
-        let meant = table.others().find_map(|item| advice(item.key()));
-        meant.map_or(fault.clone(), |advice| fault.help(advice))
-    })?;
-    let parameters = parameters(&table)?;
+pub(super) fn region(table: &Table<'_>, density: f64) -> Result<Region, Fault> {
+    let formula: Item<'_> = table.must(FORMULA);
+    let parameters = parameters(table)?;
     let invariants = Invariant::ALL.map(Invariant::name);
     let names = parameters.iter().map(|(name, _)| *name);
     let variables: Vec<&str> = invariants.iter().copied().chain(names).collect();
@@ -80,20 +76,19 @@ pub(super) fn region(item: &Item<'_>, density: f64) -> Result<Region, Fault> {
                        K = 10 }",
     };
     let expression = expression::read(&formula, &vocabulary)?;
-    check_use(&table, &expression, &variables)?;
+    check_use(table, &expression, &variables)?;
     let values = Invariant::ALL.map(Energy::from).into_iter();
     let values: Vec<Energy> =
         values.chain(parameters.iter().map(|(_, value)| Energy::from(*value))).collect();
-    let fibre = table.get(FIBRE).map(|item| item.numbers()).transpose()?;
-    let material = EnergyFormula::new(&energy(&expression, &values), fibre).map_err(|error| {
+    let material = EnergyFormula::new(&energy(&expression, &values), table.may(FIBRE)).map_err(|error| {
         let guilty = match error {
-            emmy::Error::Direction { .. } => table.get(FIBRE),
+            emmy::Error::Direction { .. } => table.item(FIBRE),
             _ => None,
         };
         guilty.unwrap_or(formula).fault(error.to_string(), "not an energy of a solid")
     })?;
     let region = Region::new(material, density);
-    derived::check_moduli(&formula, &region)?;
+    finite::check_moduli(&formula, &region)?;
     Ok(region)
 }
 
@@ -102,7 +97,7 @@ fn parameters<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, f64)>, Fault> {
     table
         .others()
         .map(|item| {
-            let name = item.key();
+            let name = item.key;
             let taken = match name {
                 _ if Invariant::ALL.iter().any(|invariant| invariant.name() == name) => Some("an invariant"),
                 _ if CONSTANTS.iter().any(|(own, _)| *own == name) => Some("a constant"),
@@ -113,19 +108,9 @@ fn parameters<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, f64)>, Fault> {
                 let message = format!("`{name}` is {taken} and cannot be a parameter of the formula");
                 return Err(Fault::at(item.key_place, message, "choose another name"));
             }
-            // A misspelt `fibre` is a list.
-            let number = item.number().map_err(|fault| match advice(name) {
-                Some(advice) => fault.help(advice),
-                None => fault,
-            })?;
-            Ok((name, derived::within(&item, number)?))
+            Ok((name, finite::within(&item)?))
         })
         .collect()
-}
-
-/// The key that was meant by the name of a parameter.
-fn advice(name: &str) -> Option<String> {
-    did_you_mean(name, [FORMULA, FIBRE])
 }
 
 /// Every parameter occurs in the formula.
@@ -134,9 +119,9 @@ fn check_use(table: &Table<'_>, expression: &Expression, variables: &[&str]) -> 
     expression.visit_variables(&mut |number| {
         used.insert(variables[number]);
     });
-    let Some(unused) = table.others().find(|item| !used.contains(item.key())) else { return Ok(()) };
-    let name = unused.key();
-    let label = advice(name).unwrap_or_else(|| "has no effect".to_string());
+    let Some(unused) = table.others().find(|item| !used.contains(item.key)) else { return Ok(()) };
+    let name = unused.key;
+    let label = did_you_mean(name, [FORMULA, FIBRE]).unwrap_or_else(|| "has no effect".to_string());
     let message = format!("the parameter `{name}` does not occur in the formula");
     let help = format!("names in the formula: {}", listed(used));
     Err(Fault::at(unused.key_place, message, label).help(help))
@@ -171,13 +156,14 @@ fn energy(expression: &Expression, values: &[Energy]) -> Energy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::tree;
+    use crate::input::{memory, tree};
 
     /// The region of `material.energy = { ... }`.
     fn read(text: &str) -> Result<Region, String> {
         let mut tree = tree::parse("test", &format!("energy = {{ {text} }}\n")).unwrap();
-        let node = tree.get_mut(NAME).unwrap();
-        region(&Item::of(NAME, node), 1.0).map_err(|fault| fault.to_string())
+        let node = tree.get_mut(NAME).unwrap().clone();
+        memory::read_alone(NAME, node, |table| region(table, 1.0))
+            .map_err(|error| error.faults()[0].to_string())
     }
 
     #[test]

@@ -4,7 +4,6 @@ use emmy::time::Scheme;
 
 use super::description::{Described, Section, whole};
 use super::fault::Fault;
-use super::table::Item;
 use super::time::Time;
 
 /// `[equilibrium]`.
@@ -20,11 +19,6 @@ pub(super) static EQUILIBRIUM: Described = Described::new(|| {
         )
         .default("10")
 });
-
-/// Number of increments.
-pub(super) fn read(item: Item<'_>) -> Result<usize, Fault> {
-    item.table(&EQUILIBRIUM)?.require("load_steps")?.whole(1)
-}
 
 /// Scheme and plan of a static analysis: the load fraction takes the place of time.
 pub(super) fn analysis(load_steps: usize) -> Result<Time, Fault> {

@@ -37,9 +37,16 @@ pub struct Excerpt {
     columns: Vec<(usize, usize)>,
 }
 
+impl Fault {
+    /// The fault with the relevant lines, ready to be shown.
+    pub fn excerpt(&self) -> Excerpt {
+        Excerpt::new(self)
+    }
+}
+
 impl Excerpt {
     /// The excerpt that shows a fault.
-    pub(super) fn new(fault: &Fault) -> Self {
+    fn new(fault: &Fault) -> Self {
         if let Some(path) = fault.place().and_then(Place::path) {
             return Excerpt {
                 message: shown(&format!("{path}: {}", fault.message())).into_owned(),

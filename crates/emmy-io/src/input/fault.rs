@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 
-use super::excerpt::Excerpt;
 use crate::message::shown;
 
 /// A place in a source: in the input file, in a flag of the command line, or in a tree that a program has built.
@@ -172,11 +171,6 @@ impl Fault {
         &self.labels
     }
 
-    /// The fault with the relevant lines, ready to be shown.
-    pub fn excerpt(&self) -> Excerpt {
-        Excerpt::new(self)
-    }
-
     /// Advice.
     pub fn advice(&self) -> Option<&str> {
         self.help.as_deref()
@@ -264,13 +258,45 @@ impl Faults {
         result.map_err(|fault| self.faults.push(fault)).ok()
     }
 
+    pub(super) fn push(&mut self, fault: Fault) {
+        self.faults.push(fault);
+    }
+
+    /// Adds other faults, up to the limit.
+    pub(super) fn append(&mut self, other: Faults) {
+        self.faults.extend(other.faults.into_iter().take(MANY.saturating_sub(self.faults.len())));
+    }
+
+    /// Leaves only the first fault, with advice.
+    pub(super) fn keep_first(&mut self, advice: Option<&str>) {
+        self.faults.truncate(1);
+        self.advise_last(advice.map(str::to_string));
+    }
+
+    /// Adds advice to the last fault.
+    pub(super) fn advise_last(&mut self, advice: Option<String>) {
+        if let (Some(last), Some(advice)) = (self.faults.last_mut(), advice) {
+            last.help = Some(advice);
+        }
+    }
+
+    /// Number of faults.
+    pub(super) fn len(&self) -> usize {
+        self.faults.len()
+    }
+
     /// Whether the limit on the number of faults is reached.
     pub(super) fn are_many(&self) -> bool {
         self.faults.len() >= MANY
     }
 
-    /// Fails if there was any fault.
+    /// Fails if there was any fault: in the order of the file.
     pub(super) fn finish(&mut self) -> Result<(), InputError> {
-        InputError::unless_empty(std::mem::take(&mut self.faults))
+        let mut faults = std::mem::take(&mut self.faults);
+        let of_text = |fault: &Fault| fault.place().filter(|place| !place.is_path).cloned();
+        faults.sort_by_cached_key(|fault| {
+            of_text(fault).map(|place| (place.source_name().to_string(), place.span.start))
+        });
+        InputError::unless_empty(faults)
     }
 }

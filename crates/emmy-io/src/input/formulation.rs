@@ -9,10 +9,11 @@ use emmy::internals::number::short;
 use emmy::mesh::{CellKind, Mesh, Worst};
 use emmy::time::Scheme;
 
+use super::description::{Kind, word};
 use super::fault::Fault;
 use super::groups;
-use super::region::Placed;
-use super::table::{Item, Table};
+use super::placed::Placed;
+use super::table::Table;
 use super::time::Time;
 
 /// Formulations by their words.
@@ -40,24 +41,23 @@ const THIN: f64 = 4.0;
 /// Scaled Jacobian below which a cell is called skewed: edges 26 degrees away from a right angle.
 const SKEWED: f64 = 0.9;
 
-/// Words of the formulations.
-pub(super) fn formulations() -> Vec<&'static str> {
-    FORMULATIONS.map(|(word, _)| word).to_vec()
+/// A formulation.
+pub(super) fn formulations() -> Kind {
+    word("a formulation", FORMULATIONS.map(|(word, _)| word))
 }
 
-/// Words of the functions of the pressure.
-pub(super) fn pressures() -> Vec<&'static str> {
-    PRESSURES.map(|(word, _)| word).to_vec()
+/// Functions of the pressure.
+pub(super) fn pressures() -> Kind {
+    word("a set of pressure functions", PRESSURES.map(|(word, _)| word))
 }
 
 /// The formulation of a region.
 pub(super) fn read(table: &Table<'_>) -> Result<Formulation, Fault> {
-    let word = |item: Item<'_>| item.one_of("a formulation", &FORMULATIONS);
-    let formulation = table.get("formulation").map_or(Ok(Formulation::Standard), word)?;
-    let Some(item) = table.get("pressure") else { return Ok(formulation) };
-    let space = item.one_of("a set of pressure functions", &PRESSURES)?;
+    let formulation = table.item("formulation");
+    let formulation = formulation.map_or(Formulation::Standard, |item| item.one_of(FORMULATIONS));
+    let Some(item) = table.item("pressure") else { return Ok(formulation) };
     match formulation {
-        Formulation::ProjectedVolume(_) => Ok(Formulation::ProjectedVolume(Some(space))),
+        Formulation::ProjectedVolume(_) => Ok(Formulation::ProjectedVolume(Some(item.one_of(PRESSURES)))),
         Formulation::Standard | Formulation::IncompatibleModes => {
             let message = "`pressure` belongs to formulation = \"projected-volume\"";
             let help = "leave `pressure` out, or give formulation = \"projected-volume\"";

@@ -5,51 +5,19 @@ use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Faults, Place};
 use super::nodal::PlacedNodal;
-use super::region::Placed;
+use super::placed::{Members, Placed};
 use super::suggest::{did_you_mean, listed};
 
-/// Required members of a group.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Members {
-    Cells,
-    Facets,
-    Nodes,
-}
+/// The name of a group with its place and the members that it needs.
+pub(super) type NamedGroup = (String, Place, Members);
 
-/// Checks every group that is named.
-pub(super) fn check(
-    mesh: &Mesh,
-    regions: &[Placed<Region>],
-    loads: &[Placed<(Load, Members)>],
-    supports: &[Placed<Support>],
-    initial: &[Placed<InitialVelocity>],
-    faults: &mut Faults,
-) {
-    let mut named = Vec::new();
-    named.extend(regions.iter().map(|region| (&region.group, Members::Cells)));
-    named.extend(loads.iter().map(|load| (&load.group, load.value.1)));
-    named.extend(supports.iter().map(|support| (&support.group, Members::Nodes)));
-    named.extend(initial.iter().map(|initial| (&initial.group, Members::Nodes)));
-    for (group, members) in named {
-        let Some((name, place)) = group else { continue };
+/// Checks that the mesh has the groups that are named.
+pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], faults: &mut Faults) {
+    for (name, place, members) in named {
         if faults.are_many() {
             break;
         }
-        faults.keep(find(mesh, name, place, members));
-    }
-}
-
-/// Checks groups with members of any kind.
-pub(super) fn check_nodes<'a>(
-    mesh: &Mesh,
-    groups: impl Iterator<Item = &'a Option<(String, Place)>>,
-    faults: &mut Faults,
-) {
-    for (name, place) in groups.flatten() {
-        if faults.are_many() {
-            break;
-        }
-        faults.keep(find(mesh, name, place, Members::Nodes));
+        faults.keep(find(mesh, name, place, *members));
     }
 }
 

@@ -5,130 +5,90 @@ use std::path::Path;
 use emmy::body::TimeFunction;
 use emmy::internals::body::pole;
 use emmy::internals::number::short;
-use emmy::motion::StepPlan;
 
-use super::description::{self, Kind, Section};
 use super::expression;
-use super::fault::{Fault, Faults};
+use super::fault::Fault;
 use super::measured;
-use super::table::Item;
-use super::tree::{Node, Value};
+use super::table::{Item, Read, Table};
+use super::tree::Value;
 
 /// The input around a history.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Context<'a> {
     /// Folder of the input.
     pub(super) directory: &'a Path,
-    /// End of the run.
-    pub(super) end: f64,
+    /// Start and end of the run, if they are known.
+    pub(super) run: Option<[f64; 2]>,
+    /// Whether the body is undeformed at the start.
+    pub(super) is_undeformed: bool,
 }
 
-/// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression.
+/// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression, which must be finite
+/// throughout the run.
 pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
-    if let Some(text) = item.text() {
-        return Ok(expression::read(&item, &expression::TIME)?.time_function(text.trim()));
-    }
-    if item.is_table() {
-        return measured::read(item, context.directory);
-    }
-    if let Some(function) = item.time_function() {
-        return Ok(function.clone());
-    }
-    let wanted =
-        "a list of [time, value], a table { file, time, value } or an expression such as \"sin(2*pi*t)\"";
-    let items = item.list_or(wanted)?;
-    let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
-    let entries = items.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
-    TimeFunction::new(entries).map_err(|error| match error {
-        emmy::Error::TimeFunction { entry, reason } => {
-            items.get(entry).unwrap_or(&item).fault(format!("`{}`: {reason}", item.key()), reason)
+    match item.value() {
+        Value::String(text) => {
+            let function = expression::read(&item, &expression::TIME)?.time_function(text.trim());
+            context.run.map_or(Ok(()), |run| check_finite(&item, text, &function, run))?;
+            Ok(function)
         }
-        other => item.fault(other.to_string(), "here"),
-    })
-}
-
-/// Whether the value of a key may be an expression.
-fn is_history(key: &str) -> bool {
-    let of = |section: &Section| {
-        section.keys.iter().any(|own| own.name == key && matches!(own.kind, Kind::TimeFunction))
-    };
-    description::all().into_iter().any(of)
-}
-
-/// Visits the names of the files of all histories in a part of the tree.
-pub(super) fn for_each_file(node: &mut Node, visit: &mut impl FnMut(&mut Node)) {
-    match &mut node.value {
-        Value::Array(items) => items.iter_mut().for_each(|item| for_each_file(item, visit)),
-        Value::Table(entries) => {
-            for entry in entries {
-                match entry.node.get_mut("file").filter(|_| is_history(&entry.key)) {
-                    Some(file) => visit(file),
-                    None => for_each_file(&mut entry.node, visit),
+        Value::Table(_) => measured::read(&Table::read(item), context.directory),
+        Value::TimeFunction(function) => Ok(function.clone()),
+        _ => {
+            let entries: Vec<[f64; 2]> = Read::read(item);
+            let entries = entries.into_iter().map(|[time, value]| (time, value)).collect();
+            TimeFunction::new(entries).map_err(|error| match error {
+                emmy::Error::TimeFunction { entry, reason } => {
+                    let items = item.items();
+                    items.get(entry).unwrap_or(&item).fault(format!("`{}`: {reason}", item.key), reason)
                 }
-            }
+                other => item.fault(other.to_string(), "here"),
+            })
         }
-        _ => {}
     }
 }
 
 /// Number of times at which an expression is checked before a run.
 const SAMPLES: usize = 1000;
 
-/// Checks that the expressions in a part of the tree, and their rates, are finite throughout a plan.
-pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
-    match &node.value {
-        Value::Array(items) => items.iter().for_each(|item| check_finite(item, plan, faults)),
-        Value::Table(entries) => {
-            for entry in entries {
-                match &entry.node.value {
-                    Value::String(text) if is_history(&entry.key) => {
-                        faults.keep(finite(&entry.key, text, &entry.node, plan));
-                    }
-                    _ => check_finite(&entry.node, plan, faults),
-                }
-            }
-        }
-        _ => {}
-    }
-}
-
-fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
-    // Unreadable expressions have their own fault.
-    let Ok(expression) = expression::parse(text, &expression::TIME) else { return Ok(()) };
-    let time_function = expression.time_function(text);
-    let start = plan.start();
-    let end = plan.end();
+/// Checks that an expression and its rate are finite throughout a run.
+fn check_finite(
+    item: &Item<'_>,
+    text: &str,
+    function: &TimeFunction,
+    [start, end]: [f64; 2],
+) -> Result<(), Fault> {
+    let key = item.key;
     let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);
     for time in times {
-        for (what, value) in [("", time_function.value(time)), ("the rate of ", time_function.rate(time))] {
+        for (what, value) in [("", function.value(time)), ("the rate of ", function.rate(time))] {
             if !value.is_finite() {
                 let message =
                     format!("`{key}`: {what}`{text}` is not a finite number at t = {}", short(time));
-                return Err(Fault::at(&node.place, message, format!("{value} there")));
+                return Err(item.fault(message, format!("{value} there")));
             }
         }
     }
-    if let Some(time) = pole(|time| time_function.value(time), [start, end]) {
-        let message = format!("`{key}`: `{text}` is not a finite number at t = {}", short(time));
-        return Err(Fault::at(&node.place, message, "it grows without bound towards this time"));
+    match pole(|time| function.value(time), [start, end]) {
+        Some(time) => {
+            let message = format!("`{key}`: `{text}` is not a finite number at t = {}", short(time));
+            Err(item.fault(message, "it grows without bound towards this time"))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::input::{load, tree};
+    use crate::input::{memory, tree};
 
     /// The history of a load in an input of a folder.
     pub(crate) fn read_in(directory: &Path, history: &str) -> Result<TimeFunction, String> {
         let text = format!("group = 'a'\nforce = [1, 0, 0]\nhistory = {history}");
-        let mut tree = tree::parse("test", &format!("[load]\n{text}\n")).unwrap();
-        let node = tree.get_mut("load").unwrap();
-        let item = Item::of("load", node);
-        match load::read(item, Context { directory, end: 1.0 }) {
-            Ok(load) => Ok(load.value.time_function().unwrap().clone()),
-            Err(fault) => Err(fault.to_string()),
-        }
+        let node = tree::parse("test", &text).unwrap();
+        let context = Context { directory, run: None, is_undeformed: false };
+        let read = |table: &Table<'_>| read(table.must("history"), context);
+        memory::read_alone("load", node, read).map_err(|error| error.faults()[0].to_string())
     }
 }

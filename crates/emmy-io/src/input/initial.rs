@@ -3,9 +3,8 @@
 use emmy::body::InitialVelocity;
 
 use super::description::{Described, Kind, Section, exactly, vector};
-use super::fault::Fault;
-use super::region::{Placed, group};
-use super::table::Item;
+use super::placed::Placed;
+use super::table::Table;
 
 /// `[initial]` or `[[initial]]`.
 pub(super) static INITIAL: Described = Described::new(|| {
@@ -31,15 +30,13 @@ pub(super) static INITIAL: Described = Described::new(|| {
 });
 
 /// Reads one initial velocity field.
-pub(super) fn read(item: Item<'_>) -> Result<Placed<InitialVelocity>, Fault> {
-    let table = item.table(&INITIAL)?;
-    let vector = |key: &str| table.get(key).map_or(Ok([0.0; 3]), |item| item.numbers());
+pub(super) fn read(table: &Table<'_>) -> Placed<InitialVelocity> {
     let initial = InitialVelocity {
-        group: group(&table)?.map(|(name, _)| name),
-        velocity: vector("velocity")?,
-        angular_velocity: vector("angular_velocity")?,
-        about: vector("about")?,
-        gradient: table.get("gradient").map_or(Ok([[0.0; 3]; 3]), |item| item.tensor())?,
+        group: table.group().map(|(name, _)| name),
+        velocity: table.may("velocity").unwrap_or_default(),
+        angular_velocity: table.may("angular_velocity").unwrap_or_default(),
+        about: table.may("about").unwrap_or_default(),
+        gradient: table.may("gradient").unwrap_or_default(),
     };
-    Placed::new(&table, initial)
+    Placed::new(table, initial)
 }

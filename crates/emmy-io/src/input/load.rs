@@ -1,19 +1,22 @@
 //! `[[load]]`: one row per kind of load.
 
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
-use emmy::internals::material::{Bounds, IfAbsent};
+use emmy::internals::material::Bounds;
 
-use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
+use super::description::{Described, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
 use super::expression;
 use super::fault::{Fault, Place};
-use super::groups::Members;
 use super::history::{self, Context};
-use super::region::{Placed, group};
-use super::table::{Item, Table};
+use super::measured;
+use super::placed::{self, Members, Placed};
+use super::table::{Item, Read, Table};
 
 /// A kind of load.
 struct Row {
-    key: fn() -> Key,
+    name: &'static str,
+    kind: fn() -> Kind,
+    unit: &'static str,
+    doc: &'static str,
     /// Whether it needs a group.
     needs_group: bool,
     /// Reads it.
@@ -38,87 +41,77 @@ pub(super) enum Acting {
     Drag(f64),
 }
 
-#[cfg(test)]
-impl Acting {
-    pub(super) fn time_function(&self) -> Option<&TimeFunction> {
-        match self {
-            Acting::Load(load, _) => Some(&load.time_function),
-            Acting::Attraction(_) | Acting::Drag(_) => None,
-        }
-    }
-}
-
 /// Every kind of load.
 const ROWS: [Row; 8] = [
     Row {
-        key: || Key::new("traction", vector(), "stress", "Force per reference area of a group of facets"),
+        name: "traction",
+        kind: field,
+        unit: "stress",
+        doc: "Force per reference area of a group of facets",
         needs_group: true,
-        read: |given| {
-            if let Some(field) = given.value.field().cloned() {
-                return given.load(Members::Facets, |group| LoadKind::TractionField { group, field });
+        read: |given| match given.value.field().cloned() {
+            Some(field) => given.load(Members::Facets, |group| LoadKind::TractionField { group, field }),
+            None => {
+                let traction = Read::read(given.value);
+                given.load(Members::Facets, |group| LoadKind::Traction { group, traction })
             }
-            expression::check_not_of_program(&given.value)?;
-            let traction = given.value.numbers()?;
-            given.load(Members::Facets, |group| LoadKind::Traction { group, traction })
         },
     },
     Row {
-        key: || {
-            let doc = "Resultant, spread evenly over the reference area of a group of facets";
-            Key::new("force", vector(), "force", doc)
-        },
+        name: "force",
+        kind: vector,
+        unit: "force",
+        doc: "Resultant, spread evenly over the reference area of a group of facets",
         needs_group: true,
         read: |given| {
-            let force = given.value.numbers()?;
+            let force = Read::read(given.value);
             given.load(Members::Facets, |group| LoadKind::Force { group, force })
         },
     },
     Row {
-        key: || {
-            let doc =
-                "Force at each node of a group of nodes, facets or cells: n nodes carry n times the force";
-            Key::new("nodal_force", vector(), "force", doc)
-        },
+        name: "nodal_force",
+        kind: vector,
+        unit: "force",
+        doc: "Force at each node of a group of nodes, facets or cells: n nodes carry n times the force",
         needs_group: true,
         read: |given| {
-            let force = given.value.numbers()?;
+            let force = Read::read(given.value);
             given.load(Members::Nodes, |group| LoadKind::NodalForce { group, force })
         },
     },
     Row {
-        key: || {
-            let doc = "Pressure on the current surface of a group of facets, along its current normal; positive pushes onto \
-                       the body";
-            Key::new("pressure", NUMBER, "stress", doc)
-        },
+        name: "pressure",
+        kind: || NUMBER,
+        unit: "stress",
+        doc: "Pressure on the current surface of a group of facets, along its current normal; positive pushes onto the body",
         needs_group: true,
         read: |given| {
-            let pressure = given.value.number()?;
+            let pressure = Read::read(given.value);
             given.load(Members::Facets, |group| LoadKind::Pressure { group, pressure })
         },
     },
     Row {
-        key: || {
-            let doc = "Acceleration of every mass in a group of cells, such as gravity; without a group, of every mass";
-            Key::new("acceleration", vector(), "length/time²", doc)
-        },
+        name: "acceleration",
+        kind: field,
+        unit: "length/time²",
+        doc: "Acceleration of every mass in a group of cells, such as gravity; without a group, of every mass",
         needs_group: false,
         read: |given| {
             let group = given.group.clone();
-            if let Some(field) = given.value.field().cloned() {
-                return given.load(Members::Cells, |_| LoadKind::AccelerationField { group, field });
+            match given.value.field().cloned() {
+                Some(field) => given.load(Members::Cells, |_| LoadKind::AccelerationField { group, field }),
+                None => {
+                    let acceleration = Read::read(given.value);
+                    given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
+                }
             }
-            expression::check_not_of_program(&given.value)?;
-            let acceleration = given.value.numbers()?;
-            given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
         },
     },
     Row {
-        key: || {
-            let doc = "Force per reference volume of a group of cells, by reference position and time; without a group, of all \
-                       cells";
-            Key::new("body_force", exactly(3, Kind::Expression), "force/length³", doc)
-        },
+        name: "body_force",
+        kind: || Kind::Field(Box::new(exactly(3, Kind::Expression))),
+        unit: "force/length³",
+        doc: "Force per reference volume of a group of cells, by reference position and time; without a group, of all cells",
         needs_group: false,
         read: |given| {
             let field = expression::read_field(&given.value)?;
@@ -127,39 +120,45 @@ const ROWS: [Row; 8] = [
         },
     },
     Row {
-        key: || {
-            let doc = "Attraction of every mass of a group of nodes, facets or cells (default: all) to a point of space, with \
-                       the potential -g m/distance";
-            Key::new("attraction", Kind::Table(&ATTRACTION), "", doc)
-        },
+        name: "attraction",
+        kind: || Kind::Table(&ATTRACTION),
+        unit: "",
+        doc: "Attraction of every mass of a group of nodes, facets or cells (default: all) to a point of space, with the \
+              potential -g m/distance",
         needs_group: false,
         read: attraction,
     },
     Row {
-        key: || {
-            let doc = "Rate of a force -rate M v on the whole body: mass-proportional (Rayleigh) damping; no `group`, no \
-                       `history`; time elements only";
-            Key::new("drag", POSITIVE, "1/time", doc)
-        },
+        name: "drag",
+        kind: || POSITIVE,
+        unit: "1/time",
+        doc: "Rate of a force -rate M v on the whole body: mass-proportional (Rayleigh) damping; no `group`, no `history`; time \
+              elements only",
         needs_group: false,
         read: drag,
     },
 ];
 
+/// A vector, or a field of a program.
+fn field() -> Kind {
+    Kind::Field(Box::new(vector()))
+}
+
 /// `[[load]]`.
 pub(super) static LOAD: Described = Described::new(|| {
-    let needs = |row: &Row| {
-        let name = (row.key)().name;
-        if row.needs_group { vec![name, "group"] } else { vec![name] }
-    };
+    let needs = |row: &Row| if row.needs_group { vec![row.name, "group"] } else { vec![row.name] };
     let section = Section::new("[[load]]", "A load on the body: exactly one kind")
         .may("group", Kind::Text, "", "Group on which the load acts")
         .absent("with `acceleration`, `body_force` and `attraction` the whole body");
-    let add =
-        |section: Section, row: &Row| section.key(Key { if_absent: IfAbsent::Means(""), ..(row.key)() });
+    let add = |section: Section, row: &Row| section.may(row.name, (row.kind)(), row.unit, row.doc);
     let section = ROWS.iter().fold(section, add);
     let section = section
-        .may("history", Kind::TimeFunction, "", "Factor over time, by which the load is multiplied")
+        .may(
+            "history",
+            Kind::TimeFunction(&measured::MEASURED),
+            "",
+            "Factor over time, by which the load is multiplied",
+        )
         .absent("1");
     Section { rule: Rule::ExactlyOne(ROWS.iter().map(needs).collect()), ..section }
 });
@@ -172,52 +171,42 @@ static ATTRACTION: Described = Described::new(|| {
 });
 
 /// Reads one load.
-pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<Placed<Acting>, Fault> {
-    let table = item.table(&LOAD)?;
-    let value = table.exactly_one("one kind of load")?;
-    let row = ROWS.iter().find(|row| (row.key)().name == value.key());
-    let row = row.ok_or_else(|| value.fault(format!("`{}` is not a load", value.key()), "not known"))?;
-    let group = match row.needs_group {
-        true => Some(table.require("group")?.name()?),
-        false => group(&table)?.map(|(name, _)| name),
-    };
-    let acting = (row.read)(Given { table: &table, value, group, context })?;
-    Placed::new(&table, acting)
+pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<Placed<Acting>, Fault> {
+    let value = table.chosen();
+    let row = ROWS.iter().find(|row| row.name == value.key);
+    let row = row.ok_or_else(|| value.fault(format!("`{}` is not a load", value.key), "not known"))?;
+    let group = table.group().map(|(name, _)| name);
+    Ok(Placed::new(table, (row.read)(Given { table, value, group, context })?))
 }
 
 impl Given<'_> {
     /// The load of a kind with its factor over time.
     fn load(self, members: Members, kind: impl FnOnce(String) -> LoadKind) -> Result<Acting, Fault> {
-        let history = self.table.get("history").map(|item| history::read(item, self.context)).transpose()?;
+        let history = self.table.item("history").map(|item| history::read(item, self.context)).transpose()?;
         let time_function = history.unwrap_or_else(TimeFunction::constant);
         Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), time_function }, members))
     }
 }
 
 fn attraction(given: Given<'_>) -> Result<Acting, Fault> {
-    if let Some(history) = given.table.get("history") {
+    if let Some(history) = given.table.item("history") {
         let message = "an attraction has no `history`: its potential belongs to the energy, which it keeps";
         return Err(history.fault(message, "leave it out"));
     }
-    let parameters = given.value.table(&ATTRACTION)?;
-    let centre = parameters.require("centre")?.numbers()?;
-    let item = parameters.require("strength")?;
-    let strength = item.number()?;
-    if strength == 0.0 {
-        return Err(item.fault("`strength` must not be 0; a negative one repels", "no attraction"));
-    }
+    let parameters = Table::read(given.value);
+    let (centre, strength) = (parameters.must("centre"), parameters.must("strength"));
     Ok(Acting::Attraction(GroundAttraction { group: given.group, centre, strength }))
 }
 
 /// A drag acts on the whole body.
 fn drag(given: Given<'_>) -> Result<Acting, Fault> {
     for key in ["group", "history"] {
-        if let Some(item) = given.table.get(key) {
+        if let Some(item) = given.table.item(key) {
             let message = format!("a drag has no `{key}`: it acts on the whole body at all times");
             return Err(item.fault(message, "leave it out"));
         }
     }
-    Ok(Acting::Drag(given.value.positive()?))
+    Ok(Acting::Drag(Read::read(given.value)))
 }
 
 /// Loads, attractions and drags by themselves.
@@ -243,14 +232,8 @@ impl FromIterator<Placed<Acting>> for Sorted {
         sorted
     }
 }
-/// Groups of the loads with the places of their names.
-pub(super) fn places(loads: &[Placed<(Load, Members)>]) -> Vec<(String, Place)> {
-    loads.iter().filter_map(|load| load.group.clone()).collect()
-}
-
 /// The fault of a body with a pressure inside.
-pub(super) fn fault(error: &emmy::Error, places: &[(String, Place)]) -> Option<Fault> {
+pub(super) fn fault(error: &emmy::Error, groups: &[(String, Place)]) -> Option<Fault> {
     let emmy::Error::PressureInside { group, .. } = error else { return None };
-    let (_, place) = places.iter().find(|(name, _)| name == group)?;
-    Some(Fault::at(place, error.to_string(), "inside the body"))
+    placed::fault(error, group, groups, "inside the body")
 }

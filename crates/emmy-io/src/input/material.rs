@@ -4,13 +4,13 @@ use std::sync::LazyLock;
 
 use emmy::body::Region;
 use emmy::internals::body::{MODELS, RegionModel};
-use emmy::internals::material::{IfAbsent, Model, Parameter, ParameterKind, Value, Values};
+use emmy::internals::material::{IfAbsent, Model, ModelCells, Parameter, ParameterKind, Value, Values};
 use emmy::material::Volumetric;
 
 use super::description::{Described, Key, Kind, Rule, Section};
 use super::fault::Fault;
-use super::table::{Item, Table};
-use super::{derived, energy};
+use super::table::{Item, Read, Table};
+use super::{energy, finite};
 
 /// `material`.
 pub(super) static MATERIAL: Described = Described::new(|| {
@@ -69,34 +69,38 @@ pub fn materials() -> Vec<(&'static str, String)> {
     lines
 }
 
-/// Models named by a material, despite other faults.
-pub(super) fn given(material: &Item<'_>) -> impl Iterator<Item = &'static Model> {
-    MODELS.iter().map(|model| &model.model).filter(|model| material.has_key(model.name).is_some())
+/// The models that a material names.
+pub(super) fn given(material: &Table<'_>) -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().map(|model| &model.model).filter(|model| material.item(model.name).is_some())
+}
+
+/// Whether a material, right or wrong, is one without mass.
+pub(super) fn is_massless(material: Item<'_>) -> bool {
+    let mut models = material.table().into_iter().flat_map(|table| given(&table).collect::<Vec<_>>());
+    models.any(|model| model.cells == ModelCells::MasslessLinks)
 }
 
 /// Reads the one model of a material and creates its region.
-pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
-    let item = item.table(&MATERIAL)?.exactly_one("one model")?;
-    if item.key() == energy::NAME {
-        return energy::region(&item, density);
-    }
-    let found = MODELS.iter().zip(SECTIONS.iter()).find(|(model, _)| model.model.name == item.key());
-    let (model, section) =
-        found.ok_or_else(|| item.fault(format!("`{}` is not a model", item.key()), "not known"))?;
-    let table = item.table(section)?;
-    let parameters = parameters(&item, &table, &model.model)?;
-    let values: Vec<(&str, Value)> = parameters
-        .iter()
-        .filter_map(|parameter| value(&table, parameter).transpose())
-        .collect::<Result<_, _>>()?;
+pub(super) fn region(material: &Table<'_>, density: f64) -> Result<Region, Fault> {
+    let item = material.chosen();
+    let Some(model) = MODELS.iter().find(|model| model.model.name == item.key) else {
+        return energy::region(&material.must(energy::NAME), density);
+    };
+    let table: Table<'_> = material.must(item.key);
+    let values: Vec<(&str, Value)> = model
+        .model
+        .every_parameter()
+        .filter_map(|parameter| Some((parameter.name, value(&table.item(parameter.name)?, parameter))))
+        .map(|(name, value)| Ok((name, value?)))
+        .collect::<Result<_, Fault>>()?;
     check_terms(&table, &values)?;
     let values = Values::from_iter(values);
     let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
-    engineering.map_or(Ok(()), |(youngs, poissons)| derived::check_lame(&item, youngs, poissons))?;
+    engineering.map_or(Ok(()), |(youngs, poissons)| finite::check_lame(&item, youngs, poissons))?;
     model.region(density, &values).map_err(|error| {
         let guilty = match &error {
             emmy::Error::MaterialParameter { parameter, .. } | emmy::Error::Direction { parameter, .. } => {
-                table.get(parameter)
+                table.item(parameter)
             }
             _ => None,
         };
@@ -104,47 +108,15 @@ pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     })
 }
 
-/// The given set of parameters.
-fn parameters(item: &Item<'_>, table: &Table<'_>, model: &Model) -> Result<&'static [Parameter], Fault> {
-    if let [only] = model.parameters {
-        return Ok(only);
-    }
-    let is_given = |parameter: &Parameter| table.get(parameter.name).is_some();
-    let n_given = model.every_parameter().filter(|parameter| is_given(parameter)).count();
-    let whole = |set: &&&[Parameter]| set.len() == n_given && set.iter().all(is_given);
-    model.parameters.iter().find(whole).copied().ok_or_else(|| {
-        let name = |parameter: &Parameter| format!("`{}`", parameter.name);
-        let names = |set: &&[Parameter]| set.iter().map(name).collect::<Vec<_>>().join(" and ");
-        let sets: Vec<String> = model.parameters.iter().map(names).collect();
-        let message = format!("`{}` needs exactly one pair of parameters: either ", item.key());
-        item.fault(message + &sets.join(", or "), "not one pair")
+/// The value of a parameter.
+fn value(item: &Item<'_>, parameter: &Parameter) -> Result<Value, Fault> {
+    Ok(match parameter.kind {
+        ParameterKind::Number(_) => Value::Number(finite::within(item)?),
+        ParameterKind::Numbers => Value::Numbers(Read::read(*item)),
+        ParameterKind::Direction => Value::Direction(Read::read(*item)),
+        ParameterKind::Directions => Value::Directions(Read::read(*item)),
+        ParameterKind::Law => Value::Law(item.one_of(Volumetric::ALL.map(|law| (law.name(), law)))),
     })
-}
-
-/// The value of a parameter, if it is given or required.
-fn value(table: &Table<'_>, parameter: &Parameter) -> Result<Option<(&'static str, Value)>, Fault> {
-    let item = match (table.get(parameter.name), parameter.if_absent) {
-        (None, IfAbsent::Means(_)) => return Ok(None),
-        _ => table.require(parameter.name)?,
-    };
-    let value = match parameter.kind {
-        ParameterKind::Number(_) => Value::Number(derived::within(&item, item.number()?)?),
-        ParameterKind::Numbers => Value::Numbers(each(&item, |entry| entry.number())?),
-        ParameterKind::Direction => Value::Direction(item.numbers()?),
-        ParameterKind::Directions => Value::Directions(each(&item, |entry| entry.numbers())?),
-        ParameterKind::Law => {
-            Value::Law(item.one_of("a law of volume", &Volumetric::ALL.map(|law| (law.name(), law)))?)
-        }
-    };
-    Ok(Some((parameter.name, value)))
-}
-
-/// The entries of a list, at least one.
-fn each<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Result<T, Fault>) -> Result<Vec<T>, Fault> {
-    match item.list()? {
-        entries if entries.is_empty() => Err(item.fault(format!("`{}` is empty", item.key()), "empty")),
-        entries => entries.iter().map(read).collect(),
-    }
 }
 
 /// Checks that all lists of numbers have one entry per term.
@@ -157,7 +129,7 @@ fn check_terms(table: &Table<'_>, values: &[(&'static str, Value)]) -> Result<()
     match lists.find(|(_, other)| *other != n) {
         Some((name, other)) => {
             let message = format!("`{first}` has {n} entries and `{name}` {other}; a term has one of each");
-            Err(table.require(name)?.fault(message, format!("not as many as `{first}`")))
+            Err(table.must::<Item<'_>>(name).fault(message, format!("not as many as `{first}`")))
         }
         None => Ok(()),
     }

@@ -12,7 +12,6 @@ use super::fault::Fault;
 use super::shape::neighbour;
 use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
-use super::tree;
 use crate::whole_file;
 
 /// A history from a file.
@@ -34,21 +33,14 @@ pub(super) static MEASURED: Described = Described::new(|| {
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Reads the table; paths are relative to a directory.
-pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<TimeFunction, Fault> {
-    let table = item.table(&MEASURED)?;
-    let file = table.require("file")?;
-    let columns = [table.require("time")?, table.require("value")?];
-    let factor = table.get("factor").map_or(Ok(1.0), |item| item.number())?;
-    let path = directory.join(file.string()?);
+pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<TimeFunction, Fault> {
+    let file: Item<'_> = table.must("file");
+    let columns = [table.must("time"), table.must("value")];
+    let path = directory.join(table.must::<&str>("file"));
     let bytes = bytes(&file, &path)?;
-    let entries = Source { path: &path, bytes: &bytes, table: &table, columns }.entries(factor)?;
+    let source = Source { path: &path, bytes: &bytes, table, columns };
+    let entries = source.entries(table.may("factor").unwrap_or(1.0))?;
     TimeFunction::measured(entries).map_err(|error| file.fault(error.to_string(), "from here"))
-}
-
-/// The table of a resolved input, whose path is absolute; `None` if the file cannot be read any more.
-pub(crate) fn resolved(history: &toml::Table) -> Option<TimeFunction> {
-    let node = tree::parse("history", &toml::to_string(history).ok()?).ok()?;
-    read(Item::of("history", &node), Path::new("")).ok()
 }
 
 fn bytes(item: &Item<'_>, path: &Path) -> Result<Vec<u8>, Fault> {
@@ -115,7 +107,7 @@ impl Source<'_> {
 
     /// Index of a column by its name.
     fn column(&self, header: &ByteRecord, item: &Item<'_>) -> Result<usize, Fault> {
-        let wanted = item.string()?.trim();
+        let wanted = item.text().unwrap_or_default().trim();
         let names: Vec<_> = header.iter().map(String::from_utf8_lossy).collect();
         let mut found = (0..names.len()).filter(|&i| names[i] == wanted);
         let path = self.path.display();
@@ -176,7 +168,7 @@ impl Source<'_> {
     /// A fault in a row.
     fn fault(&self, row: &ByteRecord, reason: &str) -> Fault {
         let message = format!("{}:{}: {reason}", self.path.display(), self.line(row));
-        Fault::at(self.table.place(), message, "from here")
+        Fault::at(self.table.place, message, "from here")
     }
 
     /// A fault in a row and the column of times (0) or values (1).

@@ -6,14 +6,14 @@ use std::sync::Arc;
 use emmy::body::{Field, Region, TimeFunction};
 use emmy::mesh::Mesh;
 
-use super::description::Section;
-use super::fault::{Fault, InputError, Place};
+use super::fault::{Fault, Faults, InputError, Place};
 use super::history::Context;
 use super::source::Source;
-use super::table::Item;
-use super::tree::{Entry, Node, Value};
+use super::table::{Item, Table};
+use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, complete, initial, load, material, nodal, problem, region, support,
+    Overrides, Problem, adaptive, catalogue, complete, load, material, measured, reading, region, support,
+    walk,
 };
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a
@@ -97,7 +97,7 @@ fn entry(path: &str, key: &str, tree: &Tree) -> Entry {
 /// # Errors
 /// [`InputError`] with every fault; its places are paths ([`Place::path`]).
 pub fn build(tree: &Tree, overrides: &Overrides, known: Option<&Problem>) -> Result<Problem, InputError> {
-    problem::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
+    reading::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
 }
 
 /// The file that an input in memory would have: it gives the default of `output.directory`.
@@ -106,11 +106,9 @@ const NAME: &str = "emmy-run.toml";
 /// The region of a material alone, with density 1: its energy, stress and moduli.
 ///
 /// # Errors
-/// [`InputError`] with the first fault, whose place is a path in the table.
+/// [`InputError`] with every fault, whose places are paths in the table.
 pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
-    let mut node = tree.node("");
-    complete::fill(&mut node, &material::MATERIAL)?;
-    Ok(material::region(Item::of("material", &node), 1.0)?)
+    read_alone("material", tree.node(""), |table| material::region(table, 1.0))
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
@@ -124,24 +122,39 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 /// ```
 ///
 /// # Errors
-/// [`InputError`] with the first fault, whose place is a path in the table.
+/// [`InputError`] with every fault, whose places are paths in the table.
 pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
-    type Read = fn(Item<'_>, Context<'_>) -> Result<(), Fault>;
-    let (described, read): (&'static Section, Read) = match section {
-        "region" => (&region::REGION, |item, _| region::read(item).map(drop)),
-        "material" => (&material::MATERIAL, |item, _| material::region(item, 1.0).map(drop)),
-        "viscosity" => (&region::VISCOSITY, |item, _| region::viscosity(item, None).map(drop)),
-        "load" => (&load::LOAD, |item, context| load::read(item, context).map(drop)),
-        "support" => (&support::SUPPORT, |item, context| match nodal::is_spring_alone(&item) {
-            true => nodal::check_spring(item),
-            false => support::read(item, context).map(drop),
-        }),
-        "mass" => (&nodal::MASS, |item, _| nodal::check_mass(item)),
-        "initial" => (&initial::INITIAL, |item, _| initial::read(item).map(drop)),
-        "adaptive" => (&adaptive::ADAPTIVE, |item, _| adaptive::check(&item)),
-        other => return Err(Fault::new(format!("`{other}` is not a section of the input")).into()),
+    let context = Context { directory: Path::new(""), run: None, is_undeformed: false };
+    let read: &dyn Fn(&Table<'_>) -> Result<(), Fault> = match section {
+        "region" => &|table| region::read(table).map(drop),
+        "material" => &|table| material::region(table, 1.0).map(drop),
+        "viscosity" => &|table| region::viscosity(table, None).map(drop),
+        "load" => &|table| load::read(table, context).map(drop),
+        "support" => &|table| support::read(table, context).map(drop),
+        "adaptive" => &adaptive::check,
+        _ => &|_| Ok(()),
     };
-    let mut node = tree.node("");
-    complete::fill(&mut node, described)?;
-    Ok(read(Item::of(section, &node), Context { directory: Path::new(""), end: 1.0 })?)
+    read_alone(section, tree.node(""), read)
+}
+
+/// The table of a resolved input, whose path is absolute; `None` if the file cannot be read any more.
+pub(crate) fn resolved(history: &toml::Table) -> Option<TimeFunction> {
+    let node = tree::parse("history", &toml::to_string(history).ok()?).ok()?;
+    read_alone("history", node, |table| measured::read(table, Path::new(""))).ok()
+}
+
+/// Fills, checks and reads a table that stands in no input; its section is named by its key.
+pub(super) fn read_alone<T>(
+    key: &str,
+    mut node: Node,
+    read: impl FnOnce(&Table<'_>) -> Result<T, Fault>,
+) -> Result<T, InputError> {
+    let no_section = || Fault::new(format!("`{key}` is not a section of the input"));
+    let (kind, section) = catalogue::kind_of(key).ok_or_else(no_section)?;
+    complete::fill(&mut node, section)?;
+    let mut faults = Faults::default();
+    let table = walk::table(Item::of(key, &node, kind), &mut faults);
+    let read = table.and_then(|table| faults.keep(read(&table)));
+    faults.finish()?;
+    Ok(read.ok_or_else(no_section)?)
 }

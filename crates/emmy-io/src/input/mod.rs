@@ -1,11 +1,14 @@
 //! The input: TOML, checked key by key; every fault knows its line.
 //!
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`). Each
-//! section has its own file with its description and its reader, which returns types of the library. An unknown key is
-//! an error. The descriptions (`description`) also yield the defaults, the JSON schema for editors (`schema`) and the
-//! key tables of `book/src/input.md` (`reference`).
+//! section has its own file with its description and its reader, which returns types of the library. One walk (`walk`)
+//! checks a table against its description and reports every fault; readers see only tables that are right (`table`), and
+//! check meaning. The descriptions (`description`, all in `catalogue`) also yield the defaults, the JSON schema for
+//! editors (`schema`) and the key tables of `book/src/input.md` (`reference`).
 
 mod adaptive;
+mod catalogue;
+
 mod complete;
 mod derived;
 mod description;
@@ -14,6 +17,7 @@ mod equilibrium;
 mod excerpt;
 mod expression;
 mod fault;
+mod finite;
 mod formulation;
 mod groups;
 mod history;
@@ -23,26 +27,31 @@ mod material;
 mod measured;
 mod memory;
 mod nodal;
-mod parts;
+mod placed;
 mod plausible;
 mod problem;
 mod quantities;
+mod reading;
 #[cfg(test)]
 mod reference;
 mod region;
 mod schema;
+mod sections;
 mod set;
 mod settings;
 mod shape;
 mod source;
 mod start;
+mod start_state;
 pub(crate) mod suggest;
 mod support;
+mod synonyms;
 mod syntax;
 mod table;
 mod time;
 mod tree;
 mod units;
+mod walk;
 mod write;
 
 pub(crate) use complete::MESH_FILE;
@@ -51,13 +60,15 @@ pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, MissingGroup, Place};
 pub use formulation::{Formulations, elements};
 pub use material::materials;
-pub(crate) use measured::resolved;
+pub(crate) use memory::resolved;
 pub use memory::{Tree, build, check, material_region};
-pub use problem::{Overrides, Problem, read, read_mesh, read_on_team};
+pub use problem::{Overrides, Problem};
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
+pub use reading::{read, read_mesh, read_on_team};
 pub use schema::schema;
 pub(crate) use set::alternatives;
 pub use settings::{Limits, Output};
 pub use shape::meshes;
-pub use start::{Start, StartError};
+pub use start::Start;
+pub use start_state::StartError;
 pub use write::body_sections;

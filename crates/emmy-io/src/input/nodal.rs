@@ -4,9 +4,8 @@ use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region, 
 use emmy::internals::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section};
-use super::fault::{Fault, Faults, Place};
-use super::region::Placed;
-use super::support::SUPPORT;
+use super::fault::{Fault, Place};
+use super::placed::{self, Placed};
 use super::table::{Item, Table};
 use super::time::Time;
 
@@ -27,7 +26,7 @@ pub(super) static MASS: Described = Described::new(|| {
 
 /// A mass at each node of a group, or spread over it.
 #[derive(Debug)]
-enum Mass {
+pub(super) enum Mass {
     Point(PointMass),
     Spread(SpreadMass),
 }
@@ -35,25 +34,10 @@ enum Mass {
 /// Point terms, with the places of the groups.
 #[derive(Debug, Default)]
 pub(super) struct PlacedNodal {
-    masses: Vec<Placed<Mass>>,
-    springs: Vec<Placed<GroundSpring>>,
-    attractions: Vec<Placed<GroundAttraction>>,
-    drags: Vec<Placed<f64>>,
-}
-
-/// Reads masses and springs, to which attractions and drags are added; each failure stores its fault.
-pub(super) fn read(
-    root: &Table<'_>,
-    attractions: Vec<Placed<GroundAttraction>>,
-    drags: Vec<Placed<f64>>,
-    faults: &mut Faults,
-) -> PlacedNodal {
-    PlacedNodal {
-        masses: each(root, "mass", None, mass, faults),
-        springs: each(root, "support", Some("spring"), spring, faults),
-        attractions,
-        drags,
-    }
+    pub(super) masses: Vec<Placed<Mass>>,
+    pub(super) springs: Vec<Placed<GroundSpring>>,
+    pub(super) attractions: Vec<Placed<GroundAttraction>>,
+    pub(super) drags: Vec<Placed<f64>>,
 }
 
 impl PlacedNodal {
@@ -85,11 +69,6 @@ impl PlacedNodal {
         let (points, spread): (Vec<_>, Vec<_>) =
             self.masses.iter().partition(|mass| matches!(mass.value, Mass::Point(_)));
         points.into_iter().chain(spread).map(|mass| &mass.place)
-    }
-
-    /// Groups of the masses that are spread, with their places.
-    pub(super) fn spread_groups(&self) -> Vec<(String, Place)> {
-        self.spread().flatten().cloned().collect()
     }
 
     /// Sum of the rates of all drags.
@@ -130,61 +109,18 @@ impl PlacedNodal {
     }
 }
 
-/// Reads the tables of a section, or only the tables with a key.
-fn each<T>(
-    root: &Table<'_>,
-    section: &str,
-    key: Option<&str>,
-    read: fn(Item<'_>) -> Result<Placed<T>, Fault>,
-    faults: &mut Faults,
-) -> Vec<Placed<T>> {
-    let Some(Ok(items)) = root.get(section).map(|item| item.one_or_more()) else { return Vec::new() };
-    let has_key = |item: &Item<'_>| key.is_none_or(|key| item.has_key(key).is_some());
-    items.into_iter().filter(has_key).filter_map(|item| faults.keep(read(item))).collect()
-}
-
-/// Checks a point mass alone.
-pub(super) fn check_mass(item: Item<'_>) -> Result<(), Fault> {
-    mass(item).map(drop)
-}
-
-/// Checks the spring of a support alone.
-pub(super) fn check_spring(item: Item<'_>) -> Result<(), Fault> {
-    spring(item).map(drop)
-}
-
-fn mass(item: Item<'_>) -> Result<Placed<Mass>, Fault> {
-    let table = item.table(&MASS)?;
-    let group = table.require("group")?.name()?;
-    let value = table.exactly_one("one size")?;
-    let size = value.positive()?;
-    let mass = match value.key() {
-        "total" => Mass::Spread(SpreadMass { group, total: size }),
-        _ => Mass::Point(PointMass { group, mass: size }),
+/// Reads one mass.
+pub(super) fn read(table: &Table<'_>) -> Placed<Mass> {
+    let group = table.must::<Item<'_>>("group").name();
+    let mass = match table.may("total") {
+        Some(total) => Mass::Spread(SpreadMass { group, total }),
+        None => Mass::Point(PointMass { group, mass: table.must("mass") }),
     };
-    Placed::new(&table, mass)
+    Placed::new(table, mass)
 }
 
-/// The fault of a mass that cannot be spread, at its group.
-pub(super) fn fault(error: &emmy::Error, spread: &[(String, Place)]) -> Option<Fault> {
+/// The fault of a mass that cannot be spread.
+pub(super) fn fault(error: &emmy::Error, groups: &[(String, Place)]) -> Option<Fault> {
     let emmy::Error::Mass { group, .. } = error else { return None };
-    let (_, place) = spread.iter().find(|(name, _)| name == group)?;
-    Some(Fault::at(place, error.to_string(), "cannot be spread over this group"))
-}
-
-/// Whether a support consists of springs only.
-pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
-    let has = |key: &str| item.has_key(key).is_some();
-    has("spring") && !["fix", "move", "accelerate", "rotate", "symmetry"].into_iter().any(has)
-}
-
-fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
-    let table = item.table(&SUPPORT)?;
-    let group = table.require("group")?.name()?;
-    let stiffness = table.require("spring")?.positive()?;
-    if let Some(until) = table.get("until") {
-        let message = "`until` cannot be used with `spring`: springs to the ground stay; use a separate support for the components that are released";
-        return Err(until.fault(message, "with a spring"));
-    }
-    Placed::new(&table, GroundSpring { group, stiffness })
+    placed::fault(error, group, groups, "cannot be spread over this group")
 }

@@ -1,65 +1,18 @@
 //! Everything a run needs, built from an input.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::body::{Body, InitialVelocity, Load, PointTerms, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
-use emmy::team::Team;
 use emmy::time::Scheme;
 
-use super::description::{Described, Kind, Section};
-use super::fault::InputError;
 use super::formulation::Formulations;
-use super::parts::Parts;
 use super::quantities::Quantities;
 use super::settings::{Limits, Output};
-use super::source::{self, Source};
-use super::tree::{self, Node};
-use super::{
-    Start, complete, equilibrium, initial, load, nodal, region, set, settings, shape, support, time, units,
-    write,
-};
-use crate::checkpoint::identity::digest_of_tables;
-use crate::mesh::MeshFile;
-use crate::shares::MeshSource;
+use super::start::Start;
 use crate::units::Units;
-
-/// The whole input.
-pub(super) static ROOT: Described = Described::new(|| {
-    Section::new("the input", "Motion of an elastic body; units are any consistent set")
-        .may("title", Kind::Text, "", "Any text; it goes into the summary")
-        .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
-        .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
-        .must("region", Kind::Tables(&region::REGION), "", "Material of the cells; one or more")
-        .may("mass", Kind::Tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
-        .may("load", Kind::Tables(&load::LOAD), "", "Loads on the body; none, one or more")
-        .may(
-            "support",
-            Kind::Tables(&support::SUPPORT),
-            "",
-            "Nodes that are held or driven; none, one or more",
-        )
-        .may("initial", Kind::Tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
-        .absent("at rest")
-        .may(
-            "equilibrium",
-            Kind::Table(&equilibrium::EQUILIBRIUM),
-            "",
-            "Start from the static equilibrium under the loads at t = 0; without `time` a static analysis",
-        )
-        .absent("starts undeformed")
-        .may("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
-        .absent("a static analysis, which needs `equilibrium`")
-        .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
-        .default("{}")
-        .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
-        .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
-        .default("{}")
-        .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
-        .at_least_one(&["time", "equilibrium"])
-});
 
 /// Options of the command line for an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -136,90 +89,3 @@ pub struct Problem {
     /// On a team, the digest of the whole mesh.
     pub(crate) digest: Option<String>,
 }
-
-/// Reads an input file. Nothing is written.
-///
-/// # Errors
-/// [`InputError`] with every fault and its place.
-pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
-    let mut problem = of_tree(tree::read(path), path, overrides, Source::Alone(None))?;
-    problem.files.insert(0, path.to_path_buf());
-    Ok(problem)
-}
-
-/// Reads the mesh of an input, and what it was made from. No body is built.
-///
-/// # Errors
-/// [`InputError`] with every fault and its place.
-pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSource), InputError> {
-    let Prepared { parts, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
-    Ok((parts.mesh()?, source::mesh_source(&resolved)?))
-}
-
-/// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.
-///
-/// # Errors
-/// [`InputError`] on all ranks. Rank 0 has every fault and its place, if it has found them.
-pub fn read_on_team(path: &Path, overrides: &Overrides, team: &Arc<dyn Team>) -> Result<Problem, InputError> {
-    let source = overrides.parts.as_deref().map_or(Source::Team(team), |folder| Source::Parts(team, folder));
-    let mut problem = of_tree(tree::read(path), path, overrides, source)?;
-    problem.files.insert(0, path.to_path_buf());
-    Ok(problem)
-}
-
-/// The problem of a tree. `path`: its file, or the file that it would have.
-pub(super) fn of_tree(
-    tree: Result<Node, InputError>,
-    path: &Path,
-    overrides: &Overrides,
-    source: Source<'_>,
-) -> Result<Problem, InputError> {
-    let advised = |error| set::of_one_run(error, &overrides.set);
-    let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
-    let prepared = source.agree(prepared)?;
-    source.check_input(&prepared.resolved)?;
-    let problem = prepared.parts.problem(prepared.resolved, source).map_err(advised);
-    let mut problem = source.agree(problem)?;
-    source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
-    problem.files.extend(prepared.histories);
-    problem.notes.extend(prepared.notes);
-    Ok(problem)
-}
-
-/// An input before its mesh is read.
-struct Prepared {
-    parts: Parts,
-    /// The text with all defaults.
-    resolved: String,
-    /// Files of histories.
-    histories: Vec<PathBuf>,
-    notes: Vec<String>,
-}
-
-impl Prepared {
-    fn new(mut tree: Node, path: &Path, overrides: &Overrides) -> Result<Self, InputError> {
-        for flag in &overrides.set {
-            set::apply(&mut tree, flag)?;
-        }
-        let note = complete::clean_title(&mut tree);
-        complete::fill_defaults(&mut tree)?;
-        let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
-        let directory = path.parent().unwrap_or(Path::new(""));
-        let mut parts = Parts::read(&tree, directory, overrides)?;
-        // The text may have lost characters that are not UTF-8.
-        parts.output.directory = output.unwrap_or(parts.output.directory);
-        let mesh_file =
-            parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
-        let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
-        let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
-        complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
-        complete::spell(&mut tree);
-        let lost = is_lost.then(|| LOST_MESH.to_string());
-        let notes = lost.into_iter().chain(note).collect();
-        Ok(Prepared { parts, resolved: write::toml(&tree), histories, notes })
-    }
-}
-
-/// A path of the mesh that no TOML file can hold.
-const LOST_MESH: &str = "the mesh path is not UTF-8, so `input.toml` cannot record it; to resume, give \
-                         `--set mesh.file=PATH` with a UTF-8 path";

@@ -10,8 +10,8 @@ use emmy::internals::material::{IfAbsent, Parameter};
 use emmy::internals::time::SCHEMES;
 use emmy::mesh::CellKind;
 
-use super::description::{self, Key, Kind, Others, Rule, Section};
-use super::{energy, formulation, material};
+use super::description::{Key, Kind, Others, Rule, Section};
+use super::{catalogue, energy, formulation, material};
 use crate::history::{ColumnInfo, every_column};
 use crate::mesh::ENTRIES;
 use crate::mesh::account::{Entries, Treatment};
@@ -97,15 +97,15 @@ fn of(kind: &Kind) -> String {
         Kind::Number(bounds) => format!("number {bounds}").trim_end().to_string(),
         Kind::Whole(least, None) => format!("whole number ≥ {least}"),
         Kind::Whole(least, Some(most)) => format!("whole number from {least} to {most}"),
-        Kind::Word(words) => {
+        Kind::Word(_, words, _) => {
             words.iter().map(|word| code(&format!("\"{word}\""))).collect::<Vec<_>>().join(", ")
         }
         Kind::Words(_) => "list of words".to_string(),
-        Kind::Scheme => "scheme, see below".to_string(),
+        Kind::Scheme(_) => "scheme, see below".to_string(),
         Kind::True => code("true"),
         Kind::List(_, entry) if matches!(**entry, Kind::Table(_)) => "list of tables".to_string(),
         Kind::List(_, entry) if matches!(**entry, Kind::Number(_)) => "list of numbers".to_string(),
-        Kind::List(_, entry) if matches!(**entry, Kind::Word(_)) => format!("list of {}", of(entry)),
+        Kind::List(_, entry) if matches!(**entry, Kind::Word(..)) => format!("list of {}", of(entry)),
         Kind::List(_, entry) => format!("list: {} each", of(entry)),
         Kind::Exactly(length, entry) => match &**entry {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
@@ -115,8 +115,9 @@ fn of(kind: &Kind) -> String {
             entry => format!("{length} times {}", of(entry)),
         },
         Kind::Groups => "table of lists of whole numbers".to_string(),
-        Kind::TimeFunction => "[history](#loadhistory)".to_string(),
+        Kind::TimeFunction(_) => "[history](#loadhistory)".to_string(),
         Kind::Expression => "number or [expression](#loadbody_force)".to_string(),
+        Kind::Field(vector) => of(vector),
         Kind::Table(_) => "table".to_string(),
         Kind::Tables(_) => "table, or list of tables".to_string(),
     }
@@ -236,7 +237,7 @@ fn measured_materials() -> String {
 
 /// The table of a name.
 fn named(name: &str) -> Option<String> {
-    let section = description::all().into_iter().find(|section| section.name == name).map(keys);
+    let section = catalogue::all().into_iter().find(|section| section.name == name).map(keys);
     section.or_else(|| TABLES.iter().find(|(own, _)| *own == name).map(|(_, table)| table()))
 }
 
@@ -275,9 +276,8 @@ fn filled(page: &str) -> (String, Vec<String>) {
 #[test]
 fn every_unit_of_a_description_is_a_dimension() {
     let of_columns = every_column().map(|column| column.dimension);
-    let of_keys = description::all()
-        .into_iter()
-        .flat_map(|section| section.keys.iter().map(|key| key.unit.to_string()));
+    let of_keys =
+        catalogue::all().into_iter().flat_map(|section| section.keys.iter().map(|key| key.unit.to_string()));
     for dimension in of_columns.chain(of_keys) {
         assert!(exponents(&dimension).is_some(), "{dimension}");
     }
@@ -305,7 +305,7 @@ fn the_tables_of_the_reference_match_the_program() {
         !is_formula
             && (section.name == "material" || material::sections().any(|own| own.name == section.name))
     };
-    let sections = description::all().into_iter().filter(|section| !is_model(section));
+    let sections = catalogue::all().into_iter().filter(|section| !is_model(section));
     for name in sections.map(|section| section.name).chain(TABLES.map(|(name, _)| name)) {
         assert!(all.iter().any(|shown| shown == name), "no page shows the table `{name}`");
     }

@@ -4,8 +4,9 @@ use emmy::body::{Region, Viscosity};
 use emmy::internals::material::ModelCells;
 
 use super::description::{Described, Kind, POSITIVE, Rule, Section};
-use super::fault::{Fault, Place};
-use super::table::{Item, Table};
+use super::fault::Fault;
+use super::placed::Placed;
+use super::table::Table;
 use super::{formulation, material};
 
 /// `[[region]]`.
@@ -27,7 +28,7 @@ pub(super) static REGION: Described = Described::new(|| {
         .absent("none")
         .may(
             "formulation",
-            Kind::Word(formulation::formulations()),
+            formulation::formulations(),
             "",
             "Formulation of the cells: `projected-volume` for rubber and other materials that hardly change their volume, \
              `incompatible-modes` for bending of hex8 and quad4",
@@ -35,7 +36,7 @@ pub(super) static REGION: Described = Described::new(|| {
         .absent("`\"standard\"`")
         .may(
             "pressure",
-            Kind::Word(formulation::pressures()),
+            formulation::pressures(),
             "",
             "With `projected-volume`: functions of the pressure in each cell",
         )
@@ -58,82 +59,38 @@ pub(super) static VISCOSITY: Described = Described::new(|| {
         .at_least_one(&["time", "shear", "bulk"])
 });
 
-/// A part of the input with its place, and the place of its group's name, if it has one.
-#[derive(Debug)]
-pub(super) struct Placed<T> {
-    pub(super) value: T,
-    pub(super) group: Option<(String, Place)>,
-    pub(super) place: Place,
-}
-
-impl<T> Placed<T> {
-    pub(super) fn new(table: &Table<'_>, value: T) -> Result<Self, Fault> {
-        Ok(Placed { value, group: group(table)?, place: table.place().clone() })
-    }
-}
-
-/// The group of a table, if it names one.
-pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault> {
-    let Some(item) = table.get("group") else { return Ok(None) };
-    Ok(Some((item.name()?, item.place().clone())))
-}
-
 /// Reads one region.
-pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
-    let table = item.table(&REGION)?;
-    let material = table.require("material")?;
-    let density = density(&table, material)?;
-    let region = material::region(material, density)?;
-    let region = match group(&table)? {
-        Some((name, _)) => region.on(name),
-        None => region,
-    };
-    let region = match table.get("thickness") {
-        Some(thickness) => region.with_thickness(thickness.positive()?),
-        None => region,
-    };
-    let region = match table.get("viscosity") {
-        Some(item) => {
-            let link = material::given(&material).find(|model| model.is_link());
-            region.with_viscosity(viscosity(item, link.map(|model| model.name))?)
-        }
-        None => region,
-    };
-    let region = region.with_formulation(formulation::read(&table)?);
-    Placed::new(&table, region)
+pub(super) fn read(table: &Table<'_>) -> Result<Placed<Region>, Fault> {
+    let material: Table<'_> = table.must("material");
+    let link = material::given(&material).find(|model| model.is_link());
+    if let (Some(ModelCells::MasslessLinks), Some(density)) =
+        (link.map(|model| model.cells), table.item("density"))
+    {
+        let message = format!("`{}` has no mass: `density` must be left out", material.chosen().key);
+        return Err(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"));
+    }
+    let mut region = material::region(&material, table.may("density").unwrap_or(0.0))?;
+    if let Some((name, _)) = table.group() {
+        region = region.on(name);
+    }
+    if let Some(thickness) = table.may("thickness") {
+        region = region.with_thickness(thickness);
+    }
+    if let Some(own) = table.may("viscosity") {
+        region = region.with_viscosity(viscosity(&own, link.map(|model| model.name))?);
+    }
+    Ok(Placed::new(table, region.with_formulation(formulation::read(table)?)))
 }
 
 /// The viscosity: a time, viscosities, or both; of a material of links, by its name, a time.
-pub(super) fn viscosity(item: Item<'_>, link: Option<&str>) -> Result<Viscosity, Fault> {
-    let table = item.table(&VISCOSITY)?;
-    let number = |key: &str| {
-        let Some(item) = table.get(key) else { return Ok(0.0) };
-        match link.filter(|_| key != "time") {
-            Some(link) => {
-                let message = format!(
-                    "a `{link}` has no `{key}` viscosity: `time` times its stiffness is its viscosity"
-                );
-                Err(item.fault(message, "leave it out"))
-            }
-            None => item.positive(),
-        }
-    };
-    let viscosity = Viscosity { time: number("time")?, shear: number("shear")?, bulk: number("bulk")? };
-    if viscosity.is_zero() {
-        return Err(item.fault("`viscosity` needs `time`, `shear` or `bulk`", "nothing is viscous here"));
+pub(super) fn viscosity(table: &Table<'_>, link: Option<&str>) -> Result<Viscosity, Fault> {
+    let item = ["shear", "bulk"].into_iter().find_map(|key| table.item(key));
+    if let (Some(link), Some(item)) = (link, item) {
+        let key = item.key;
+        let message =
+            format!("a `{link}` has no `{key}` viscosity: `time` times its stiffness is its viscosity");
+        return Err(item.fault(message, "leave it out"));
     }
-    Ok(viscosity)
-}
-
-/// The density, which springs and attractions do not have.
-fn density(table: &Table<'_>, material: Item<'_>) -> Result<f64, Fault> {
-    let massless = material::given(&material).find(|model| model.cells == ModelCells::MasslessLinks);
-    match (massless, table.get("density")) {
-        (Some(_), None) => Ok(0.0),
-        (Some(model), Some(density)) => {
-            let message = format!("`{}` has no mass: `density` must be left out", model.name);
-            Err(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"))
-        }
-        (None, _) => table.require("density")?.positive(),
-    }
+    let number = |key: &str| table.may(key).unwrap_or(0.0);
+    Ok(Viscosity { time: number("time"), shear: number("shear"), bulk: number("bulk") })
 }

@@ -8,7 +8,7 @@ use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
 use super::description::{Key, Kind, Rule, Section, list, whole};
-use super::{material, measured, problem};
+use super::{catalogue, material};
 
 /// The JSON schema of an input file, draft 7.
 ///
@@ -18,7 +18,7 @@ use super::{material, measured, problem};
 /// assert_eq!(density["exclusiveMinimum"], 0);
 /// ```
 pub fn schema() -> Value {
-    let mut schema = table(&problem::ROOT);
+    let mut schema = table(&catalogue::ROOT);
     schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
     schema["title"] = json!("Input of Emmy");
     schema["definitions"] = json!({ "material": table(&material::MATERIAL) });
@@ -140,22 +140,22 @@ fn of(kind: &Kind) -> Value {
         Kind::Number(bounds) => number(*bounds),
         Kind::Whole(least, None) => json!({ "type": "integer", "minimum": least }),
         Kind::Whole(least, Some(most)) => json!({ "type": "integer", "minimum": least, "maximum": most }),
-        Kind::Word(words) => json!({ "type": "string", "enum": words }),
-        Kind::Words(words) => {
-            let word = of(&Kind::Word(words.clone()));
-            json!({ "type": "array", "items": word, "minItems": 0, "uniqueItems": true })
+        Kind::Word(_, words, _) => json!({ "type": "string", "enum": words }),
+        Kind::Words(word) => {
+            json!({ "type": "array", "items": of(word), "minItems": 0, "uniqueItems": true })
         }
-        Kind::Scheme => scheme(),
+        Kind::Scheme(_) => scheme(),
         Kind::True => json!({ "const": true }),
         Kind::List(least, entry) => json!({ "type": "array", "items": of(entry), "minItems": least }),
         Kind::Exactly(length, entry) => {
             json!({ "type": "array", "items": of(entry), "minItems": length, "maxItems": length })
         }
         Kind::Groups => json!({ "type": "object", "additionalProperties": of(&list(0, whole(0))) }),
-        Kind::TimeFunction => history(),
+        Kind::TimeFunction(section) => history(section),
         Kind::Expression => json!({ "type": ["number", "string"], "pattern": "\\S" }),
+        Kind::Field(vector) => of(vector),
         Kind::Table(section) => table(section),
-        Kind::Tables(section) => tables(section),
+        Kind::Tables(one) => one.section().map_or(Value::Null, tables),
     }
 }
 
@@ -180,9 +180,9 @@ fn bound(value: f64) -> Value {
 }
 
 /// A table of the time, here or in a file, or an expression.
-fn history() -> Value {
+fn history(measured: &Section) -> Value {
     let entry = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
-    let mut schema = table(&measured::MEASURED);
+    let mut schema = table(measured);
     let rules = [
         ("type", json!(["string", "array", "object"])),
         ("pattern", json!("\\S")),

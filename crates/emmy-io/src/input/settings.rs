@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 
 use emmy::body::FieldName;
-use emmy::internals::material::Bounds;
 use emmy::internals::sparse::{SOLVERS, Solver};
 use emmy::motion::{NewtonSettings, StepPlan};
 
-use super::description::{Described, Kind, POSITIVE, Section, list, whole};
-use super::fault::Fault;
-use super::quantities::{PROBE, VALUE, of_extremes};
-use super::table::{Item, Table, spelled};
+use super::description::{BELOW_ONE, Described, Kind, POSITIVE, Section, list, whole, word, words};
+use super::fault::{Fault, Place};
+use super::quantities::{PROBE, VALUE, field, of_extremes};
+use super::table::{Item, Table};
 use crate::vtk::{Format, Precision};
 
 /// Output files and directory.
@@ -52,15 +51,11 @@ pub(super) static NEWTON: Described = Described::new(|| {
         .default("20")
 });
 
-/// A part of something.
-pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
-
 /// `[solver]`.
 pub(super) static SOLVER: Described = Described::new(|| {
-    let kinds = SOLVERS.map(|(name, ..)| name).to_vec();
     Section::new("[solver]", "Solver of the linear systems").must(
         "kind",
-        Kind::Word(kinds),
+        word("a solver", SOLVERS.map(|(name, ..)| name)),
         "",
         "`iterative`: conjugate gradients with an incomplete Cholesky factor; `multigrid`: conjugate gradients with \
          multigrid, for large stiff bodies; `direct`: sparse Cholesky factorisation; `auto`: the cheapest of them; \
@@ -91,11 +86,11 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "time",
             "Time between frames, in place of `every`; these times are met exactly",
         )
-        .may("format", Kind::Word(Format::ALL.map(Format::name).to_vec()), "", FORMATS)
+        .may("format", word("a format of frames", Format::ALL.map(Format::name)), "", FORMATS)
         .default("\"vtu\"")
-        .may("precision", Kind::Word(Precision::ALL.map(Precision::name).to_vec()), "", PRECISIONS)
+        .may("precision", word("a precision of frames", Precision::ALL.map(Precision::name)), "", PRECISIONS)
         .default("\"double\"")
-        .may("fields", Kind::Words(FieldName::ALL.map(FieldName::name).to_vec()), "", FIELDS)
+        .may("fields", words("a field", FieldName::ALL.map(FieldName::name)), "", FIELDS)
         .default(DEFAULT_FIELDS)
         .may(
             "checkpoint_every",
@@ -115,7 +110,7 @@ pub(super) static OUTPUT: Described = Described::new(|| {
         .absent("every support's group")
         .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path or fields go into the history")
         .default("[]")
-        .may("extremes", Kind::Words(of_extremes()), "", EXTREMES)
+        .may("extremes", words("a field with a largest value", of_extremes()), "", EXTREMES)
         .absent("none")
         .may(
             "values",
@@ -151,58 +146,45 @@ pub(super) static LIMITS: Described = Described::new(|| {
         .absent("no limit")
 });
 
-pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
-    let table = item.table(&NEWTON)?;
-    let tolerance = table.require("tolerance")?;
-    let value = tolerance.positive()?;
-    if value >= 1.0 {
-        return Err(tolerance
-            .fault(format!("`tolerance` must be less than 1, not {}", spelled(value)), "it is relative"));
-    }
-    Ok(NewtonSettings {
-        tolerance: value,
-        max_iterations: table.require("max_iterations")?.whole(1)?,
-        ..Default::default()
-    })
+pub(super) fn newton(table: &Table<'_>) -> NewtonSettings {
+    let (tolerance, max_iterations) = (table.must("tolerance"), table.must("max_iterations"));
+    NewtonSettings { tolerance, max_iterations, ..Default::default() }
 }
 
-pub(super) fn solver(item: Item<'_>) -> Result<Solver, Fault> {
-    let table = item.table(&SOLVER)?;
-    table.require("kind")?.one_of("a solver", &SOLVERS.map(|(name, solver, _)| (name, solver)))
+pub(super) fn solver(table: &Table<'_>) -> Solver {
+    table.must::<Item<'_>>("kind").one_of(SOLVERS.map(|(name, solver, _)| (name, solver)))
 }
 
-pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
-    let table = item.table(&OUTPUT)?;
-    let formats = Format::ALL.map(|format| (format.name(), format));
-    let precisions = Precision::ALL.map(|precision| (precision.name(), precision));
+pub(super) fn output(table: &Table<'_>) -> Result<Output, Fault> {
+    let word = |key: &str| table.must::<Item<'_>>(key);
+    let fields: Vec<Item<'_>> = table.must("fields");
     Ok(Output {
-        directory: table.require("directory")?.string()?.into(),
-        every: table.get("every").map_or(Ok(0), |item| item.whole(0))?,
-        interval: interval(&table)?,
-        format: table.require("format")?.one_of("a format of frames", &formats)?,
-        precision: table.require("precision")?.one_of("a precision of frames", &precisions)?,
-        fields: fields(table.require("fields")?)?,
-        checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
-        log_every: table.require("log_every")?.whole(0)?,
+        directory: table.must::<&str>("directory").into(),
+        every: table.may("every").unwrap_or(0),
+        interval: interval(table)?,
+        format: word("format").one_of(Format::ALL.map(|format| (format.name(), format))),
+        precision: word("precision").one_of(Precision::ALL.map(|precision| (precision.name(), precision))),
+        fields: fields.into_iter().map(field).collect(),
+        checkpoint_every: table.must("checkpoint_every"),
+        log_every: table.must("log_every"),
     })
 }
 
 fn interval(table: &Table<'_>) -> Result<Option<f64>, Fault> {
-    let Some(interval) = table.get("interval") else { return Ok(None) };
-    if let Some(every) = table.get("every") {
+    let Some(interval) = table.item("interval") else { return Ok(None) };
+    if let Some(every) = table.item("every") {
         let message = "frames are counted by steps or by time: give `every` or `interval`";
         let fault = Fault::at(every.key_place, message, "this one").label(interval.key_place, "and this one");
         return Err(fault.help("`interval` is a time, `every` a number of steps"));
     }
-    interval.positive().map(Some)
+    Ok(table.may("interval"))
 }
 
 /// The plan that meets the times of the frames.
-pub(super) fn plan_with_frames(plan: StepPlan, output: &Output, item: &Item<'_>) -> Result<StepPlan, Fault> {
+pub(super) fn plan_with_frames(plan: StepPlan, output: &Output, place: &Place) -> Result<StepPlan, Fault> {
     let Some(interval) = output.interval else { return Ok(plan) };
-    let item = item.table(&OUTPUT)?.require("interval")?;
     plan.with_interval(interval).map_err(|error| {
-        let fault = item.fault(format!("`interval`: {}", reason(&error)), "not met by the steps");
+        let fault = Fault::at(place, format!("`interval`: {}", reason(&error)), "not met by the steps");
         fault.help("give steps of which it is a multiple, or adaptive ones: those meet every such time")
     })
 }
@@ -241,18 +223,6 @@ impl Output {
     }
 }
 
-fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
-    let mut fields: Vec<FieldName> = Vec::new();
-    for item in item.list_or("a list of fields, such as [\"displacement\", \"cauchy_stress\"]")? {
-        let word = item.word("a field", &FieldName::ALL.map(FieldName::name))?;
-        let field = FieldName::from_name(word).filter(|field| !fields.contains(field));
-        fields.push(field.ok_or_else(|| item.fault(format!("the field `{word}` is there twice"), "again"))?);
-    }
-    Ok(fields)
-}
-
-pub(super) fn limits(item: Item<'_>) -> Result<Limits, Fault> {
-    let table = item.table(&LIMITS)?;
-    let limit = |key: &str| table.get(key).map(|item| item.positive()).transpose();
-    Ok(Limits { energy: limit("energy")?, angular_momentum: limit("angular_momentum")? })
+pub(super) fn limits(table: &Table<'_>) -> Limits {
+    Limits { energy: table.may("energy"), angular_momentum: table.may("angular_momentum") }
 }

@@ -3,101 +3,54 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use emmy::internals::material::IfAbsent;
 use emmy::internals::mesh::check_count;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
-use super::derived;
-use super::description::{Described, Key, Kind, POSITIVE, Section, exactly, list, vector, whole};
+use super::description::{Described, Key, Kind, POSITIVE, Section, exactly, list, vector, whole, word};
 use super::fault::{Fault, Place};
+use super::finite;
 use super::suggest::nearest;
-use super::table::{Item, Table, spelled};
+use super::table::{Item, Read, Table};
 use crate::mesh::{MeshFile, MeshOptions};
 use crate::message;
 
-/// A source of meshes.
-struct SourceKind {
-    key: fn() -> Key,
-    /// Reads it; paths are relative to a directory.
-    read: fn(Item<'_>, &Path) -> Result<Source, Fault>,
-}
-
-/// Every source of meshes.
-const SOURCES: [SourceKind; 5] = [
-    SourceKind {
-        key: || {
-            Key::new(
-                "l-block",
-                Kind::Table(&L_BLOCK),
-                "",
-                "The L-shaped block of Betsch and Steinmann (2001): 10 long, 6 wide, 3 thick; groups `body`, `face-a` (y = 10), `face-b` (x = 6)",
-            )
-        },
-        read: |item, _| l_block(item.table(&L_BLOCK)?),
-    },
-    SourceKind {
-        key: || {
-            Key::new(
-                "box",
-                Kind::Table(&BOX),
-                "",
-                "A block of hex8 cells with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`, `z-min`, `z-max`",
-            )
-        },
-        read: |item, _| {
-            let (size, cells) = size_and_cells(item.table(&BOX)?)?;
-            Ok(Source::Box { size, cells })
-        },
-    },
-    SourceKind {
-        key: || {
-            Key::new(
-                "rectangle",
-                Kind::Table(&RECTANGLE),
-                "",
-                "A body in plane strain: quad4 cells in the plane z = 0 with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`",
-            )
-        },
-        read: |item, _| {
-            let (size, cells) = size_and_cells(item.table(&RECTANGLE)?)?;
-            Ok(Source::Rectangle { size, cells })
-        },
-    },
-    SourceKind {
-        key: || {
-            Key::new(
-                "network",
-                Kind::Table(&NETWORK),
-                "",
-                "Links between points, for masses on springs, trusses, bodies in space; group `links` of all of them",
-            )
-        },
-        read: |item, _| Ok(Source::Network(Network::read(item.table(&NETWORK)?)?)),
-    },
-    SourceKind {
-        key: || {
-            Key::new(
-                "file",
-                Kind::Text,
-                "",
-                "A mesh file, its path relative to the input file: Gmsh `.msh` (1 to 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`, `.pvtu`, `.vtk`; groups by their names in the file",
-            )
-        },
-        read: |item, directory| Ok(Source::File(directory.join(item.string()?))),
-    },
-];
-
 /// `[mesh]`.
 pub(super) static MESH: Described = Described::new(|| {
-    let keys: Vec<Key> = SOURCES.iter().map(|source| (source.key)()).collect();
-    let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
-    let section = Section::new("[mesh]", "Where the cells come from: exactly one source").exactly_one(&names);
-    let add = |section: Section, key: Key| section.key(Key { if_absent: IfAbsent::Means(""), ..key });
-    let section = keys.into_iter().fold(section, add);
-    section
+    Section::new("[mesh]", "Where the cells come from: exactly one source")
+        .may(
+            "l-block",
+            Kind::Table(&L_BLOCK),
+            "",
+            "The L-shaped block of Betsch and Steinmann (2001): 10 long, 6 wide, 3 thick; groups `body`, `face-a` (y = 10), `face-b` (x = 6)",
+        )
+        .may(
+            "box",
+            Kind::Table(&BOX),
+            "",
+            "A block of hex8 cells with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`, `z-min`, `z-max`",
+        )
+        .may(
+            "rectangle",
+            Kind::Table(&RECTANGLE),
+            "",
+            "A body in plane strain: quad4 cells in the plane z = 0 with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`",
+        )
+        .may(
+            "network",
+            Kind::Table(&NETWORK),
+            "",
+            "Links between points, for masses on springs, trusses, bodies in space; group `links` of all of them",
+        )
+        .may(
+            "file",
+            Kind::Text,
+            "",
+            "A mesh file, its path relative to the input file: Gmsh `.msh` (1 to 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`, `.pvtu`, `.vtk`; groups by their names in the file",
+        )
+        .exactly_one(&["l-block", "box", "rectangle", "network", "file"])
         .may("scale", POSITIVE, "", "Factor on all coordinates")
         .absent("1")
-        .may("shells", Kind::Word(vec![PLANE_STRAIN]), "", SHELLS)
+        .may("shells", word("a treatment of shells", [PLANE_STRAIN]), "", SHELLS)
         .absent("an error")
 });
 
@@ -149,8 +102,8 @@ pub fn meshes() -> Vec<(&'static str, String)> {
         }
         _ => key.doc.clone(),
     };
-    let text = |key: Key| (key.name, line(&key).replace('`', ""));
-    SOURCES.iter().map(|source| text((source.key)())).collect()
+    let sources = MESH.choice().into_iter().filter_map(|name| MESH.key_of(name));
+    sources.map(|key| (key.name, line(key).replace('`', ""))).collect()
 }
 
 /// Where the mesh comes from.
@@ -195,19 +148,12 @@ struct Network {
 
 impl Network {
     fn read(table: Table<'_>) -> Result<Self, Fault> {
-        let points = table.require("points")?.list()?;
-        let points = points.iter().map(|item| item.numbers()).collect::<Result<Vec<_>, _>>()?;
-        let item = table.require("links")?;
-        let links = item.list()?;
-        if links.is_empty() {
-            return Err(item.fault("`links` is empty: a network needs one link at least", "empty"));
-        }
+        let points: Vec<[f64; 3]> = table.must("points");
+        let links: Vec<Item<'_>> = table.must("links");
         let links = links.iter().map(|item| link(item, points.len())).collect::<Result<Vec<_>, _>>()?;
-        let groups = |key: &str, what: &str, n: usize| match table.get(key) {
-            Some(item) => {
-                item.any_table()?.into_iter().map(|(name, item)| members(&name, &item, what, n)).collect()
-            }
-            None => Ok(Vec::new()),
+        let groups = |key: &str, what: &str, n: usize| -> Result<Vec<(String, Vec<u32>)>, Fault> {
+            let items = table.item(key).map(|item| item.items()).unwrap_or_default();
+            items.iter().map(|item| Ok((item.key.to_string(), members(item, what, n)?))).collect()
         };
         let groups_of_links = groups("link_groups", "links", links.len())?;
         let groups = groups("groups", "points", points.len())?;
@@ -238,7 +184,7 @@ impl Network {
 
 /// A link between two points.
 fn link(item: &Item<'_>, n_points: usize) -> Result<[u32; 2], Fault> {
-    let [a, b]: [usize; 2] = item.wholes(0)?;
+    let [a, b]: [usize; 2] = Read::read(*item);
     if a == b {
         return Err(item.fault(format!("a link from point {a} to itself"), "two different points"));
     }
@@ -253,56 +199,56 @@ fn within(item: &Item<'_>, number: usize, what: &str, n: usize) -> Result<(), Fa
     Err(item.fault(format!("there is no number {number} among the {n} {what}, counted from 0"), "too large"))
 }
 
-fn members(name: &str, item: &Item<'_>, what: &str, n: usize) -> Result<(String, Vec<u32>), Fault> {
+fn members(group: &Item<'_>, what: &str, n: usize) -> Result<Vec<u32>, Fault> {
     let number = |item: &Item<'_>| {
-        let number = item.whole(0)?;
+        let number = usize::read(*item);
         within(item, number, what, n)?;
         Ok(number as u32)
     };
-    Ok((name.to_string(), item.list()?.iter().map(number).collect::<Result<_, Fault>>()?))
+    group.items().iter().map(number).collect()
+}
+
+/// A mesh in memory.
+pub(super) fn given(mesh: &Arc<Mesh>, place: &Place) -> Shape {
+    Shape { source: Source::Given(mesh.clone()), place: place.clone(), scale: None, plane_shells: false }
 }
 
 /// Reads the table; paths are relative to `directory`.
-pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
-    if let Some(mesh) = item.mesh() {
-        let (source, place) = (Source::Given(mesh.clone()), item.place().clone());
-        return Ok(Shape { source, place, scale: None, plane_shells: false });
-    }
-    let table = item.table(&MESH)?;
-    let item = table.exactly_one("one source")?;
-    let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
-    let kind = SOURCES.iter().find(|source| (source.key)().name == item.key());
-    let kind = kind.ok_or_else(|| item.fault(format!("`{}` is not a source", item.key()), "not known"))?;
-    let source = (kind.read)(item, directory)?;
-    let shells = table.get("shells");
-    if let Some(shells) = &shells {
-        shells.word("a treatment of shells", &[PLANE_STRAIN])?;
-        if !matches!(source, Source::File(_)) {
-            return Err(
-                shells.fault("`shells` is a key of mesh files; a built-in mesh has none", "of no use here")
-            );
+pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<Shape, Fault> {
+    let item = table.chosen();
+    let source = match item.key {
+        "l-block" => l_block(Table::read(item))?,
+        "box" => {
+            let (size, cells) = size_and_cells(Table::read(item))?;
+            Source::Box { size, cells }
         }
+        "rectangle" => {
+            let (size, cells) = size_and_cells(Table::read(item))?;
+            Source::Rectangle { size, cells }
+        }
+        "network" => Source::Network(Network::read(Table::read(item))?),
+        _ => Source::File(directory.join(<&str>::read(item))),
+    };
+    let shells = table.item("shells");
+    if let Some(shells) = shells.filter(|_| !matches!(source, Source::File(_))) {
+        let message = "`shells` is a key of mesh files; a built-in mesh has none";
+        return Err(shells.fault(message, "of no use here"));
     }
-    Ok(Shape { source, place: item.place().clone(), scale, plane_shells: shells.is_some() })
+    let place = item.place().clone();
+    Ok(Shape { source, place, scale: table.may("scale"), plane_shells: shells.is_some() })
 }
 
 fn l_block(table: Table<'_>) -> Result<Source, Fault> {
-    let item = table.require("cell_size")?;
-    let cell_size = item.positive()?;
-    few_cells(117.0 / cell_size.powi(3), &item)?;
+    let cell_size: f64 = table.must("cell_size");
+    few_cells(117.0 / cell_size.powi(3), &table.must("cell_size"))?;
     Ok(Source::LBlock { cell_size })
 }
 
 /// Edges and numbers of cells along them.
 fn size_and_cells<const N: usize>(table: Table<'_>) -> Result<([f64; N], [usize; N]), Fault> {
-    let (size, cells) = (table.require("size")?, table.require("cells")?);
-    let lengths: [f64; N] = size.numbers()?;
-    if let Some(length) = lengths.iter().find(|&&length| length <= 0.0) {
-        return Err(size.fault(format!("`size` must be positive, not {}", spelled(*length)), "not positive"));
-    }
-    let counts: [usize; N] = cells.wholes(1)?;
-    few_cells(counts.iter().map(|&n| n as f64).product(), &cells)?;
-    Ok((lengths, counts))
+    let counts: [usize; N] = table.must("cells");
+    few_cells(counts.iter().map(|&n| n as f64).product(), &table.must("cells"))?;
+    Ok((table.must("size"), counts))
 }
 
 fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
@@ -355,7 +301,7 @@ impl Shape {
             Some(scale) => file.mesh.scaled(scale).map_err(|error| at(&error))?,
             None => file.mesh,
         };
-        derived::check_extent(&mesh, &self.place)?;
+        finite::check_extent(&mesh, &self.place)?;
         Ok(MeshFile { mesh, notes: file.notes, files: file.files })
     }
 

@@ -9,12 +9,20 @@ use emmy::mesh::{Mesh, owners};
 use emmy::team::{self, Team};
 
 use super::fault::{Fault, InputError};
-use super::parts::CheckedMesh;
+use super::formulation::Formulations;
 use super::problem::Problem;
 use crate::checkpoint::{digest, other_input};
+use crate::mesh::MeshFile;
 use crate::shares::{self, MeshSource};
 use crate::team::other_than_first;
 use crate::whole_file::{self, named};
+
+/// A mesh in which every group was found, and the formulations of its cells.
+#[derive(Debug, Clone)]
+pub(super) struct CheckedMesh {
+    pub(super) file: MeshFile,
+    pub(super) formulations: Formulations,
+}
 
 /// Where the body of a problem comes from.
 #[derive(Debug, Clone, Copy)]

@@ -1,16 +1,16 @@
 //! `[[support]]`: fixed and driven parts of the body.
 
-use emmy::body::{Rotation, Support, TimeFunction};
+use emmy::body::{GroundSpring, Rotation, Support, TimeFunction};
 use emmy::internals::number::{short, short_vector};
 use emmy::internals::time::BodyFeature;
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
 
-use super::description::{Described, Kind, POSITIVE, Section, list, vector};
+use super::description::{Described, Kind, POSITIVE, Section, list, vector, word};
 use super::fault::{Fault, Place};
 use super::history::{self, Context};
-use super::region::Placed;
-use super::suggest::listed;
+use super::measured::MEASURED;
+use super::placed::{self, Placed};
 use super::table::{Item, Table};
 use super::time::Time;
 
@@ -23,7 +23,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         "The facets of the group lie in a plane of symmetry, normal to the x, y or z axis, and stay in it";
     Section::new("[[support]]", "Nodes that are held, moved or turned")
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
-        .may("fix", list(1, Kind::Word(COMPONENTS.to_vec())), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
+        .may("fix", list(1, word("a component", COMPONENTS)), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
         .may(
             "accelerate",
@@ -46,90 +46,77 @@ pub(super) static SUPPORT: Described = Described::new(|| {
 });
 
 static MOVE: Described = Described::new(|| {
-    Section::new("move", "Displacement of components over time, from 0 on")
-        .may("x", Kind::TimeFunction, "length", "Displacement along x")
-        .absent("free")
-        .may("y", Kind::TimeFunction, "length", "Displacement along y")
-        .absent("free")
-        .may("z", Kind::TimeFunction, "length", "Displacement along z")
-        .absent("free")
-        .at_least_one(&COMPONENTS)
+    components("move", "Displacement of components over time, from 0 on", "length", "Displacement")
 });
 
 static ACCELERATE: Described = Described::new(|| {
-    Section::new("accelerate", "Acceleration of components over time")
-        .may("x", Kind::TimeFunction, "length/time²", "Acceleration along x")
-        .absent("free")
-        .may("y", Kind::TimeFunction, "length/time²", "Acceleration along y")
-        .absent("free")
-        .may("z", Kind::TimeFunction, "length/time²", "Acceleration along z")
-        .absent("free")
-        .at_least_one(&COMPONENTS)
+    components("accelerate", "Acceleration of components over time", "length/time²", "Acceleration")
 });
+
+/// Histories of components.
+fn components(name: &'static str, doc: &str, unit: &'static str, what: &str) -> Section {
+    let add = |section: Section, axis: &'static str| {
+        let kind = Kind::TimeFunction(&MEASURED);
+        section.may(axis, kind, unit, &format!("{what} along {axis}")).absent("free")
+    };
+    COMPONENTS.into_iter().fold(Section::new(name, doc), add).at_least_one(&COMPONENTS)
+}
 
 static ROTATE: Described = Described::new(|| {
     Section::new("rotate", "Rotation of the group as a rigid body")
         .must("axis", vector(), "", "Direction of the axis, of any length")
         .may("about", vector(), "length", "A point of the axis")
         .absent("the origin")
-        .must("angle", Kind::TimeFunction, "radian", "Angle over time, from 0 on")
+        .must("angle", Kind::TimeFunction(&MEASURED), "radian", "Angle over time, from 0 on")
 });
 
+/// A support, and the springs that stand in the same table.
+#[derive(Debug)]
+pub(super) struct Held {
+    pub(super) support: Option<Placed<Support>>,
+    pub(super) spring: Option<Placed<GroundSpring>>,
+}
+
 /// Reads one support.
-pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<Placed<Support>, Fault> {
-    let table = item.table(&SUPPORT)?;
-    let group = table.require("group")?.name()?;
-    let kinds = SUPPORT.choice();
-    if kinds.iter().all(|key| table.get(key).is_none()) {
-        let message = format!("[[support]] needs at least one of {}", listed(kinds));
-        return Err(Fault::at(table.place(), message, "none of them is here"));
+pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<Held, Fault> {
+    let spring = table.may("spring").map(|stiffness| spring(table, stiffness)).transpose()?;
+    if SUPPORT.choice().iter().all(|key| *key == "spring" || table.item(key).is_none()) {
+        return Ok(Held { support: None, spring });
     }
-    let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();
-    let displacement = displacement(&table, context)?;
-    let rotation = table.get("rotate").map(|item| rotation(item, context)).transpose()?;
-    let symmetry = table.get("symmetry").map(symmetry).transpose()?.unwrap_or_default();
-    let until = table.get("until").map(|item| item.positive()).transpose()?;
-    let support = Support { group, fix, displacement, rotation, symmetry, until };
-    check(&table, &support)?;
-    Placed::new(&table, support)
+    let support = Support {
+        group: table.must::<Item<'_>>("group").name(),
+        fix: fixed(table.may("fix").unwrap_or_default()),
+        displacement: displacement(table, context)?,
+        rotation: table.may("rotate").map(|own| rotation(&own, context)).transpose()?,
+        symmetry: table.item("symmetry").is_some(),
+        until: table.may("until"),
+    };
+    check(table, &support)?;
+    Ok(Held { support: Some(Placed::new(table, support)), spring })
 }
 
-fn fixed(item: Item<'_>) -> Result<[bool; 3], Fault> {
-    let mut fixed = [false; 3];
-    let components = item.list()?;
-    if components.is_empty() {
-        let message = "`fix` is empty: it lists the components that do not move";
-        return Err(item.fault(message, "such as [\"x\", \"y\"]"));
+fn spring(table: &Table<'_>, stiffness: f64) -> Result<Placed<GroundSpring>, Fault> {
+    if let Some(until) = table.item("until") {
+        let message = "`until` cannot be used with `spring`: springs to the ground stay; use a separate support for the components that are released";
+        return Err(until.fault(message, "with a spring"));
     }
-    for component in components {
-        let word = component.word("a component", &COMPONENTS)?;
-        fixed[(word.as_bytes()[0] - b'x') as usize] = true;
-    }
-    Ok(fixed)
+    Ok(Placed::new(table, GroundSpring { group: table.must::<Item<'_>>("group").name(), stiffness }))
 }
 
-fn symmetry(item: Item<'_>) -> Result<bool, Fault> {
-    match item.boolean()? {
-        true => Ok(true),
-        false => Err(item.fault("`symmetry` is true or left out", "without effect")),
-    }
+fn fixed(components: Vec<&str>) -> [bool; 3] {
+    COMPONENTS.map(|component| components.contains(&component))
 }
 
 /// Displacements of components, given by themselves or by their accelerations.
 fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeFunction>; 3], Fault> {
     let mut displacement = [const { None }; 3];
-    for (key, section, read) in DRIVES {
-        let Some(item) = table.get(key) else { continue };
-        let components = item.table(section)?;
-        let given = COMPONENTS.map(|component| components.get(component));
-        if given.iter().all(Option::is_none) {
-            let message = format!("`{key}` is empty: it gives histories of components");
-            return Err(item.fault(message, format!("such as {key} = {{ x = \"0.1*t\" }}")));
-        }
+    for (key, read) in DRIVES {
+        let Some(components) = table.may::<Table<'_>>(key) else { continue };
+        let given = COMPONENTS.map(|component| components.item(component));
         for (history, item) in displacement.iter_mut().zip(given) {
             let Some(item) = item else { continue };
             if history.is_some() {
-                let message = format!("component `{}` is both moved and accelerated", item.key());
+                let message = format!("component `{}` is both moved and accelerated", item.key);
                 return Err(Fault::at(item.key_place, message, "twice"));
             }
             *history = Some(read(item, context)?);
@@ -141,74 +128,51 @@ fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeF
 /// Reads the displacement of a component.
 type ReadMotion = fn(Item<'_>, Context<'_>) -> Result<TimeFunction, Fault>;
 
-/// The histories of the motion of components: key, description, reader.
-const DRIVES: [(&str, &Described, ReadMotion); 2] =
-    [("move", &MOVE, motion), ("accelerate", &ACCELERATE, accelerated)];
+/// The histories of the motion of components: key, reader.
+const DRIVES: [(&str, ReadMotion); 2] = [("move", motion), ("accelerate", accelerated)];
 
 /// The displacement of nodes with an acceleration.
 fn accelerated(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     let acceleration = history::read(item, context)?;
-    TimeFunction::from_acceleration(&acceleration, [0.0, context.end])
-        .map_err(|error| item.fault(format!("`{}`: {error}", item.key()), "here"))
+    TimeFunction::from_acceleration(&acceleration, context.run.unwrap_or([0.0, 1.0]))
+        .map_err(|error| item.fault(format!("`{}`: {error}", item.key), "here"))
 }
 
-fn rotation(item: Item<'_>, context: Context<'_>) -> Result<Rotation, Fault> {
-    let table = item.table(&ROTATE)?;
-    let axis_item = table.require("axis")?;
-    let axis: [f64; 3] = axis_item.numbers()?;
+fn rotation(table: &Table<'_>, context: Context<'_>) -> Result<Rotation, Fault> {
+    let axis: [f64; 3] = table.must("axis");
     if axis == [0.0; 3] {
-        return Err(axis_item.fault("`axis` of a rotation must have a direction", "zero"));
+        let item: Item<'_> = table.must("axis");
+        return Err(item.fault("`axis` of a rotation must have a direction", "zero"));
     }
-    let about = table.get("about").map_or(Ok([0.0; 3]), |item| item.numbers())?;
-    Ok(Rotation { axis, about, angle: motion(table.require("angle")?, context)? })
+    let about = table.may("about").unwrap_or_default();
+    Ok(Rotation { axis, about, angle: motion(table.must("angle"), context)? })
 }
 
-/// A time function that nodes can follow: without jumps.
+/// A time function that nodes can follow: without jumps, from zero on where the body is undeformed at the start.
 fn motion(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     let history = history::read(item, context)?;
-    let key = item.key();
+    let key = item.key;
     if let Some(time) = history.first_jump() {
         let message = format!("`{key}`: the motion jumps at t = {}; give the jump a duration", short(time));
         return Err(item.fault(message, "two values at one time"));
     }
-    Ok(history)
-}
-
-/// Checks that supports of an undeformed body move from zero on.
-pub(super) fn check_starts(root: &Table<'_>, context: Context<'_>) -> Result<(), Fault> {
-    let supports = root.get("support").map_or(Ok(Vec::new()), |item| item.one_or_more());
-    // Other faults of supports are found where they are read.
-    for table in supports.unwrap_or_default().iter().filter_map(|item| item.table(&SUPPORT).ok()) {
-        let moves = table.get("move").and_then(|item| item.table(&MOVE).ok());
-        let shifts =
-            moves.into_iter().flat_map(|moves| COMPONENTS.into_iter().filter_map(move |x| moves.get(x)));
-        let turns = table.get("rotate").and_then(|item| item.table(&ROTATE).ok());
-        shifts
-            .chain(turns.and_then(|turns| turns.get("angle")))
-            .try_for_each(|item| check_zero(item, context))?;
-    }
-    Ok(())
-}
-
-fn check_zero(item: Item<'_>, context: Context<'_>) -> Result<(), Fault> {
-    let start = motion(item, context).map_or(0.0, |history| history.value(0.0));
     // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
     // mesh. Numbers that are not finite have their own fault.
-    if start.is_nan() || start.abs() <= 1e-9 {
-        return Ok(());
+    let start = history.value(0.0);
+    if context.is_undeformed && start.abs() > 1e-9 {
+        let message = format!(
+            "`{key}` is {} at t = 0, where the body is undeformed; let it start from 0",
+            short(start)
+        );
+        return Err(item.fault(message, "not 0 at the start"));
     }
-    let message = format!(
-        "`{}` is {} at t = 0, where the body is undeformed; let it start from 0",
-        item.key(),
-        short(start)
-    );
-    Err(item.fault(message, "not 0 at the start"))
+    Ok(history)
 }
 
 /// Components that are given twice.
 fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
-    let Some(fix) = table.get("fix") else { return Ok(()) };
-    if let Some(rotate) = table.get("rotate") {
+    let Some(fix) = table.item("fix") else { return Ok(()) };
+    if let Some(rotate) = table.item("rotate") {
         let message = "`rotate` gives the motion of all components: nothing is left to `fix`";
         return Err(fix.fault(message, "fixed here").label(rotate.place(), "turned here"));
     }
@@ -220,7 +184,7 @@ fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
     let message = format!("component `{}` is both fixed and {how}", COMPONENTS[component]);
     let fault = fix.fault(message, "fixed here");
     Err(table
-        .get(key)
+        .item(key)
         .into_iter()
         .fold(fault, |fault, item| fault.label(item.place(), format!("{how} here"))))
 }
@@ -275,14 +239,8 @@ pub(super) fn plan_with_releases(plan: &StepPlan, supports: &[Placed<Support>]) 
     times.fold(plan.clone(), StepPlan::with_end_at)
 }
 
-/// Groups of the supports with the places of their names.
-pub(super) fn places(supports: &[Placed<Support>]) -> Vec<(String, Place)> {
-    supports.iter().filter_map(|support| support.group.clone()).collect()
-}
-
 /// The fault of a body with invalid supports.
-pub(super) fn fault(error: &emmy::Error, places: &[(String, Place)]) -> Option<Fault> {
+pub(super) fn fault(error: &emmy::Error, groups: &[(String, Place)]) -> Option<Fault> {
     let emmy::Error::Support { group, .. } = error else { return None };
-    let (_, place) = places.iter().find(|(name, _)| name == group)?;
-    Some(Fault::at(place, error.to_string(), "this support"))
+    placed::fault(error, group, groups, "this support")
 }

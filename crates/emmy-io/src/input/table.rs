@@ -1,109 +1,103 @@
-//! Typed reading of the tree: every mismatch is a fault with its place.
+//! Values of tables that are right: their keys, kinds and rules were checked against the description (`walk`).
 
-use std::sync::Arc;
+use std::sync::LazyLock;
 
-use emmy::body::{Field, TimeFunction};
-use emmy::mesh::Mesh;
+use emmy::body::Field;
 
-use super::description::Section;
+use super::description::{Kind, Section};
 use super::fault::{Fault, Place};
-use super::suggest::{did_you_mean, listed};
 use super::tree::{Entry, Node, Value};
 use crate::message;
 
-/// A table whose keys are all known.
+/// A table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Table<'a> {
     entries: &'a [Entry],
-    section: &'static Section,
-    place: &'a Place,
+    pub(super) section: &'static Section,
+    /// Start of the table.
+    pub(super) place: &'a Place,
 }
 
-/// A value together with its key.
+/// A value together with its key and its kind.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Item<'a> {
-    key: &'a str,
-    node: &'a Node,
+    /// The key.
+    pub(super) key: &'a str,
+    pub(super) node: &'a Node,
+    pub(super) kind: &'static Kind,
     /// Place of the key.
     pub(super) key_place: &'a Place,
 }
 
+/// A value of a known kind. A value of another kind cannot stand in a table that is right; it reads as nothing: not a
+/// number, zero or empty.
+pub(super) trait Read<'a> {
+    fn read(item: Item<'a>) -> Self;
+}
+
+/// Stands for a missing value.
+static NOTHING: LazyLock<Node> =
+    LazyLock::new(|| Node { value: Value::Table(Vec::new()), place: Place::start_of("", "") });
+
 impl<'a> Table<'a> {
-    /// The root of the tree.
-    pub(super) fn root(node: &'a Node, section: &'static Section) -> Result<Self, Fault> {
-        Item { key: "input", node, key_place: &node.place }.table(section)
+    /// The value of a key, if it is there.
+    pub(super) fn item(&self, key: &str) -> Option<Item<'a>> {
+        let entry = self.entries.iter().find(|entry| entry.key == key)?;
+        let kind = self.section.key_of(key).map(|key| &key.kind);
+        let kind = kind.or(self.section.others.as_ref().map(|others| &others.kind))?;
+        Some(Item { key: &entry.key, node: &entry.node, kind, key_place: &entry.place })
     }
 
     /// The value of an optional key.
-    pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
-        let entry = self.entries.iter().find(|entry| entry.key == key)?;
-        Some(Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
+    pub(super) fn may<T: Read<'a>>(&self, key: &str) -> Option<T> {
+        self.item(key).map(T::read)
     }
 
-    /// The values of the keys whose names are free.
+    /// The value of a key that is required or has a default.
+    pub(super) fn must<T: Read<'a>>(&self, key: &str) -> T {
+        let item = self.item(key);
+        debug_assert!(item.is_some(), "{}: `{key}` is not there", self.section.name);
+        T::read(item.unwrap_or(Item { key: "", node: &NOTHING, kind: &Kind::Text, key_place: self.place }))
+    }
+
+    /// The given key of those of which exactly one must be given.
+    pub(super) fn chosen(&self) -> Item<'a> {
+        let given = self.section.choice().into_iter().find(|key| self.item(key).is_some());
+        self.must(given.unwrap_or_default())
+    }
+
+    /// The name of the group, as files can hold it, and its place.
+    pub(super) fn group(&self) -> Option<(String, Place)> {
+        self.item("group").map(|item| (item.name(), item.place().clone()))
+    }
+
+    /// Keys and values.
+    pub(super) fn items(&self) -> impl Iterator<Item = Item<'a>> + use<'a> {
+        let table = *self;
+        self.entries.iter().filter_map(move |entry| table.item(&entry.key))
+    }
+
+    /// Keys and values whose names are free.
     pub(super) fn others(&self) -> impl Iterator<Item = Item<'a>> + use<'a> {
         let section = self.section;
-        let others = self.entries.iter().filter(|entry| section.names().all(|name| name != entry.key));
-        others.map(|entry| Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
+        self.items().filter(move |item| section.key_of(item.key).is_none())
     }
 
-    /// The value of a required key.
-    pub(super) fn require(&self, key: &str) -> Result<Item<'a>, Fault> {
-        self.get(key).ok_or_else(|| {
-            let message = format!("`{key}` is missing in {}", self.section.name);
-            Fault::at(self.place, message, format!("needs `{key}`"))
-        })
-    }
-
-    /// The given key of several, of which the table must have exactly one.
-    pub(super) fn exactly_one(&self, what: &str) -> Result<Item<'a>, Fault> {
-        let keys = self.section.choice();
-        let found: Vec<Item> = keys.iter().filter_map(|key| self.get(key)).collect();
-        let choice = listed(keys);
-        match found[..] {
-            [item] => Ok(item),
-            [] => {
-                let message = format!("{} needs {what}: exactly one of {choice}", self.section.name);
-                Err(Fault::at(self.place, message, "none of them is here"))
-            }
-            _ => {
-                let message =
-                    format!("{} has more than {what}: give exactly one of {choice}", self.section.name);
-                let labels = ["this one"].into_iter().chain(std::iter::repeat("and this one"));
-                let label = |fault: Fault, (item, label): (&Item, &str)| fault.label(item.key_place, label);
-                Err(found.iter().zip(labels).fold(Fault::new(message), label))
-            }
-        }
-    }
-
-    /// Start of the table.
-    pub(super) fn place(&self) -> &'a Place {
-        self.place
-    }
-
-    fn check_keys(self) -> Result<Self, Fault> {
-        let Section { name, others, .. } = self.section;
-        if others.is_some() {
-            return Ok(self);
-        }
-        let unknown = |entry: &&Entry| self.section.names().all(|key| key != entry.key);
-        let Some(entry) = self.entries.iter().find(unknown) else { return Ok(self) };
-        let label = self.section.advice(&entry.key).unwrap_or_else(|| "not a key".to_string());
-        let message = format!("unknown key `{}` in {name}", entry.key);
-        let help = format!("keys of {name}: {}", listed(self.section.names()));
-        Err(Fault::at(&entry.place, message, label).help(help))
+    /// All keys with their places, known or not.
+    pub(super) fn keys(&self) -> impl Iterator<Item = (&'a str, &'a Place)> + use<'a> {
+        self.entries.iter().map(|entry| (entry.key.as_str(), &entry.place))
     }
 }
 
 impl<'a> Item<'a> {
     /// A value that stands under a key.
-    pub(super) fn of(key: &'a str, node: &'a Node) -> Self {
-        Item { key, node, key_place: &node.place }
+    pub(super) fn of(key: &'a str, node: &'a Node, kind: &'static Kind) -> Self {
+        Item { key, node, kind, key_place: &node.place }
     }
 
-    /// Whether the value is a table.
-    pub(super) fn is_table(&self) -> bool {
-        matches!(self.node.value, Value::Table(_))
+    /// The value.
+    pub(super) fn value(&self) -> &'a Value {
+        &self.node.value
     }
 
     /// Place of the value.
@@ -111,251 +105,125 @@ impl<'a> Item<'a> {
         &self.node.place
     }
 
-    /// The key.
-    pub(super) fn key(&self) -> &'a str {
-        self.key
-    }
-
     /// A fault at the value.
     pub(super) fn fault(&self, message: impl Into<String>, label: impl Into<String>) -> Fault {
         Fault::at(self.place(), message, label)
     }
 
-    fn mismatch(&self, wanted: &str) -> Fault {
-        let found = self.node.value.kind();
-        self.fault(format!("`{}` must be {wanted}, not {found}", self.key), format!("this is {found}"))
-    }
-
-    /// A table whose keys are all known.
-    pub(super) fn table(&self, section: &'static Section) -> Result<Table<'a>, Fault> {
-        match &self.node.value {
-            Value::Table(entries) => Table { entries, section, place: &self.node.place }.check_keys(),
-            _ => {
-                let all = listed(section.names());
-                Err(self.mismatch(&format!("a table with the keys {all}")))
-            }
-        }
-    }
-
-    /// Keys and values of a table with arbitrary keys.
-    pub(super) fn any_table(&self) -> Result<Vec<(String, Item<'a>)>, Fault> {
-        let Value::Table(entries) = &self.node.value else { return Err(self.mismatch("a table")) };
-        let item = |entry: &'a Entry| Item { key: &entry.key, node: &entry.node, key_place: &entry.place };
-        Ok(entries.iter().map(|entry| (entry.key.clone(), item(entry))).collect())
-    }
-
-    /// Place of a key of a table, even if other keys are unknown.
-    pub(super) fn has_key(&self, key: &str) -> Option<&'a Place> {
-        match &self.node.value {
-            Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.place),
+    /// The table, if it is one.
+    pub(super) fn table(&self) -> Option<Table<'a>> {
+        let section = self.kind.section()?;
+        match self.value() {
+            Value::Table(entries) => Some(Table { entries, section, place: self.place() }),
             _ => None,
         }
     }
 
-    /// One table or a list of them.
-    pub(super) fn one_or_more(&self) -> Result<Vec<Item<'a>>, Fault> {
-        match &self.node.value {
-            Value::Table(_) => Ok(vec![*self]),
-            Value::Array(_) => self.list(),
-            _ => Err(self.mismatch("a table or a list of tables")),
+    /// The entries of a list or of a table with free names; of a single value where there may be several, this value.
+    pub(super) fn items(&self) -> Vec<Item<'a>> {
+        let kind = self.kind.inner();
+        match (self.kind, self.value()) {
+            (_, Value::Array(nodes)) => nodes.iter().map(|node| Item { node, kind, ..*self }).collect(),
+            (Kind::Groups, Value::Table(entries)) => {
+                let of = |entry: &'a Entry| Item {
+                    key: &entry.key,
+                    node: &entry.node,
+                    kind,
+                    key_place: &entry.place,
+                };
+                entries.iter().map(of).collect()
+            }
+            _ => vec![Item { kind, ..*self }],
         }
-    }
-
-    /// The items of a list.
-    pub(super) fn list(&self) -> Result<Vec<Item<'a>>, Fault> {
-        self.list_or("a list")
-    }
-
-    /// The items of a list; `wanted` describes the value in the message.
-    pub(super) fn list_or(&self, wanted: &str) -> Result<Vec<Item<'a>>, Fault> {
-        let Value::Array(nodes) = &self.node.value else {
-            let fault = self.mismatch(wanted);
-            return Err(match self.node.value {
-                Value::Table(_) => fault.help("put square brackets around it"),
-                _ => fault,
-            });
-        };
-        Ok(nodes.iter().map(|node| Item { node, ..*self }).collect())
     }
 
     /// The text, if the value is a string.
     pub(super) fn text(&self) -> Option<&'a str> {
-        match &self.node.value {
+        match self.value() {
             Value::String(text) => Some(text),
             _ => None,
         }
     }
 
-    /// The mesh in memory, if the value is one.
-    pub(super) fn mesh(&self) -> Option<&'a Arc<Mesh>> {
-        match &self.node.value {
-            Value::Mesh(mesh) => Some(mesh),
-            _ => None,
-        }
+    /// A name that files can hold, read like the names in meshes.
+    pub(super) fn name(&self) -> String {
+        message::name(self.text().unwrap_or_default()).into_owned()
     }
 
-    /// The function of time of a program, if the value is one.
-    pub(super) fn time_function(&self) -> Option<&'a TimeFunction> {
-        match &self.node.value {
-            Value::TimeFunction(function) => Some(function),
-            _ => None,
-        }
+    /// The value meant by a word.
+    pub(super) fn one_of<T: Copy, const N: usize>(&self, known: [(&str, T); N]) -> T {
+        let found = known.iter().find(|(word, _)| Some(*word) == self.text());
+        debug_assert!(found.is_some(), "`{}`: {:?}", self.key, self.text());
+        found.unwrap_or(&known[0]).1
     }
 
     /// The field of a program, if the value is one.
     pub(super) fn field(&self) -> Option<&'a Field> {
-        match &self.node.value {
+        match self.value() {
             Value::Field(field) => Some(field),
             _ => None,
         }
     }
+}
 
-    /// A string that is not empty.
-    pub(super) fn string(&self) -> Result<&'a str, Fault> {
-        match &self.node.value {
-            Value::String(text) if text.trim().is_empty() => {
-                Err(self.fault(format!("`{}` must not be empty", self.key), "empty"))
-            }
-            Value::String(text) => Ok(text),
-            _ => Err(self.mismatch("a string")),
+impl<'a> Read<'a> for Item<'a> {
+    fn read(item: Item<'a>) -> Self {
+        item
+    }
+}
+
+impl<'a> Read<'a> for Table<'a> {
+    fn read(item: Item<'a>) -> Self {
+        let place = item.place();
+        debug_assert!(item.table().is_some(), "`{}` is not a table", item.key);
+        item.table().unwrap_or(Table { entries: &[], section: &EMPTY, place })
+    }
+}
+
+/// A table without keys.
+static EMPTY: LazyLock<Section> = LazyLock::new(|| Section::new("", ""));
+
+impl<'a> Read<'a> for &'a str {
+    fn read(item: Item<'a>) -> Self {
+        item.text().unwrap_or_default()
+    }
+}
+
+impl Read<'_> for f64 {
+    fn read(item: Item<'_>) -> Self {
+        match *item.value() {
+            Value::Float(value) => value,
+            Value::Integer(value) => value as f64,
+            _ => f64::NAN,
         }
     }
+}
 
-    /// A name that files can hold, read like the names in meshes.
-    pub(super) fn name(&self) -> Result<String, Fault> {
-        Ok(message::name(self.string()?).into_owned())
-    }
-
-    /// True or false.
-    pub(super) fn boolean(&self) -> Result<bool, Fault> {
-        match self.node.value {
-            Value::Boolean(value) => Ok(value),
-            _ => Err(self.mismatch("true or false")),
+impl Read<'_> for usize {
+    fn read(item: Item<'_>) -> Self {
+        match *item.value() {
+            Value::Integer(value) => usize::try_from(value).unwrap_or(0),
+            _ => 0,
         }
     }
+}
 
-    /// One of the known words.
-    pub(super) fn word(&self, what: &str, known: &[&str]) -> Result<&'a str, Fault> {
-        if self.text().is_none() {
-            return Err(self.mismatch(&format!("one of {}", listed(known.iter().copied()))));
-        }
-        let text = self.string()?;
-        if known.contains(&text) {
-            return Ok(text);
-        }
-        let label = did_you_mean(text, known.iter().copied()).unwrap_or_else(|| format!("not {what}"));
-        let message = format!("`{text}` is not {what}; there is {}", listed(known.iter().copied()));
-        Err(self.fault(message, label))
+impl<'a, T: Read<'a>> Read<'a> for Vec<T> {
+    fn read(item: Item<'a>) -> Self {
+        item.items().into_iter().map(T::read).collect()
     }
+}
 
-    /// The value meant by one of the known words.
-    pub(super) fn one_of<T: Copy>(&self, what: &str, known: &[(&str, T)]) -> Result<T, Fault> {
-        let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
-        let word = self.word(what, &words)?;
-        let found = known.iter().find(|(other, _)| *other == word);
-        found
-            .map(|(_, value)| *value)
-            .ok_or_else(|| self.fault(format!("`{word}` is not {what}"), "not known"))
-    }
-
-    /// A finite number; whole numbers are numbers too.
-    pub(super) fn number(&self) -> Result<f64, Fault> {
-        match self.node.value {
-            Value::Float(value) if !value.is_finite() => {
-                Err(self.fault(format!("`{}` must be a finite number, not {value}", self.key), "not finite"))
-            }
-            Value::Float(value) => Ok(value),
-            Value::Integer(value) => Ok(value as f64),
-            _ => Err(self.not_a_number("a number")),
-        }
-    }
-
-    /// The fault of a value that is not a number; text that contains one gets advice.
-    fn not_a_number(&self, wanted: &str) -> Fault {
-        let fault = self.mismatch(wanted);
-        match self.text().map(str::trim) {
-            Some(text) if text.parse::<f64>().is_ok() => fault.help("numbers stand without quotes"),
-            Some(text) if text.starts_with(|c: char| c.is_ascii_digit() || ".+-".contains(c)) => fault.help(
-                "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
-            ),
-            _ => fault,
-        }
-    }
-
-    /// A positive finite number.
-    pub(super) fn positive(&self) -> Result<f64, Fault> {
-        match self.number()? {
-            value if value > 0.0 => Ok(value),
-            value => {
-                let message = format!("`{}` must be positive, not {}", self.key, spelled(value));
-                Err(self.fault(message, "not positive"))
-            }
-        }
-    }
-
-    /// A whole number not below a smallest one.
-    pub(super) fn whole(&self, least: usize) -> Result<usize, Fault> {
-        let value = match self.node.value {
-            Value::Integer(value) => value,
-            Value::Float(value) => {
-                let message = format!("`{}` must be a whole number, not {}", self.key, decimal(value));
-                return Err(self.fault(message, "not whole"));
-            }
-            _ => return Err(self.not_a_number("a whole number")),
-        };
-        let fits = usize::try_from(value).ok().filter(|&value| value >= least);
-        fits.ok_or_else(|| {
-            self.fault(format!("`{}` must be at least {least}, not {value}", self.key), "too small")
-        })
-    }
-
-    /// The given number of values.
-    pub(super) fn exactly<const N: usize>(&self, what: &str) -> Result<[Item<'a>; N], Fault> {
-        let Value::Array(nodes) = &self.node.value else {
-            return Err(self.mismatch(&format!("a list of {N} {what}")));
-        };
-        let items: Vec<Item> = nodes.iter().map(|node| Item { node, ..*self }).collect();
-        items.try_into().map_err(|items: Vec<Item>| {
-            let message = format!("`{}` must have {N} {what}, not {}", self.key, items.len());
-            self.fault(message, format!("{} here", items.len()))
-        })
-    }
-
-    /// Finite numbers in a list of fixed length.
-    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
-        each(self.exactly("numbers")?, |item| item.number())
-    }
-
-    /// Whole numbers in a list of fixed length.
-    pub(super) fn wholes<const N: usize>(&self, least: usize) -> Result<[usize; N], Fault> {
-        each(self.exactly("whole numbers")?, |item| item.whole(least))
-    }
-
-    /// A 3x3 tensor, row by row.
-    pub(super) fn tensor(&self) -> Result<[[f64; 3]; 3], Fault> {
-        each(self.exactly("rows")?, |row| row.numbers())
+impl<'a, T: Read<'a>, const N: usize> Read<'a> for [T; N] {
+    fn read(item: Item<'a>) -> Self {
+        let items = item.items();
+        debug_assert_eq!(items.len(), N, "`{}`", item.key);
+        std::array::from_fn(|i| T::read(items.get(i).copied().unwrap_or(Item { node: &NOTHING, ..item })))
     }
 }
 
 /// A number, with an exponent if it would otherwise have many digits.
 pub(super) fn spelled(value: f64) -> String {
-    let text = decimal(value);
+    let text = format!("{value:?}");
     text.strip_suffix(".0").unwrap_or(&text).to_string()
-}
-
-/// A number that is recognizably not whole: `2.0`.
-fn decimal(value: f64) -> String {
-    format!("{value:?}")
-}
-
-/// The results of all items, or the first fault.
-fn each<const N: usize, T: Copy + Default>(
-    items: [Item<'_>; N],
-    read: impl Fn(&Item<'_>) -> Result<T, Fault>,
-) -> Result<[T; N], Fault> {
-    let mut values = [T::default(); N];
-    for (value, item) in values.iter_mut().zip(&items) {
-        *value = read(item)?;
-    }
-    Ok(values)
 }

@@ -1,5 +1,6 @@
 //! `[time]`: scheme with its degree, and step plan; `--until`.
 
+use emmy::body::Body;
 use emmy::motion::{Phase, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
@@ -7,12 +8,12 @@ use super::adaptive;
 use super::description::{Described, Kind, NUMBER, POSITIVE, Section, list};
 use super::fault::{Fault, Place};
 use super::suggest::nearest;
-use super::table::{Item, spelled};
+use super::table::{Item, Table, spelled};
 
 /// `[time]`.
 pub(super) static TIME: Described = Described::new(|| {
     Section::new("[time]", "Scheme, degree and steps")
-        .must("scheme", Kind::Scheme, "", "Scheme in time; `emmy list schemes` explains them")
+        .must("scheme", Kind::Scheme(doubt), "", "Scheme in time; `emmy list schemes` explains them")
         .may(
             "degree",
             Kind::Whole(1, Some(MAX_DEGREE)),
@@ -56,48 +57,58 @@ pub(super) struct Time {
 }
 
 /// Reads the table; `until` is the end given on the command line, `step` a time and the step size after it.
-pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
-    let table = item.table(&TIME)?;
-    let scheme_item = table.require("scheme")?;
+pub(super) fn read(table: &Table<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
+    let scheme_item: Item<'_> = table.must("scheme");
     let scheme = scheme(&scheme_item)?;
-    let degree_item = table.require("degree")?;
-    let degree = degree_item.whole(1)?;
-    let scheme = scheme.with_degree(degree).map_err(|error| {
-        if degree > MAX_DEGREE {
-            return degree_item.fault(reason(&error), "this degree");
-        }
+    let degree_item: Item<'_> = table.must("degree");
+    let scheme = scheme.with_degree(table.must("degree")).map_err(|error| {
         let fault = scheme_item.fault(reason(&error), "this scheme");
         fault.label(degree_item.place(), "with this degree")
     })?;
-    let plan = match table.get("adaptive") {
-        Some(adaptive) => adaptive::plan(&table, &adaptive, scheme, (&scheme_item, &degree_item), until)?,
+    let plan = match table.item("adaptive") {
+        Some(adaptive) => adaptive::plan(table, &adaptive, scheme, (&scheme_item, &degree_item), until)?,
         None => {
-            adaptive::check_until(&table)?;
-            plan(table.require("steps")?)?
+            adaptive::check_until(table)?;
+            plan(table)?
         }
     };
     let plan = until.map_or(Ok(plan.clone()), |until| cut_or_extended(&plan, until))?;
     let plan = step.map_or(Ok(plan.clone()), |(from, size)| with_size_from(&plan, from, size))?;
-    let smallest_step = table.get("smallest_step").map(|item| item.positive()).transpose()?;
-    let adaptive = table.get("adaptive").map(|item| item.place().clone());
-    Ok(Time { scheme, plan, adaptive, smallest_step })
+    let adaptive = table.item("adaptive").map(|item| item.place().clone());
+    Ok(Time { scheme, plan, adaptive, smallest_step: table.may("smallest_step") })
+}
+
+/// Checks that there is a scale of positions.
+pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
+    let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());
+    match &time.adaptive {
+        Some(place) if !has_scale && body.radius_of_gyration() == 0.0 => {
+            let message = "`adaptive` needs a `length`: the body is a point and has none";
+            Err(Fault::at(place, message, "needs `length`"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
-    let text = item.string()?;
-    Scheme::from_name(text).map_err(|error| {
-        let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();
-        let are_wrong = |name: &str, numbers: &str| {
-            FAMILIES.contains(&name) && numbers.contains(',') && numbers.split(',').all(is_number)
-        };
-        let label = match (text.split_once('('), meant(text)) {
-            // Only the numbers are wrong.
-            (Some((name, numbers)), _) if are_wrong(name, numbers) => "this scheme".to_string(),
-            (_, Some(word)) => format!("did you mean \"{word}\"?"),
-            _ => "not a scheme".to_string(),
-        };
-        item.fault(reason(&error), label).help("`emmy list schemes` explains them")
-    })
+    Scheme::from_name(item.text().unwrap_or_default())
+        .map_err(|error| item.fault(reason(&error), "this scheme"))
+}
+
+/// What is wrong with the name of a scheme.
+fn doubt(text: &str) -> Option<(Fault, String)> {
+    let error = Scheme::from_name(text).err()?;
+    let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();
+    let are_wrong = |name: &str, numbers: &str| {
+        FAMILIES.contains(&name) && numbers.contains(',') && numbers.split(',').all(is_number)
+    };
+    let label = match (text.split_once('('), meant(text)) {
+        // Only the numbers are wrong.
+        (Some((name, numbers)), _) if are_wrong(name, numbers) => "this scheme".to_string(),
+        (_, Some(word)) => format!("did you mean \"{word}\"?"),
+        _ => "not a scheme".to_string(),
+    };
+    Some((Fault::new(reason(&error)).help("`emmy list schemes` explains them"), label))
 }
 
 fn reason(error: &emmy::Error) -> String {
@@ -148,17 +159,17 @@ fn meant(text: &str) -> Option<String> {
     Some(scheme)
 }
 
-fn plan(item: Item<'_>) -> Result<StepPlan, Fault> {
-    let items = item.list()?;
-    if items.is_empty() {
-        return Err(item.fault("`steps` is empty", "such as [ { until = 1.0, size = 0.01 } ]"));
-    }
-    let phases = items.iter().map(phase).collect::<Result<Vec<_>, _>>()?;
-    StepPlan::new(0.0, phases).map_err(|error| match error {
-        emmy::Error::Plan { phase, reason } => items
-            .get(phase)
-            .unwrap_or(&item)
-            .fault(format!("phase {} of `steps`: {reason}", phase + 1), "this phase"),
+fn plan(table: &Table<'_>) -> Result<StepPlan, Fault> {
+    let Some(item) = table.item("steps") else {
+        return Err(Fault::at(table.place, "`steps` is missing in [time]", "needs `steps`"));
+    };
+    let tables: Vec<Table<'_>> = table.must("steps");
+    let phase = |table: &Table<'_>| Phase { until: table.must("until"), size: table.must("size") };
+    StepPlan::new(0.0, tables.iter().map(phase).collect()).map_err(|error| match error {
+        emmy::Error::Plan { phase, reason } => {
+            let place = tables.get(phase).map_or(item.place(), |table| table.place);
+            Fault::at(place, format!("phase {} of `steps`: {reason}", phase + 1), "this phase")
+        }
         other => item.fault(other.to_string(), "here"),
     })
 }
@@ -169,11 +180,6 @@ fn plan_reason(error: emmy::Error) -> String {
         emmy::Error::Plan { reason, .. } => reason,
         error => error.to_string(),
     }
-}
-
-fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
-    let table = item.table(&PHASE)?;
-    Ok(Phase { until: table.require("until")?.number()?, size: table.require("size")?.positive()? })
 }
 
 /// The plan with another end: later phases are left out, or the last one is extended.

@@ -2,14 +2,14 @@
 
 use super::description::{Described, Kind, Section};
 use super::fault::Fault;
-use super::table::Item;
+use super::table::Table;
 use crate::units::{SYSTEMS, UnitSystem, Units};
 
 /// `[units]`.
 pub(super) static UNITS: Described = Described::new(|| {
     Section::new("[units]", "Units of all numbers of the input").must(
         "system",
-        Kind::Word(names().collect()),
+        Kind::Word("a system of units", names().collect(), doubt),
         "",
         "Units of length, mass and time; the units of force and stress that follow may be written behind them",
     )
@@ -19,27 +19,24 @@ fn names() -> impl Iterator<Item = &'static str> {
     SYSTEMS.iter().flat_map(|system| [system.name, system.full_name])
 }
 
-pub(super) fn read(item: Item<'_>) -> Result<Units, Fault> {
-    let item = item.table(&UNITS)?.require("system")?;
-    let text = item.text().unwrap_or_default();
-    if let Some(system) = UnitSystem::named(text) {
-        return Ok(system.into());
-    }
-    let meant = SYSTEMS.iter().find(|system| begins_with(text, system.name));
-    if let Some(system) = meant {
+pub(super) fn read(table: &Table<'_>) -> Units {
+    UnitSystem::named(table.must("system")).map_or_else(Units::default, Units::from)
+}
+
+/// What is wrong with a name that is nearly one of a system.
+fn doubt(text: &str) -> Option<(Fault, String)> {
+    if let Some(system) = SYSTEMS.iter().find(|system| begins_with(text, system.name)) {
         let message = format!(
             "in `{}`, the unit of force is {} and the unit of stress {}",
             system.name,
             system.unit("force"),
             system.unit("stress")
         );
-        return Err(item.fault(message, format!("did you mean `{}`?", system.full_name)));
+        return Some((Fault::new(message), format!("did you mean `{}`?", system.full_name)));
     }
-    if let Some(name) = names().find(|name| sorted(name) == sorted(text)) {
-        let message = format!("`{text}` is in another order: length, mass, time, force, stress");
-        return Err(item.fault(message, format!("did you mean `{name}`?")));
-    }
-    item.word("a system of units", &names().collect::<Vec<_>>()).map(|_| Units::default())
+    let name = names().find(|name| sorted(name) == sorted(text))?;
+    let message = format!("`{text}` is in another order: length, mass, time, force, stress");
+    Some((Fault::new(message), format!("did you mean `{name}`?")))
 }
 
 /// Whether a text is a name with more behind it.

@@ -91,7 +91,9 @@ fn a_table_is_checked_alone() {
     let without_size = check("mass", table([("group", text("a"))])).unwrap_err();
     assert!(without_size.contains("`mass`") && without_size.contains("`total`"), "{without_size}");
     assert!(check("viscosity", table([("shear", Tree::Number(-1.0))])).unwrap_err().starts_with("shear: "));
-    assert!(check("viscosity", table([])).unwrap_err().contains("needs `time`, `shear` or `bulk`"));
+    assert!(
+        check("viscosity", table([])).unwrap_err().contains("needs at least one of `time`, `shear`, `bulk`")
+    );
     assert!(check("adaptive", table([("tolerance", Tree::Number(0.0))])).is_err());
     assert!(check("meshes", Tree::Boolean(true)).unwrap_err().contains("not a section"));
 }

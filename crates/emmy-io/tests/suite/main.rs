@@ -1,12 +1,14 @@
 //! The tests of readers and writers from outside, in one binary, because linking the library takes longer than most of
 //! them.
 
+mod architecture;
 mod body_force;
 mod checkpoints;
 mod flights;
 mod frames;
 mod fuzz_corpus;
 mod group_names;
+mod input_mistakes;
 mod input_robustness;
 mod input_round_trip;
 mod inputs_in_memory;

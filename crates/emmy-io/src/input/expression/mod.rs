@@ -10,15 +10,10 @@ mod parse;
 use emmy::body::{Field, TimeFunction};
 use emmy::internals::number::short;
 
-pub(super) use parse::parse;
-
 use super::fault::Fault;
-use super::table::Item;
+use super::table::{Item, Read};
 use jet::Jet;
-use parse::Mistake;
-
-/// Beginning of the text that stands in a file for a function of a program.
-const FUNCTION: &str = "<function";
+use parse::{Mistake, parse};
 
 /// Names that may occur in an expression, beside the constants.
 #[derive(Debug, Clone, Copy)]
@@ -165,20 +160,10 @@ impl Expression {
 
 /// Reads the text of an expression.
 pub(super) fn read(item: &Item<'_>, vocabulary: &Vocabulary<'_>) -> Result<Expression, Fault> {
-    let text = item.string()?;
-    check_not_of_program(item)?;
+    let text = item.text().unwrap_or_default();
     parse(text, vocabulary).map_err(|Mistake { reason, place }| {
-        Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key()), "here")
+        Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key), "here")
     })
-}
-
-/// Rejects the name of a function of a program, which stands in the input of a run.
-pub(super) fn check_not_of_program(item: &Item<'_>) -> Result<(), Fault> {
-    if !item.text().is_some_and(|text| text.starts_with(FUNCTION)) {
-        return Ok(());
-    }
-    let message = format!("`{}` was a function of a program, which no file holds", item.key());
-    Err(item.fault(message, "here").help("a run with it continues only in that program"))
 }
 
 /// Reads a vector field over reference position and time: three numbers or expressions in [`POSITION_AND_TIME`].
@@ -188,13 +173,11 @@ pub(super) fn read_field(item: &Item<'_>) -> Result<Field, Fault> {
     }
     let component = |item: &Item<'_>| match item.text() {
         Some(_) => read(item, &POSITION_AND_TIME),
-        None => item.number().map(Expression::Number),
+        None => Ok(Expression::Number(f64::read(*item))),
     };
-    check_not_of_program(item)?;
-    let [x, y, z] = item.exactly::<3>("numbers or expressions")?;
-    let components = [component(&x)?, component(&y)?, component(&z)?];
-    let text = [x, y, z]
-        .map(|item| item.text().map_or_else(|| item.number().map(short).unwrap_or_default(), str::to_string));
+    let items: [Item<'_>; 3] = Read::read(*item);
+    let components = [component(&items[0])?, component(&items[1])?, component(&items[2])?];
+    let text = items.map(|item| item.text().map_or_else(|| short(f64::read(item)), str::to_string));
     Ok(Field::named(&text.join(", "), move |[x, y, z], time| {
         let variables = [x, y, z, time].map(|value| Jet([value, 0.0, 0.0]));
         components.each_ref().map(|component| component.at(&variables).0[0])

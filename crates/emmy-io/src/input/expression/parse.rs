@@ -15,9 +15,9 @@ use super::{CONSTANTS, Expression, FUNCTIONS, Operator, Vocabulary};
 
 /// A mistake in an expression, and its bytes.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::input) struct Mistake {
-    pub(in crate::input) reason: String,
-    pub(in crate::input) place: Range<usize>,
+pub(super) struct Mistake {
+    pub(super) reason: String,
+    pub(super) place: Range<usize>,
 }
 
 /// The deepest nesting of an expression: the depth of recursion in reading and evaluation.
@@ -27,7 +27,7 @@ const DEEPEST: usize = 100;
 const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
 
 /// Reads an expression.
-pub(in crate::input) fn parse(text: &str, vocabulary: &Vocabulary<'_>) -> Result<Expression, Mistake> {
+pub(super) fn parse(text: &str, vocabulary: &Vocabulary<'_>) -> Result<Expression, Mistake> {
     let mut reader = Reader { text, vocabulary, at: 0, depth: 0 };
     let expression = reader.sum()?;
     match reader.next() {

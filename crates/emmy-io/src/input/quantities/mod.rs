@@ -5,7 +5,7 @@ mod resolve;
 
 use emmy::body::FieldName;
 
-pub(super) use read::{PROBE, Requested, VALUE, of_extremes, read};
+pub(super) use read::{PROBE, Requested, VALUE, field, of_extremes, read};
 
 use crate::history::ColumnInfo;
 

@@ -3,7 +3,7 @@
 use emmy::body::{FieldName, Place as Members};
 
 use super::{GroupValue, Measure, Probe, ProbeQuantity};
-use crate::input::description::{Described, Kind, Section, vector};
+use crate::input::description::{Described, Kind, Section, vector, word, words};
 use crate::input::fault::{Fault, Place};
 use crate::input::table::{Item, Table};
 
@@ -46,7 +46,7 @@ pub(in crate::input) static PROBE: Described = Described::new(|| {
         .absent("all cells; where regions meet, fields are means of the sides by volume")
         .may(
             "quantities",
-            Kind::Words(of_probes()),
+            words("a quantity of a probe", of_probes()),
             "",
             "What is written of it: its position in the columns `NAME_x`, `NAME_y`, `NAME_z`, or fields at nodes, such as \
              `\"displacement\"` in `NAME_displacement_x`",
@@ -62,13 +62,13 @@ pub(in crate::input) static VALUE: Described = Described::new(|| {
         .absent("all cells")
         .must(
             "quantity",
-            Kind::Word(FieldName::ALL.map(FieldName::name).to_vec()),
+            word("a field", FieldName::ALL.map(FieldName::name)),
             "",
             "The field; `total` and `mean` in a group of cells take its means in cells, where `emmy list fields` has them",
         )
         .may(
             "measure",
-            Kind::Word(Measure::ALL.map(|(word, _)| word).to_vec()),
+            word("a measure", Measure::ALL.map(|(word, _)| word)),
             "",
             "`total`: integral over the reference volume of cells; `mean`: mean by this volume, at nodes the plain mean; \
              `max`: the largest value, of a vector its norm, with each region by itself where regions meet",
@@ -88,120 +88,79 @@ pub(in crate::input) struct Requested {
 
 /// Reads the quantities in `[output]`.
 pub(in crate::input) fn read(table: &Table<'_>) -> Result<Requested, Fault> {
-    let reactions = table.get("reactions").map(|item| {
-        let groups = item.list_or("a list of groups, such as [\"foot\"]")?;
-        distinct(groups.iter().map(|group| Ok((group.name()?, group.place().clone()))), |group| {
-            format!("the group `{group}` is there twice")
-        })
-    });
-    let extremes = table.get("extremes").map_or(Ok(Vec::new()), |item| item.list_or("a list of fields"))?;
+    let extremes: Vec<Item<'_>> = table.may("extremes").unwrap_or_default();
     Ok(Requested {
-        reactions: reactions.transpose()?,
-        probes: named(table.require("probes")?, probe, |probe| &probe.name, "probes")?,
-        extremes: distinct(extremes.iter().map(extreme), |field| {
-            format!("the field `{field}` is there twice")
-        })?,
-        values: table
-            .get("values")
-            .map_or(Ok(Vec::new()), |item| named(item, value, |value| &value.name, "values"))?,
+        reactions: table.may("reactions").map(reactions).transpose()?,
+        probes: named(table.must("probes"), probe, |probe| &probe.name, "probes")?,
+        extremes: extremes.into_iter().map(|item| (field(item), item.place().clone())).collect(),
+        values: named(table.may("values").unwrap_or_default(), value, |value| &value.name, "values")?,
     })
 }
 
-fn extreme(item: &Item<'_>) -> Result<(FieldName, Place), Fault> {
-    let word = item.word("a field with a largest value", &of_extremes())?;
-    Ok((field(item, word)?, item.place().clone()))
+/// The field that a word names.
+pub(in crate::input) fn field(word: Item<'_>) -> FieldName {
+    word.one_of(FieldName::ALL.map(|field| (field.name(), field)))
 }
 
-fn field(item: &Item<'_>, word: &str) -> Result<FieldName, Fault> {
-    FieldName::from_name(word).ok_or_else(|| item.fault(format!("`{word}` is not a field"), "not known"))
-}
-
-/// Entries of a list without repetitions; `message`: on the second of two.
-fn distinct<T: PartialEq>(
-    entries: impl Iterator<Item = Result<(T, Place), Fault>>,
-    message: impl Fn(&T) -> String,
-) -> Result<Vec<(T, Place)>, Fault> {
-    let mut found: Vec<(T, Place)> = Vec::new();
-    for entry in entries {
-        let (entry, place) = entry?;
-        if found.iter().any(|(other, _)| *other == entry) {
-            return Err(Fault::at(&place, message(&entry), "again"));
+/// Different groups with their places.
+fn reactions(items: Vec<Item<'_>>) -> Result<Vec<(String, Place)>, Fault> {
+    let groups: Vec<(String, Place)> = items.iter().map(|item| (item.name(), item.place().clone())).collect();
+    let is_again = |i: &usize| groups[..*i].iter().any(|(other, _)| *other == groups[*i].0);
+    match (0..groups.len()).find(is_again) {
+        Some(i) => {
+            Err(Fault::at(&groups[i].1, format!("the group `{}` is there twice", groups[i].0), "again"))
         }
-        found.push((entry, place));
+        None => Ok(groups),
     }
-    Ok(found)
 }
 
 /// Entries of a list with different names.
 fn named<T>(
-    item: Item<'_>,
-    read: fn(Item<'_>) -> Result<(T, Place), Fault>,
+    tables: Vec<Table<'_>>,
+    read: fn(Table<'_>) -> Result<T, Fault>,
     name: fn(&T) -> &str,
     what: &str,
 ) -> Result<Vec<(T, Place)>, Fault> {
     let mut entries: Vec<(T, Place)> = Vec::new();
-    for item in item.list()? {
-        let entry = read(item)?;
-        if let Some((_, first)) = entries.iter().find(|(other, _)| name(other) == name(&entry.0)) {
-            let message = format!("two {what} are named `{}`", name(&entry.0));
-            return Err(Fault::at(&entry.1, message, "second").label(first, "first"));
+    for table in tables {
+        let (entry, place) = (read(table)?, table.must::<Item<'_>>("name").place().clone());
+        if let Some((_, first)) = entries.iter().find(|(other, _)| name(other) == name(&entry)) {
+            let message = format!("two {what} are named `{}`", name(&entry));
+            return Err(Fault::at(&place, message, "second").label(first, "first"));
         }
-        entries.push(entry);
+        entries.push((entry, place));
     }
     Ok(entries)
 }
 
-fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
-    let table = item.table(&PROBE)?;
-    let (name, place) = column_name(&table, "a probe")?;
-    let point = table.require("point")?.numbers()?;
-    let group = table.get("group").map(|item| item.name()).transpose()?;
-    let words = table.require("quantities")?;
-    let words = words.list_or("a list of quantities, such as [\"position\", \"von_mises_stress\"]")?;
-    let quantity = |item: &Item<'_>| {
-        let quantity = match item.word("a quantity of a probe", &of_probes())? {
-            POSITION => ProbeQuantity::Position,
-            word => ProbeQuantity::Field(field(item, word)?),
-        };
-        Ok((quantity, item.place().clone()))
-    };
-    let twice = |_: &ProbeQuantity| "the quantity is there twice".to_string();
-    let quantities = distinct(words.iter().map(quantity), twice)?;
-    let quantities: Vec<ProbeQuantity> = quantities.into_iter().map(|(quantity, _)| quantity).collect();
-    if quantities.is_empty() {
-        let message = format!("the probe `{name}` has no `quantities`");
-        return Err(Fault::at(&place, message, "such as [\"position\"]"));
+fn probe(table: Table<'_>) -> Result<Probe, Fault> {
+    let name: Item<'_> = table.must("name");
+    let words: Vec<Item<'_>> = table.must("quantities");
+    if words.is_empty() {
+        let message = format!("the probe `{}` has no `quantities`", name.text().unwrap_or_default());
+        return Err(name.fault(message, "such as [\"position\"]"));
     }
-    Ok((Probe { name, point, group, node: 0, quantities }, place))
+    let quantity = |word: Item<'_>| match word.text() {
+        Some(POSITION) => ProbeQuantity::Position,
+        _ => ProbeQuantity::Field(field(word)),
+    };
+    Ok(Probe {
+        name: table.must::<&str>("name").to_string(),
+        point: table.must("point"),
+        group: table.group().map(|(name, _)| name),
+        node: 0,
+        quantities: words.into_iter().map(quantity).collect(),
+    })
 }
 
-fn value(item: Item<'_>) -> Result<(GroupValue, Place), Fault> {
-    let table = item.table(&VALUE)?;
-    let (name, place) = column_name(&table, "a value")?;
-    let group = table.get("group").map(|item| item.name()).transpose()?;
-    let item = table.require("quantity")?;
-    let word = item.word("a field", &FieldName::ALL.map(FieldName::name))?;
-    let quantity = field(&item, word)?;
-    let item = table.require("measure")?;
-    let measure = item.one_of("a measure", &Measure::ALL)?;
+fn value(table: Table<'_>) -> Result<GroupValue, Fault> {
+    let quantity = field(table.must("quantity"));
+    let item: Item<'_> = table.must("measure");
+    let measure = item.one_of(Measure::ALL);
     if measure == Measure::Max && !has_size(quantity) {
-        let message = format!("`{word}` has no largest value: it has several components");
+        let message = format!("`{quantity}` has no largest value: it has several components");
         return Err(item.fault(message, "not of this field").help("such as the quantity `von_mises_stress`"));
     }
-    Ok((GroupValue { name, group, quantity, measure }, place))
-}
-
-/// The name of columns, and its place.
-fn column_name(table: &Table<'_>, what: &str) -> Result<(String, Place), Fault> {
-    let item = table.require("name")?;
-    let name = item.string()?;
-    if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
-        let message =
-            format!("{what}'s name becomes a column: `{name}` may have letters, digits, `_` and `-` only");
-        return Err(item.fault(message, "not a name"));
-    }
-    if TAKEN.contains(&name) {
-        return Err(item.fault(format!("there is a column `{name}_x` already"), "taken"));
-    }
-    Ok((name.to_string(), item.place().clone()))
+    let group = table.group().map(|(name, _)| name);
+    Ok(GroupValue { name: table.must::<&str>("name").to_string(), group, quantity, measure })
 }

@@ -9,6 +9,7 @@ use super::{
 use crate::history::{ColumnInfo, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Place};
 use crate::input::groups;
+use crate::input::placed::Members as MemberKind;
 use crate::input::suggest::{did_you_mean, listed};
 
 impl Requested {
@@ -129,7 +130,7 @@ fn resolve(body: &Body, value: &mut GroupValue, place: &Place) -> Result<(), Fau
             true => groups.cells(group).is_ok(),
             false => {
                 let known = groups.names();
-                let near = groups::near(body.mesh(), group, groups::Members::Nodes);
+                let near = groups::near(body.mesh(), group, MemberKind::Nodes);
                 let label = near.unwrap_or("not there".into());
                 let fault = Fault::at(place, format!("the mesh has no group `{group}` with members"), label);
                 return Err(fault.help(format!("groups: {}", listed(known.iter().copied()))));
@@ -173,7 +174,7 @@ fn check_group(body: &Body, probe: &Probe, place: &Place) -> Result<(), Fault> {
         return Ok(());
     }
     let known: Vec<&str> = body.mesh().groups().cells.keys().map(String::as_str).collect();
-    let label = groups::near(body.mesh(), group, groups::Members::Cells).unwrap_or("not there".into());
+    let label = groups::near(body.mesh(), group, MemberKind::Cells).unwrap_or("not there".into());
     let message = format!("the mesh has no group of cells `{group}` for the probe `{}`", probe.name);
     Err(Fault::at(place, message, label).help(format!("groups of cells: {}", listed(known.iter().copied()))))
 }

@@ -1,17 +1,14 @@
 //! Description of the input: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
 //!
-//! Every table is described once, in the file that reads it. The check of keys, the defaults, the JSON schema and the
-//! tables of `book/src/input.md` come from these descriptions.
-
-mod synonyms;
+//! Every table is described once, in the file that reads it. The check of keys and values, the defaults, the JSON
+//! schema and the tables of `book/src/input.md` come from these descriptions.
 
 use std::sync::LazyLock;
 
 use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
 
-use super::suggest::did_you_mean;
-use super::{material, measured, problem};
+use super::fault::Fault;
 
 /// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
@@ -61,12 +58,12 @@ pub(super) enum Kind {
     Number(Bounds),
     /// A whole number from the first to the second.
     Whole(usize, Option<usize>),
-    /// One of several words.
-    Word(Vec<&'static str>),
+    /// One of several words: what they are, the words, and what is wrong with another one.
+    Word(&'static str, Vec<&'static str>, Doubt),
     /// A list of different words.
-    Words(Vec<&'static str>),
+    Words(Box<Kind>),
     /// A scheme in time.
-    Scheme,
+    Scheme(Doubt),
     /// `true`.
     True,
     /// A list with a least number of entries.
@@ -75,15 +72,26 @@ pub(super) enum Kind {
     Exactly(usize, Box<Kind>),
     /// Lists of whole numbers by name.
     Groups,
-    /// A table of the time, here or in a file, or an expression.
-    TimeFunction,
+    /// A table of the time, here or in a file as this table says, or an expression.
+    TimeFunction(&'static Section),
     /// A number, or an expression of position and time.
     Expression,
+    /// A vector of this kind, or the field of a program.
+    Field(Box<Kind>),
     /// A table.
     Table(&'static Section),
     /// One table or a list of them.
-    Tables(&'static Section),
+    Tables(Box<Kind>),
 }
+
+/// What is wrong with a text, and a label for its place.
+pub(super) type Doubt = fn(&str) -> Option<(Fault, String)>;
+
+/// An entry of a table of the time.
+static ENTRY: LazyLock<Kind> = LazyLock::new(|| exactly(2, NUMBER));
+
+/// Members of a group.
+static MEMBERS: LazyLock<Kind> = LazyLock::new(|| list(0, whole(0)));
 
 /// Rules between the keys of a table.
 #[derive(Debug, Clone)]
@@ -100,14 +108,29 @@ pub(super) enum Rule {
     Region,
 }
 
-/// Largest number of materials in a message about the tables of a key.
-const MAX_MODELS: usize = 3;
-
 /// A number.
 pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
 
 /// A number above zero.
 pub(super) const POSITIVE: Kind = Kind::Number(Bounds::Above(0.0));
+
+/// A part of something.
+pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
+
+/// One of several words; `what` they are.
+pub(super) fn word(what: &'static str, words: impl IntoIterator<Item = &'static str>) -> Kind {
+    Kind::Word(what, words.into_iter().collect(), |_| None)
+}
+
+/// A list of different words; `what` they are.
+pub(super) fn words(what: &'static str, words: impl IntoIterator<Item = &'static str>) -> Kind {
+    Kind::Words(Box::new(word(what, words)))
+}
+
+/// One table or a list of them.
+pub(super) fn tables(section: &'static Section) -> Kind {
+    Kind::Tables(Box::new(Kind::Table(section)))
+}
 
 /// A whole number from a smallest one on.
 pub(super) const fn whole(least: usize) -> Kind {
@@ -129,6 +152,31 @@ pub(super) fn list(least: usize, of: Kind) -> Kind {
     Kind::List(least, Box::new(of))
 }
 
+impl Kind {
+    /// Kind of the entries of a list, of the values of a table with free names, or of one of several tables.
+    pub(super) fn inner(&'static self) -> &'static Kind {
+        match self {
+            Kind::Words(of)
+            | Kind::List(_, of)
+            | Kind::Exactly(_, of)
+            | Kind::Field(of)
+            | Kind::Tables(of) => of,
+            Kind::TimeFunction(_) => &ENTRY,
+            Kind::Groups => &MEMBERS,
+            _ => self,
+        }
+    }
+
+    /// The description of a table that a value is or contains.
+    pub(super) fn section(&self) -> Option<&'static Section> {
+        match self {
+            Kind::Table(section) | Kind::TimeFunction(section) => Some(section),
+            Kind::List(_, of) | Kind::Tables(of) => of.section(),
+            _ => None,
+        }
+    }
+}
+
 impl Key {
     /// A required key.
     pub(super) fn new(name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
@@ -143,7 +191,7 @@ impl From<&Parameter> for Key {
             ParameterKind::Numbers => list(1, NUMBER),
             ParameterKind::Direction => vector(),
             ParameterKind::Directions => list(1, vector()),
-            ParameterKind::Law => Kind::Word(Volumetric::ALL.map(Volumetric::name).to_vec()),
+            ParameterKind::Law => word("a law of volume", Volumetric::ALL.map(Volumetric::name)),
         };
         let if_absent = parameter.if_absent;
         Key { if_absent, ..Key::new(parameter.name, kind, parameter.unit, parameter.doc) }
@@ -212,84 +260,13 @@ impl Section {
         }
     }
 
+    /// A key by its name.
+    pub(super) fn key_of(&self, name: &str) -> Option<&Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
     /// Names of the keys.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.keys.iter().map(|key| key.name)
-    }
-
-    fn has(&self, word: &str) -> bool {
-        self.names().any(|name| name == word)
-    }
-
-    /// The key of this table meant by an unknown word, or the table to which the word belongs.
-    pub(super) fn advice(&self, word: &str) -> Option<String> {
-        if word.split_once('.').is_some_and(|(first, _)| self.has(first)) {
-            return Some(format!("without the quotes: {word}"));
-        }
-        let mut synonyms = synonyms::of(word);
-        let first = synonyms.clone().next();
-        let here = synonyms.find(|key| self.has(key)).map(|key| format!("did you mean `{key}`?"));
-        here.or_else(|| did_you_mean(word, self.names()))
-            .or_else(|| self.elsewhere(word))
-            .or_else(|| first.and_then(|key| self.elsewhere(key)))
-    }
-
-    /// The table that has a key: the enclosing table, if it has it; all such tables if a few materials have it.
-    fn elsewhere(&self, word: &str) -> Option<String> {
-        let own = self.name.trim_matches('`');
-        let all = all();
-        let mut tables = all.iter().filter(|table| table.has(word));
-        let around = tables.clone().find(|table| table.has(own));
-        let models: Vec<&str> =
-            material::sections().filter(|table| table.has(word)).map(|table| table.name).collect();
-        let table = around.or_else(|| tables.next())?;
-        let name = match models.len() {
-            _ if !models.contains(&table.name) => table.name.to_string(),
-            0..=MAX_MODELS => models.join(" or "),
-            _ => "a material".to_string(),
-        };
-        Some(format!("`{word}` belongs in {name}"))
-    }
-}
-
-/// Every table, each before the tables in it; tables with the same keys and the same name once.
-pub(super) fn all() -> Vec<&'static Section> {
-    fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
-        if all.iter().any(|other| std::ptr::eq(*other, section)) {
-            return;
-        }
-        all.push(section);
-        section.keys.iter().for_each(|key| add_of(&key.kind, all));
-    }
-    fn add_of(kind: &Kind, all: &mut Vec<&'static Section>) {
-        match kind {
-            Kind::Table(section) | Kind::Tables(section) => add(section, all),
-            Kind::TimeFunction => add(&measured::MEASURED, all),
-            Kind::List(_, of) | Kind::Exactly(_, of) => add_of(of, all),
-            _ => {}
-        }
-    }
-    let mut sections = Vec::new();
-    add(&problem::ROOT, &mut sections);
-    sections
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_keys_are_unique_and_described() {
-        for section in all() {
-            for (index, key) in section.keys.iter().enumerate() {
-                assert!(section.keys[..index].iter().all(|other| other.name != key.name), "{}", key.name);
-                assert!(
-                    !key.doc.is_empty() && !key.doc.trim_end_matches("...").ends_with('.'),
-                    "{} {}",
-                    section.name,
-                    key.name
-                );
-            }
-        }
     }
 }

@@ -1,0 +1,102 @@
+//! All tables of the input, and advice on words that are not keys.
+
+use std::sync::LazyLock;
+
+use super::description::{Described, Key, Kind, Section, tables};
+use super::{equilibrium, initial, load, material, nodal, region, settings, shape, support, time, units};
+
+/// The whole input.
+pub(super) static ROOT: Described = Described::new(|| {
+    Section::new("the input", "Motion of an elastic body; units are any consistent set")
+        .may("title", Kind::Text, "", "Any text; it goes into the summary")
+        .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
+        .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
+        .must("region", tables(&region::REGION), "", "Material of the cells; one or more")
+        .may("mass", tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
+        .may("load", tables(&load::LOAD), "", "Loads on the body; none, one or more")
+        .may("support", tables(&support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
+        .may("initial", tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
+        .absent("at rest")
+        .may(
+            "equilibrium",
+            Kind::Table(&equilibrium::EQUILIBRIUM),
+            "",
+            "Start from the static equilibrium under the loads at t = 0; without `time` a static analysis",
+        )
+        .absent("starts undeformed")
+        .may("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
+        .absent("a static analysis, which needs `equilibrium`")
+        .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
+        .default("{}")
+        .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
+        .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
+        .default("{}")
+        .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
+        .at_least_one(&["time", "equilibrium"])
+});
+
+/// The kind of the whole input.
+pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
+
+/// Largest number of materials in a message about the tables of a key.
+const MAX_MODELS: usize = 3;
+
+/// Says in which table a key stands: the one around a table, if that has it; all of them if a few materials have it.
+pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
+    let own = section.name.trim_matches('`');
+    let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
+    let around = tables.clone().find(|table| table.key_of(own).is_some());
+    let models: Vec<&str> =
+        material::sections().filter(|table| table.key_of(word).is_some()).map(|table| table.name).collect();
+    let table = around.or_else(|| tables.next())?;
+    let name = match models.len() {
+        _ if !models.contains(&table.name) => table.name.to_string(),
+        0..=MAX_MODELS => models.join(" or "),
+        _ => "a material".to_string(),
+    };
+    Some(format!("`{word}` belongs in {name}"))
+}
+
+/// The kind of a table of the input and its description, by the key under which it stands.
+pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
+    let keys = all().into_iter().flat_map(|section| &section.keys).filter(|own| own.name == key);
+    let kind = |own: &'static Key| match own.kind {
+        Kind::Tables(_) => own.kind.inner(),
+        _ => &own.kind,
+    };
+    keys.map(kind).find_map(|kind| Some((kind, kind.section()?)))
+}
+
+/// Every table, each before the tables in it.
+pub(super) fn all() -> Vec<&'static Section> {
+    fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
+        if all.iter().any(|other| std::ptr::eq(*other, section)) {
+            return;
+        }
+        all.push(section);
+        section.keys.iter().filter_map(|key| key.kind.section()).for_each(|inner| add(inner, all));
+    }
+    let mut sections = Vec::new();
+    add(&ROOT, &mut sections);
+    sections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_keys_are_unique_and_described() {
+        for section in all() {
+            for (index, key) in section.keys.iter().enumerate() {
+                assert!(section.keys[..index].iter().all(|other| other.name != key.name), "{}", key.name);
+                assert!(
+                    !key.doc.is_empty() && !key.doc.trim_end_matches("...").ends_with('.'),
+                    "{} {}",
+                    section.name,
+                    key.name
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! From an input to its problem.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use emmy::team::Team;
+
+use super::fault::InputError;
+use super::problem::{Overrides, Problem};
+use super::sections::Sections;
+use super::source::{self, Source};
+use super::tree::{self, Node};
+use super::{complete, set, write};
+use crate::checkpoint::identity::digest_of_tables;
+use crate::mesh::MeshFile;
+use crate::shares::MeshSource;
+
+/// Reads an input file. Nothing is written.
+///
+/// # Errors
+/// [`InputError`] with every fault and its place.
+pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
+    let mut problem = of_tree(tree::read(path), path, overrides, Source::Alone(None))?;
+    problem.files.insert(0, path.to_path_buf());
+    Ok(problem)
+}
+
+/// Reads the mesh of an input, and what it was made from. No body is built.
+///
+/// # Errors
+/// [`InputError`] with every fault and its place.
+pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSource), InputError> {
+    let Prepared { sections, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
+    Ok((sections.mesh()?, source::mesh_source(&resolved)?))
+}
+
+/// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.
+///
+/// # Errors
+/// [`InputError`] on all ranks. Rank 0 has every fault and its place, if it has found them.
+pub fn read_on_team(path: &Path, overrides: &Overrides, team: &Arc<dyn Team>) -> Result<Problem, InputError> {
+    let source = overrides.parts.as_deref().map_or(Source::Team(team), |folder| Source::Parts(team, folder));
+    let mut problem = of_tree(tree::read(path), path, overrides, source)?;
+    problem.files.insert(0, path.to_path_buf());
+    Ok(problem)
+}
+
+/// The problem of a tree. `path`: its file, or the file that it would have.
+pub(super) fn of_tree(
+    tree: Result<Node, InputError>,
+    path: &Path,
+    overrides: &Overrides,
+    source: Source<'_>,
+) -> Result<Problem, InputError> {
+    let advised = |error| set::of_one_run(error, &overrides.set);
+    let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
+    let prepared = source.agree(prepared)?;
+    source.check_input(&prepared.resolved)?;
+    let problem = prepared.sections.problem(prepared.resolved, source).map_err(advised);
+    let mut problem = source.agree(problem)?;
+    source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
+    problem.files.extend(prepared.histories);
+    problem.notes.extend(prepared.notes);
+    Ok(problem)
+}
+
+/// An input before its mesh is read.
+struct Prepared {
+    sections: Sections,
+    /// The text with all defaults.
+    resolved: String,
+    /// Files of histories.
+    histories: Vec<PathBuf>,
+    notes: Vec<String>,
+}
+
+impl Prepared {
+    fn new(mut tree: Node, path: &Path, overrides: &Overrides) -> Result<Self, InputError> {
+        for flag in &overrides.set {
+            set::apply(&mut tree, flag)?;
+        }
+        let note = complete::clean_title(&mut tree);
+        complete::fill_defaults(&mut tree)?;
+        let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let mut sections = Sections::read(&tree, directory, overrides)?;
+        // The text may have lost characters that are not UTF-8.
+        sections.output.directory = output.unwrap_or(sections.output.directory);
+        let mesh_file =
+            sections.shape.absolute_file().map(|file| complete::spellable(file, &sections.output.directory));
+        let histories = complete::resolve_histories(&mut tree, directory, &sections.output.directory);
+        let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
+        complete::resolve(&mut tree, mesh_file, &sections.start, &sections.time.plan)?;
+        complete::spell(&mut tree);
+        let lost = is_lost.then(|| LOST_MESH.to_string());
+        let notes = lost.into_iter().chain(note).collect();
+        Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })
+    }
+}
+
+/// A path of the mesh that no TOML file can hold.
+const LOST_MESH: &str = "the mesh path is not UTF-8, so `input.toml` cannot record it; to resume, give \
+                         `--set mesh.file=PATH` with a UTF-8 path";

@@ -1,0 +1,365 @@
+//! The sections of an input, read and put together.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use emmy::body::{InitialVelocity, Load, Region, Support};
+use emmy::mesh::Mesh;
+use emmy::motion::{NewtonSettings, Solver};
+use emmy::time::Scheme;
+
+use super::catalogue::ROOT_KIND;
+use super::fault::{Fault, Faults, InputError};
+use super::formulation::Formulations;
+use super::groups::NamedGroup;
+use super::history::Context;
+use super::nodal::PlacedNodal;
+use super::placed::{Members, Placed};
+use super::problem::{Overrides, Problem};
+use super::quantities::Requested;
+use super::settings::{Limits, Output};
+use super::shape::Shape;
+use super::source::{CheckedMesh, Source};
+use super::start::Start;
+use super::table::{Item, Table};
+use super::time::Time;
+use super::tree::{Node, Value};
+use super::{
+    derived, equilibrium, groups, initial, load, nodal, placed, plausible, quantities, region, settings,
+    shape, start, support, time, units, walk,
+};
+use crate::accuracy;
+use crate::mesh::MeshFile;
+use crate::message::shown;
+use crate::units::Units;
+
+/// Data read from the tree before the mesh is made.
+pub(super) struct Sections {
+    title: Option<String>,
+    units: Units,
+    pub(super) shape: Shape,
+    regions: Vec<Placed<Region>>,
+    loads: Vec<Placed<(Load, Members)>>,
+    supports: Vec<Placed<Support>>,
+    nodal: PlacedNodal,
+    initial: Vec<Placed<InitialVelocity>>,
+    pub(super) start: Start,
+    pub(super) time: Time,
+    newton: NewtonSettings,
+    pub(super) output: Output,
+    requested: Requested,
+    limits: Limits,
+}
+
+/// The root of the tree. Every table is checked before it is read, and one with faults does not hinder the others.
+struct Root<'a> {
+    table: Table<'a>,
+    faults: Faults,
+}
+
+impl<'a> Root<'a> {
+    /// The tables of a section that are right.
+    fn tables(&mut self, key: &str) -> Vec<Table<'a>> {
+        self.table.item(key).map(|item| walk::tables(item, &mut self.faults)).unwrap_or_default()
+    }
+
+    /// Reads every table of a section that is right.
+    fn each<T>(&mut self, key: &str, read: impl Fn(&Table<'a>) -> Result<T, Fault>) -> Vec<T> {
+        let tables = self.tables(key);
+        tables.iter().filter_map(|table| self.faults.keep(read(table))).collect()
+    }
+
+    /// Reads the table of a section.
+    fn one<T>(&mut self, key: &str, read: impl Fn(&Table<'a>) -> Result<T, Fault>) -> Option<T> {
+        self.each(key, read).pop()
+    }
+}
+
+impl Sections {
+    pub(super) fn read(tree: &Node, directory: &Path, overrides: &Overrides) -> Result<Sections, InputError> {
+        let mut faults = Faults::default();
+        let Some(table) = walk::root(Item::of("input", tree, &ROOT_KIND), &mut faults) else {
+            return Err(finished(faults));
+        };
+        let mut root = Root { table, faults };
+        let title = table.item("title").filter(|item| walk::is_right(*item, &mut root.faults));
+        let title = title.map(|title| title.text().unwrap_or_default().to_string());
+        let units = root.one("units", |table| Ok(units::read(table))).unwrap_or_default();
+        let shape = match table.item("mesh").map(|item| (item.value(), item.place())) {
+            Some((Value::Mesh(mesh), place)) => Some(shape::given(mesh, place)),
+            _ => root.one("mesh", |table| shape::read(table, directory)),
+        };
+        let regions = root.each("region", region::read);
+        if let Some(item) = table.item("region").filter(|item| item.items().is_empty()) {
+            root.faults.push(item.fault("`region` is empty: a body needs at least one region", "empty"));
+        }
+        let (start, initial) = read_start(&mut root, directory);
+        let time = read_time(&mut root, &start, overrides);
+        let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
+        let context = Context { directory, run, is_undeformed: start == Start::Undeformed };
+        let load::Sorted { loads, attractions, drags } =
+            root.each("load", |table| load::read(table, context)).into_iter().collect();
+        let held = root.each("support", |table| support::read(table, context));
+        let (supports, springs): (Vec<_>, Vec<_>) =
+            held.into_iter().map(|held| (held.support, held.spring)).unzip();
+        let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
+        let springs = springs.into_iter().flatten().collect();
+        let masses = root.each("mass", |table| Ok(nodal::read(table)));
+        let nodal = PlacedNodal { masses, springs, attractions, drags };
+        let start = if table.item("time").is_some() { start } else { Start::Undeformed };
+        let newton = root.one("newton", |table| Ok(settings::newton(table))).unwrap_or_default();
+        let solver = root.one("solver", |table| Ok(settings::solver(table))).unwrap_or(Solver::Auto);
+        let limits = root.one("limits", |table| Ok(settings::limits(table))).unwrap_or_default();
+        let plan = time.as_ref().map(|time| match time.scheme {
+            // The load fraction is no time.
+            Scheme::Static => time.plan.clone(),
+            _ => support::plan_with_releases(&time.plan, &supports),
+        });
+        let output = root.one("output", |table| {
+            let (output, requested) = (settings::output(table)?, quantities::read(table)?);
+            let place = table.item("interval").map_or(table.place, |item| item.place());
+            let plan =
+                plan.clone().map(|plan| settings::plan_with_frames(plan, &output, place)).transpose()?;
+            Ok((output, requested, plan))
+        });
+        let named = named_groups(&regions, &loads, &supports, &initial, &nodal);
+        let Root { mut faults, .. } = root;
+        match (shape, time, output) {
+            (Some(shape), Some(time), Some((output, requested, Some(plan)))) if faults.len() == 0 => {
+                Ok(Sections {
+                    title,
+                    units,
+                    shape,
+                    time: Time { plan, ..time },
+                    newton: NewtonSettings { solver, ..newton },
+                    output,
+                    requested,
+                    limits,
+                    start,
+                    regions,
+                    loads,
+                    supports,
+                    nodal,
+                    initial,
+                })
+            }
+            (shape, ..) => {
+                // Further faults: the groups, if the mesh can be made despite faults elsewhere.
+                let mesh = shape.and_then(|shape| faults.keep(shape.mesh(&link_groups(&regions))));
+                mesh.into_iter().for_each(|file| groups::check(&file.mesh, &named, &mut faults));
+                Err(finished(faults))
+            }
+        }
+    }
+
+    /// The groups that the input names.
+    fn named_groups(&self) -> Vec<NamedGroup> {
+        named_groups(&self.regions, &self.loads, &self.supports, &self.initial, &self.nodal)
+    }
+
+    /// Checks that the mesh has the groups and cells that the input names.
+    fn check_mesh(&self, mesh: &Mesh) -> Result<Formulations, InputError> {
+        let mut faults = Faults::default();
+        groups::check(mesh, &self.named_groups(), &mut faults);
+        faults.finish()?;
+        let cells = groups::check_regions(mesh, &self.regions);
+        let formulations = cells.and_then(|()| Formulations::new(mesh, &self.regions, &self.time));
+        let formulations = faults.keep(formulations);
+        faults.keep(support::check_together(mesh, &self.supports, &self.time));
+        faults.finish()?;
+        Ok(formulations.unwrap_or_default())
+    }
+
+    /// The mesh with every group found.
+    fn checked_mesh(&self) -> Result<CheckedMesh, InputError> {
+        let mut file = self.shape.mesh(&link_groups(&self.regions))?;
+        let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
+        let mesh = &file.mesh;
+        let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
+        let loads = self.loads.iter().map(|load| &load.value.0);
+        file.notes.extend(plausible::note_on_size(mesh, self.units));
+        file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
+        file.notes.extend(groups::notes(mesh, &self.loads, &self.supports, &self.initial, &self.nodal));
+        Ok(CheckedMesh { file, formulations })
+    }
+
+    /// The mesh alone, with remarks on it.
+    pub(super) fn mesh(&self) -> Result<MeshFile, InputError> {
+        Ok(self.checked_mesh()?.file)
+    }
+
+    /// The problem, once the mesh is made.
+    pub(super) fn problem(self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
+        let (mesh, digest) = source.mesh(&resolved, || self.checked_mesh())?;
+        let (mesh, mut notes, files, formulations) = match mesh {
+            Some(CheckedMesh { file, formulations }) => {
+                (Some(file.mesh), file.notes, file.files, formulations)
+            }
+            None => Default::default(),
+        };
+        self.nodal.check_damping(&self.regions, &self.time)?;
+        let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
+        let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
+        notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
+        let pulls = derived::pulls(&self.regions);
+        let held = placed::groups(self.supports.iter().map(|support| &support.group));
+        let pressed = placed::groups(self.loads.iter().map(|load| &load.group));
+        let supports = values(self.supports);
+        let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
+        let drag = self.nodal.drag();
+        let spread = placed::groups(self.nodal.spread());
+        let nodal = self.nodal.values();
+        let is_static = self.time.scheme == Scheme::Static;
+        let mesh_in_memory = self.shape.given().cloned();
+        let is_same = |known: &&Problem| {
+            let mesh = known.mesh_in_memory.as_ref().zip(mesh_in_memory.as_ref());
+            mesh.is_some_and(|(known, own)| Arc::ptr_eq(known, own))
+                && !is_static
+                && !known.is_static()
+                && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
+                && known.body.drag() == drag
+                && body_of(&resolved).is_some_and(|own| body_of(&known.resolved) == Some(own))
+        };
+        let body = match source.known().filter(is_same) {
+            Some(known) => known.body.clone(),
+            None => {
+                let body = source
+                    .builder(mesh)?
+                    .regions(values(self.regions))
+                    .point_terms(nodal.clone())
+                    .supports(&supports)
+                    .loads(&loads)
+                    .drag(drag)
+                    .build();
+                let fault = |error| {
+                    let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
+                    let own = own.or_else(|| load::fault(&error, &pressed));
+                    own.unwrap_or_else(|| self.shape.fault(&error))
+                };
+                body.map_err(fault)?
+            }
+        };
+        time::check_scale(&body, &self.time)?;
+        if self.output.has_frames() {
+            self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
+        }
+        let quantities = self.requested.quantities(&body, &mut notes)?;
+        let initial = values(self.initial);
+        source.agree(places.check(&body, &loads, &initial, &self.time.plan).map_err(InputError::from))?;
+        if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
+            notes.push(derived::NOTHING_MOVES.to_string());
+        }
+        let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
+        if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
+            notes.push(derived::UNLOADED.to_string());
+        }
+        if !is_static {
+            notes.extend(derived::of_tables(&loads, &supports, &self.time.plan));
+            notes.extend(accuracy::long_step(&self.time.plan, self.units));
+        }
+        let body = if is_static { body.in_proportion(0.0) } else { body };
+        Ok(Problem {
+            title: self.title,
+            units: self.units,
+            body,
+            mesh_in_memory,
+            supports,
+            nodal,
+            loads,
+            initial,
+            start: self.start,
+            scheme: self.time.scheme,
+            plan: self.time.plan,
+            smallest_step: self.time.smallest_step,
+            newton: self.newton,
+            output: self.output,
+            quantities,
+            limits: self.limits,
+            formulations,
+            notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
+            files,
+            resolved,
+            digest,
+        })
+    }
+}
+
+/// The state from which the motion starts, and the velocities there.
+fn read_start(root: &mut Root<'_>, directory: &Path) -> (Start, Vec<Placed<InitialVelocity>>) {
+    let equilibrium = root.table.item("equilibrium").map(|item| item.key_place);
+    let tables = root.tables("initial");
+    let state = root.faults.keep(start::read(&tables, equilibrium, directory)).flatten();
+    let load_steps = root.one("equilibrium", |table| Ok(table.must("load_steps")));
+    match (state, load_steps) {
+        (Some(state), _) => (Start::Run(state), Vec::new()),
+        (None, Some(load_steps)) => {
+            (Start::Equilibrium { load_steps }, tables.iter().map(initial::read).collect())
+        }
+        (None, None) => (Start::Undeformed, tables.iter().map(initial::read).collect()),
+    }
+}
+
+/// Scheme and plan; an equilibrium without `[time]` is a static analysis.
+fn read_time(root: &mut Root<'_>, start: &Start, overrides: &Overrides) -> Option<Time> {
+    if root.table.item("time").is_some() {
+        return root.one("time", |table| time::read(table, overrides.until, overrides.step));
+    }
+    let Start::Equilibrium { load_steps } = *start else { return None };
+    let time = match (root.table.item("initial"), overrides.until, overrides.step) {
+        (Some(initial), ..) => {
+            let message = "a static analysis has no velocities: without `[time]` the body does not move";
+            let fault = Fault::at(initial.key_place, message, "velocities");
+            Err(fault.help("give `[time]`, or remove `[initial]`"))
+        }
+        (None, Some(_), _) => Err(equilibrium::no_time("--until")),
+        (None, None, Some(_)) => Err(equilibrium::no_time("--step")),
+        (None, None, None) => equilibrium::analysis(load_steps),
+    };
+    root.faults.keep(time)
+}
+
+/// The groups that an input names, with the members that they need.
+fn named_groups(
+    regions: &[Placed<Region>],
+    loads: &[Placed<(Load, Members)>],
+    supports: &[Placed<Support>],
+    initial: &[Placed<InitialVelocity>],
+    nodal: &PlacedNodal,
+) -> Vec<NamedGroup> {
+    let regions = regions.iter().map(|region| (&region.group, Members::Cells));
+    let loads = loads.iter().map(|load| (&load.group, load.value.1));
+    let supports = supports.iter().map(|support| &support.group);
+    let at_nodes = supports.chain(initial.iter().map(|initial| &initial.group)).chain(nodal.groups());
+    let all = regions.chain(loads).chain(at_nodes.map(|group| (group, Members::Nodes)));
+    all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members))).collect()
+}
+
+/// Groups of the regions of links: lines of a mesh file that are cells.
+fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
+    let links = regions.iter().filter(|region| region.value.link().is_some());
+    let names = links.map(|region| region.value.group.clone().unwrap_or_else(|| LINKS.to_string()));
+    // `cells:NAME` means the cells of a group, unless a group itself has such a name.
+    let with_own = |name: String| {
+        let own = name.strip_prefix("cells:").map(str::to_string);
+        std::iter::once(name).chain(own)
+    };
+    names.flat_map(with_own).collect()
+}
+
+/// Group of all links of a mesh in memory.
+const LINKS: &str = "links";
+
+fn finished(mut faults: Faults) -> InputError {
+    faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
+}
+
+/// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
+/// there: loads and supports themselves tell them apart.
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 4]> {
+    let mut table = resolved.parse::<toml::Table>().ok()?;
+    Some(["region", "mass", "load", "support"].map(|section| table.remove(section)))
+}
+
+fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {
+    placed.into_iter().map(|placed| placed.value).collect()
+}

@@ -1,0 +1,378 @@
+//! One walk checks a value, and everything in it, against its description. It stores every fault.
+
+use emmy::internals::material::{Bounds, IfAbsent, Parameter};
+
+use super::description::{Kind, Rule, Section};
+use super::fault::{Fault, Faults};
+use super::suggest::{did_you_mean, listed, nearest};
+use super::table::{Item, Table, spelled};
+use super::tree::Value;
+use super::{catalogue, material, synonyms};
+
+/// The table of an item, if everything in it is right.
+pub(super) fn table<'a>(item: Item<'a>, faults: &mut Faults) -> Option<Table<'a>> {
+    if is_right(item, faults) { item.table() } else { None }
+}
+
+/// The table of the whole input with its keys checked, but not the tables in it.
+pub(super) fn root<'a>(item: Item<'a>, faults: &mut Faults) -> Option<Table<'a>> {
+    match item.table() {
+        Some(table) => {
+            are_keys_right(&table, faults);
+            Some(table)
+        }
+        None => {
+            faults.push(mismatch(item));
+            None
+        }
+    }
+}
+
+/// The tables of a section of the input: each whose keys and values are right.
+pub(super) fn tables<'a>(section: Item<'a>, faults: &mut Faults) -> Vec<Table<'a>> {
+    match (section.kind, section.value()) {
+        (Kind::Tables(_), Value::Array(_) | Value::Table(_)) => {
+            section.items().into_iter().filter_map(|item| table(item, faults)).collect()
+        }
+        _ => table(section, faults).into_iter().collect(),
+    }
+}
+
+/// Checks a value and everything in it.
+pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
+    if faults.are_many() {
+        return false;
+    }
+    match (item.kind, item.value()) {
+        (Kind::Table(_) | Kind::TimeFunction(_), Value::Table(_)) => item
+            .table()
+            .is_some_and(|table| are_keys_right(&table, faults) & are_values_right(&table, faults)),
+        (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
+        (Kind::Field(of), _) => is_right(Item { kind: of, ..item }, faults),
+        (Kind::Groups | Kind::Tables(_), Value::Table(_))
+        | (
+            Kind::TimeFunction(_) | Kind::Tables(_) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(_),
+            Value::Array(_),
+        ) => {
+            let items = item.items();
+            let is_long = faults.keep(length(item, items.len())).is_some();
+            is_long
+                && are_right(item, &items, faults)
+                && (!matches!(item.kind, Kind::Words(_)) || faults.keep(are_different(&items)).is_some())
+        }
+        _ => faults.keep(value(item)).is_some(),
+    }
+}
+
+/// Checks the entries of a list. If all are wrong, that is one mistake: a fault of the list, except of a list of tables.
+fn are_right(list: Item<'_>, items: &[Item<'_>], faults: &mut Faults) -> bool {
+    let mut own = Faults::default();
+    let n_wrong = items.iter().filter(|item| !is_right(**item, &mut own)).count();
+    if n_wrong > 1 && n_wrong == items.len() && items[0].kind.section().is_none() {
+        own.keep_first(is_entry(list).then_some(BRACKETS));
+    }
+    faults.append(own);
+    n_wrong == 0
+}
+
+fn are_values_right(table: &Table<'_>, faults: &mut Faults) -> bool {
+    let wrong = table.items().filter(|item| {
+        let is_wrong = !is_misnamed(table, item.key) && !is_right(*item, faults);
+        // A misspelt optional key of a table in which other names are free.
+        if is_wrong && table.section.key_of(item.key).is_none() {
+            faults.advise_last(did_you_mean(item.key, table.section.names()));
+        }
+        is_wrong
+    });
+    wrong.count() == 0
+}
+
+/// Whether a free name is meant to be a required key, which is missing.
+fn is_misnamed(table: &Table<'_>, name: &str) -> bool {
+    let section = table.section;
+    let required = section.keys.iter().filter(|key| key.if_absent == IfAbsent::Required);
+    let mut missing = required.map(|key| key.name).filter(|key| table.item(key).is_none());
+    let meant = nearest(name, section.names()).filter(|_| section.key_of(name).is_none());
+    meant.is_some_and(|meant| missing.any(|key| key == meant))
+}
+
+/// Checks a value without values in it.
+fn value(item: Item<'_>) -> Result<(), Fault> {
+    let key = item.key;
+    match (item.kind, item.value()) {
+        (Kind::Number(bounds), Value::Float(value)) => number(item, *bounds, *value),
+        (Kind::Number(bounds), Value::Integer(value)) => number(item, *bounds, *value as f64),
+        (Kind::Expression, Value::Float(value)) => number(item, Bounds::Any, *value),
+        (Kind::Expression, Value::Integer(_)) | (Kind::True, Value::Boolean(true)) => Ok(()),
+        (Kind::True, Value::Boolean(false)) => {
+            Err(item.fault(format!("`{key}` is true or left out"), "without effect"))
+        }
+        (Kind::Whole(least, most), Value::Integer(value)) => whole(item, *least, *most, *value),
+        (Kind::Whole(..), Value::Float(value)) => {
+            Err(item.fault(format!("`{key}` must be a whole number, not {value:?}"), "not whole"))
+        }
+        (kind, Value::String(text)) => match kind {
+            Kind::Text
+            | Kind::Column(_)
+            | Kind::Word(..)
+            | Kind::Scheme(_)
+            | Kind::TimeFunction(_)
+            | Kind::Expression
+                if text.trim().is_empty() =>
+            {
+                Err(item.fault(format!("`{key}` must not be empty"), "empty"))
+            }
+            Kind::Exactly(..) | Kind::Expression | Kind::TimeFunction(_) if text.starts_with(FUNCTION) => {
+                let message = format!("`{key}` was a function of a program, which no file holds");
+                Err(item.fault(message, "here").help("a run with it continues only in that program"))
+            }
+            Kind::Text | Kind::Expression | Kind::TimeFunction(_) => Ok(()),
+            Kind::Column(taken) => column(item, text, taken),
+            Kind::Word(_, words, _) if words.contains(&text.as_str()) => Ok(()),
+            Kind::Word(what, words, doubt) => Err(doubt(text).map_or_else(
+                || {
+                    let near = did_you_mean(text, words.iter().copied());
+                    let message =
+                        format!("`{text}` is not {what}; there is {}", listed(words.iter().copied()));
+                    item.fault(message, near.unwrap_or_else(|| format!("not {what}")))
+                },
+                |(fault, label)| fault.label(item.place(), label),
+            )),
+            Kind::Scheme(doubt) => {
+                doubt(text).map_or(Ok(()), |(fault, label)| Err(fault.label(item.place(), label)))
+            }
+            _ => Err(mismatch(item)),
+        },
+        _ => Err(mismatch(item)),
+    }
+}
+
+/// Beginning of the text that stands in a file for a function of a program.
+const FUNCTION: &str = "<function";
+
+fn number(item: Item<'_>, bounds: Bounds, value: f64) -> Result<(), Fault> {
+    let key = item.key;
+    if !value.is_finite() {
+        return Err(item.fault(format!("`{key}` must be a finite number, not {value}"), "not finite"));
+    }
+    let (is_within, wanted) = match bounds {
+        Bounds::Any => (true, String::new()),
+        Bounds::NotZero if value == 0.0 => return Err(item.fault(format!("`{key}` must not be 0"), "zero")),
+        Bounds::NotZero => (true, String::new()),
+        Bounds::Above(0.0) if value <= 0.0 => {
+            let message = format!("`{key}` must be positive, not {}", spelled(value));
+            return Err(item.fault(message, "not positive"));
+        }
+        Bounds::Above(least) => (value > least, format!("above {least}")),
+        Bounds::AtLeast(least) => (value >= least, format!("at least {least}")),
+        Bounds::Between(low, high) if value == low || value == high => {
+            (false, format!("{bounds}, both excluded"))
+        }
+        Bounds::Between(low, high) => (value > low && value < high, bounds.to_string()),
+        Bounds::Within(low, high) => (value >= low && value <= high, bounds.to_string()),
+    };
+    match is_within {
+        true => Ok(()),
+        false => Err(item.fault(format!("`{key}` must be {wanted}, not {}", spelled(value)), "out of range")),
+    }
+}
+
+fn whole(item: Item<'_>, least: usize, most: Option<usize>, value: i64) -> Result<(), Fault> {
+    let number = usize::try_from(value).ok().filter(|number| *number >= least);
+    let (bound, label) = match (number, most) {
+        (None, _) => (format!("at least {least}"), "too small"),
+        (Some(number), Some(most)) if number > most => (format!("at most {most}"), "too large"),
+        _ => return Ok(()),
+    };
+    Err(item.fault(format!("`{}` must be {bound}, not {value}", item.key), label))
+}
+
+fn column(item: Item<'_>, name: &str, taken: &[&str]) -> Result<(), Fault> {
+    if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
+        let message =
+            format!("`{}` becomes a column: `{name}` may have letters, digits, `_` and `-` only", item.key);
+        return Err(item.fault(message, "not a name"));
+    }
+    match taken.contains(&name) {
+        true => Err(item.fault(format!("there is a column `{name}_x` already"), "taken")),
+        false => Ok(()),
+    }
+}
+
+/// Checks the number of entries of a list.
+fn length(item: Item<'_>, n: usize) -> Result<(), Fault> {
+    let key = item.key;
+    match item.kind {
+        Kind::List(least, _) if n < *least && n == 0 => {
+            Err(item.fault(format!("`{key}` is empty"), "needs an entry"))
+        }
+        Kind::Exactly(length, of) if n != *length => {
+            Err(item
+                .fault(format!("`{key}` must have {length} {}, not {n}", plural(of)), format!("{n} here")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn are_different(words: &[Item<'_>]) -> Result<(), Fault> {
+    let is_again = |i: &usize| words[..*i].iter().any(|other| other.text() == words[*i].text());
+    match (0..words.len()).find(is_again).map(|i| words[i]) {
+        Some(word) => {
+            Err(word.fault(format!("`{}` is there twice", word.text().unwrap_or_default()), "again"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The fault of a value of another kind, with advice.
+fn mismatch(item: Item<'_>) -> Fault {
+    let found = item.value().kind();
+    let message = format!("`{}` must be {}, not {found}", item.key, wanted(item.kind));
+    let fault = item.fault(message, format!("this is {found}"));
+    match (item.kind, item.text().map(str::trim)) {
+        (Kind::Number(_) | Kind::Whole(..) | Kind::Expression, Some(text)) if text.parse::<f64>().is_ok() => {
+            fault.help("numbers stand without quotes")
+        }
+        (Kind::Number(_) | Kind::Whole(..), Some(text))
+            if text.starts_with(|c: char| c.is_ascii_digit() || ".+-".contains(c)) =>
+        {
+            fault.help(
+                "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
+            )
+        }
+        _ if is_entry(item) => fault.help(BRACKETS),
+        _ => fault,
+    }
+}
+
+const BRACKETS: &str = "put square brackets around it";
+
+/// Whether a value that is no list of its kind is an entry of one.
+fn is_entry(item: Item<'_>) -> bool {
+    match item.kind {
+        Kind::List(_, of) | Kind::Words(of) => is_right(Item { kind: of, ..item }, &mut Faults::default()),
+        _ => false,
+    }
+}
+
+/// A value of a kind, in words.
+fn wanted(kind: &Kind) -> String {
+    match kind {
+        Kind::Text | Kind::Column(_) | Kind::Scheme(_) => "a string".to_string(),
+        Kind::Number(_) => "a number".to_string(),
+        Kind::Expression => "a number or an expression".to_string(),
+        Kind::Whole(..) => "a whole number".to_string(),
+        Kind::Word(_, words, _) => format!("one of {}", listed(words.iter().copied())),
+        Kind::True => "true".to_string(),
+        Kind::List(..) => "a list".to_string(),
+        Kind::Words(of) => match &**of {
+            Kind::Word(_, words, _) => format!("a list of words, such as {:?}", &words[..1]),
+            _ => "a list".to_string(),
+        },
+        Kind::Exactly(length, of) => format!("a list of {length} {}", plural(of)),
+        Kind::Groups => "a table".to_string(),
+        Kind::TimeFunction(_) => {
+            "a list of [time, value], a table { file, time, value } or an expression such as \"sin(2*pi*t)\""
+                .to_string()
+        }
+        Kind::Field(of) => wanted(of),
+        Kind::Table(section) => format!("a table with the keys {}", listed(section.names())),
+        Kind::Tables(_) => "a table or a list of tables".to_string(),
+    }
+}
+
+fn plural(of: &Kind) -> &'static str {
+    match of {
+        Kind::Expression => "numbers or expressions",
+        Kind::Whole(..) => "whole numbers",
+        Kind::Exactly(..) => "rows",
+        _ => "numbers",
+    }
+}
+
+/// Checks the keys of a table: all known, the required ones there, and their rule.
+fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
+    let (section, before) = (table.section, faults.len());
+    let name = section.name;
+    // Known keys that unknown ones are meant to be: these are not missing.
+    let (mut meant, mut are_known) = (Vec::new(), true);
+    for (key, place) in table.keys().filter(|(key, _)| section.key_of(key).is_none()) {
+        let (own, label) = meaning(section, key);
+        meant.extend(own);
+        if (section.others.is_none() || is_misnamed(table, key)) && !faults.are_many() {
+            are_known = false;
+            let help = format!("keys of {name}: {}", listed(section.names()));
+            let label = label.unwrap_or_else(|| "not a key".to_string());
+            faults.push(Fault::at(place, format!("unknown key `{key}` in {name}"), label).help(help));
+        }
+    }
+    let is_there = |key: &str| table.item(key).is_some() || meant.contains(&key);
+    let missing =
+        |key: &str| Fault::at(table.place, format!("`{key}` is missing in {name}"), format!("needs `{key}`"));
+    let required = section.keys.iter().filter(|key| key.if_absent == IfAbsent::Required);
+    required.filter(|key| !is_there(key.name)).for_each(|key| faults.push(missing(key.name)));
+    let none = |how: &str, keys: Vec<&str>| {
+        Fault::at(table.place, format!("{name} needs {how} one of {}", listed(keys)), "none of them is here")
+    };
+    match &section.rule {
+        Rule::ExactlyOne(sets) => match &sets.iter().filter(|keys| is_there(keys[0])).collect::<Vec<_>>()[..]
+        {
+            // An unknown key may be one of the choice.
+            [] if !are_known => {}
+            [] => faults.push(none("exactly", section.choice())),
+            [keys] => keys.iter().filter(|key| !is_there(key)).for_each(|key| faults.push(missing(key))),
+            several => {
+                let fault = Fault::new(format!("{name} takes exactly one of {}", listed(section.choice())));
+                let given = several.iter().filter_map(|keys| table.item(keys[0]));
+                let labels = ["this one"].into_iter().chain(std::iter::repeat("and this one"));
+                faults.push(
+                    given.zip(labels).fold(fault, |fault, (item, label)| fault.label(item.key_place, label)),
+                );
+            }
+        },
+        Rule::AtLeastOne(keys) if are_known && !keys.iter().any(|key| is_there(key)) => {
+            faults.push(none("at least", section.choice()));
+        }
+        Rule::OneSet(sets) if are_known => {
+            faults.keep(one_set(table, sets));
+        }
+        Rule::Region
+            if !is_there("density") && !table.item("material").is_some_and(material::is_massless) =>
+        {
+            faults.push(missing("density"));
+        }
+        Rule::Free | Rule::AtLeastOne(_) | Rule::OneSet(_) | Rule::Region => {}
+    }
+    faults.len() == before
+}
+
+/// Checks that exactly one set of parameters is given.
+fn one_set(table: &Table<'_>, sets: &[&[Parameter]]) -> Result<(), Fault> {
+    let is_given = |parameter: &Parameter| table.item(parameter.name).is_some();
+    let n_given = sets.iter().copied().flatten().filter(|parameter| is_given(parameter)).count();
+    if sets.iter().any(|set| set.len() == n_given && set.iter().all(is_given)) {
+        return Ok(());
+    }
+    let name = |parameter: &Parameter| format!("`{}`", parameter.name);
+    let names = |set: &&[Parameter]| set.iter().map(name).collect::<Vec<_>>().join(" and ");
+    let sets = sets.iter().map(names).collect::<Vec<_>>().join(", or ");
+    let message = format!("`{}` needs exactly one pair of parameters: either {sets}", table.section.name);
+    Err(Fault::at(table.place, message, "not one pair"))
+}
+
+/// The key of a table meant by an unknown word; advice: this key, or the table to which the word belongs.
+fn meaning(section: &Section, word: &str) -> (Option<&'static str>, Option<String>) {
+    if let Some(key) = word.split_once('.').and_then(|(first, _)| section.key_of(first)) {
+        return (Some(key.name), Some(format!("without the quotes: {word}")));
+    }
+    let mut synonyms = synonyms::of(word);
+    let first = synonyms.clone().next();
+    let here = synonyms.find(|key| section.key_of(key).is_some());
+    match here.or_else(|| nearest(word, section.names())) {
+        Some(key) => (section.key_of(key).map(|key| key.name), Some(format!("did you mean `{key}`?"))),
+        None => {
+            let elsewhere = |word| catalogue::elsewhere(section, word);
+            (None, elsewhere(word).or_else(|| first.and_then(elsewhere)))
+        }
+    }
+}
