@@ -425,6 +425,12 @@ pub enum Error {
         /// Smallest determinant seen.
         det: f64,
     },
+    /// A configuration in which a force is not defined.
+    #[error("{reason}")]
+    Refused {
+        /// Reason, of the force.
+        reason: String,
+    },
     /// A step beyond the stability limit of an explicit scheme.
     #[error(
         "step {step}, to t = {time}: {step_size} is too large for an explicit scheme, whose critical step is \

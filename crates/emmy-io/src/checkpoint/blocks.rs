@@ -43,7 +43,7 @@ impl ListShape {
         let of_entry = length as u64 / n.max(1);
         let [parts, width] = match entries {
             Entries::Nodes => [of_entry / 3, 3],
-            Entries::Pressures => [1, of_entry],
+            Entries::Local => [1, of_entry],
         };
         debug_assert_eq!(parts * width * n, length as u64, "{name}");
         ListShape { name, entries, parts, width }

@@ -22,7 +22,7 @@ pub(super) struct Part {
 impl Part {
     /// Takes the lists out of a snapshot of a body, or of the part of a rank.
     pub(super) fn take(snapshot: &mut Snapshot, body: &Body) -> Self {
-        let n_entries = [Entries::Nodes, Entries::Pressures].map(|kind| body.entries(kind).count() as u64);
+        let n_entries = [Entries::Nodes, Entries::Local].map(|kind| body.entries(kind).count() as u64);
         Part::new(snapshot, Runs::counted(body), n_entries)
     }
 

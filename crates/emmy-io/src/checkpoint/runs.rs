@@ -31,7 +31,7 @@ pub(super) struct Runs(pub(super) [Vec<Run>; 2]);
 impl Runs {
     /// Some entries of a body; `is_chosen(kind, place, counts)`.
     fn of(body: &Body, is_chosen: impl Fn(Entries, u64, bool) -> bool) -> Self {
-        Runs([Entries::Nodes, Entries::Pressures].map(|kind| {
+        Runs([Entries::Nodes, Entries::Local].map(|kind| {
             let mut runs: Vec<Run> = Vec::new();
             for (place, (number, counts)) in (0..).zip(body.entries(kind)) {
                 match runs.last_mut() {

@@ -102,7 +102,7 @@ impl<'a> AdjointStep<'a> {
             mass_low: transposed(&coefficients.mass_low, k),
             inverse_mass: transposed(&coefficients.inverse_mass, k),
             response: transposed(&coefficients.response, k),
-            dissipation: None,
+            damping: None,
         };
         Ok(AdjointStep {
             body,

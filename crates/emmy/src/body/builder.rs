@@ -14,7 +14,7 @@ use crate::space::{InternalNodes, Space, Supports};
 
 use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
-use crate::unknowns::{Constraints, RigidLink};
+use crate::unknowns::{ConstraintSource, Constraints};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -36,7 +36,8 @@ pub struct BodyBuilder {
     supports: Vec<Support>,
     loads: Vec<Load>,
     drag: f64,
-    rigid_links: Vec<RigidLink>,
+    forces: Vec<Arc<dyn ForceSource>>,
+    constraints: Vec<Arc<dyn ConstraintSource>>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -48,8 +49,19 @@ impl BodyBuilder {
         let ranks = Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours);
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
         let (point_terms, ranks) = (PointTerms::default(), Arc::new(ranks));
-        let rigid_links = Vec::new();
-        BodyBuilder { mesh, regions, point_terms, supports, loads, drag: 0.0, rigid_links, ranks, rank }
+        let (forces, constraints) = (Vec::new(), Vec::new());
+        BodyBuilder {
+            mesh,
+            regions,
+            point_terms,
+            supports,
+            loads,
+            drag: 0.0,
+            forces,
+            constraints,
+            ranks,
+            rank,
+        }
     }
 
     /// Adds a region. The regions together cover every cell exactly once.
@@ -101,10 +113,17 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a rigid link.
+    /// Adds a force of a kind of its own.
     #[doc(hidden)]
-    pub fn rigid_link(mut self, link: RigidLink) -> Self {
-        self.rigid_links.push(link);
+    pub fn force(mut self, source: impl ForceSource + 'static) -> Self {
+        self.forces.push(Arc::new(source));
+        self
+    }
+
+    /// Adds constraints of the motion.
+    #[doc(hidden)]
+    pub fn constraint(mut self, source: impl ConstraintSource + 'static) -> Self {
+        self.constraints.push(Arc::new(source));
         self
     }
 
@@ -195,7 +214,16 @@ impl Body {
 
     fn from_parts(parts: BodyBuilder, sizes: &GroupSizes) -> Result<Self> {
         let BodyBuilder {
-            mesh, regions, point_terms: nodal, supports, loads, drag, rigid_links, ranks, ..
+            mesh,
+            regions,
+            point_terms: nodal,
+            supports,
+            loads,
+            drag,
+            forces,
+            constraints,
+            ranks,
+            ..
         } = parts;
         if !(drag >= 0.0 && drag.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: drag });
@@ -254,22 +282,24 @@ impl Body {
                 areas: &sizes.loads,
             };
             let drag = Some(Drag { rate: drag }).filter(|drag| drag.rate > 0.0);
-            let forces = forces_of(&point_terms.springs, &site)
+            let further = forces.iter().enumerate().map(|(number, source)| source.force(number, &site));
+            let all = forces_of(&point_terms.springs, &site)
                 .chain(forces_of(&point_terms.attractions, &site))
                 .chain(forces_of(&loads, &site))
-                .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)));
-            forces.collect::<Result<Vec<_>>>().map(Arc::new)
+                .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)))
+                .chain(further);
+            all.collect::<Result<Vec<_>>>().map(Arc::new)
         };
         let others = acting_on(MassKind::Consistent)?;
         let acts_on_mass = !nodal.attractions.is_empty() || loads.iter().any(|load| load.kind.acts_on_mass());
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        let constraints =
-            rigid_links.iter().map(|link| link.constraint(&mesh)).collect::<Result<Vec<_>>>()?;
-        let constraints = Constraints::new(constraints, rigid_links.iter().any(RigidLink::is_grounded));
+        let rows = constraints.iter().map(|source| source.constraints(&mesh)).collect::<Result<Vec<_>>>()?;
+        let is_grounded = constraints.iter().any(|source| source.is_grounded());
+        let constraints = Constraints::new(rows.concat(), is_grounded);
         if ranks.size() > 1 && !constraints.is_empty() {
-            return Err(Error::NotOnTeam { what: "a body with rigid links".to_string() });
+            return Err(Error::NotOnTeam { what: "a body with constraints".to_string() });
         }
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;

@@ -9,8 +9,8 @@ use super::system::Body;
 pub enum Entries {
     /// Nodes, internal ones included: `[k][n_nodes][3]`.
     Nodes,
-    /// Functions of the pressure in cells: `[function][n]`.
-    Pressures,
+    /// Local unknowns, functions of the pressure in cells: `[function][n]`.
+    Local,
 }
 
 /// Largest number of internal nodes of a cell.
@@ -27,7 +27,7 @@ impl Body {
     pub fn entries(&self, entries: Entries) -> Box<dyn Iterator<Item = (u64, bool)> + '_> {
         match entries {
             Entries::Nodes => Box::new(self.nodes_of_mesh().chain(self.internal_numbers())),
-            Entries::Pressures => Box::new(self.pressure_numbers()),
+            Entries::Local => Box::new(self.pressure_numbers()),
         }
     }
 
@@ -80,9 +80,9 @@ mod tests {
         let numbers: Vec<u64> = body.entries(Entries::Nodes).map(|(number, _)| number).collect();
         // Two cells with three modes each.
         assert!(numbers.iter().copied().eq(0..12 + 6));
-        assert_eq!(body.entries(Entries::Pressures).count(), 0);
+        assert_eq!(body.entries(Entries::Local).count(), 0);
         let body = formulated(crate::body::Formulation::ProjectedVolume(Some(PressureSpace::Constant)));
-        let mut numbers: Vec<(u64, bool)> = body.entries(Entries::Pressures).collect();
+        let mut numbers: Vec<(u64, bool)> = body.entries(Entries::Local).collect();
         numbers.sort_unstable();
         assert_eq!(numbers, [(0, true), (4, true)]);
     }

@@ -9,7 +9,7 @@ use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
 use crate::space::Space;
-use crate::sparse::{Pattern, nested_dissection};
+use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
 use crate::unknowns::Constraints;
 
@@ -176,6 +176,12 @@ impl Body {
     /// ([`Equilibrium::new`](crate::equilibrium::Equilibrium::new)).
     pub fn lumped(&self) -> &Body {
         self.lumped.as_deref().unwrap_or(self)
+    }
+
+    /// Memory for the condensation of the internal nodes of cells, with a mass of each coupling; `None` if there are none.
+    pub(crate) fn condensation(&self, mass: &[f64]) -> Option<Condensation> {
+        let condensation = || Condensation::new(&self.pattern, mass).on(self.space.shared().cloned());
+        self.space.has_internal_nodes().then(condensation)
     }
 
     /// Fill-reducing order of the nodes, `order[new] = old`, computed on first use: explicit methods need none.

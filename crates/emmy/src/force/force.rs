@@ -16,7 +16,7 @@ use crate::team::Subdomain;
 
 /// The term of the energy balance in which a force counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Book {
+pub enum Book {
     /// Its energy is a part of that of the body.
     Stored,
     /// Its work is done from outside.
@@ -27,7 +27,7 @@ pub(crate) enum Book {
 
 /// The momentum balances in which a force counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
+pub enum Side {
     /// It has neither a resultant nor a moment.
     Inside,
     /// It acts from outside.
@@ -38,7 +38,7 @@ pub(crate) enum Side {
 ///
 /// A stored force is on the left of the equations of motion, `M a + f = F`, like that of a spring; other forces are on the
 /// right. The step knows of a force only what is here; one that does not answer a question has no part in it.
-pub(crate) trait Force: fmt::Debug + Send + Sync {
+pub trait Force: fmt::Debug + Send + Sync {
     /// Where its energy counts.
     fn book(&self) -> Book;
 
@@ -159,7 +159,7 @@ pub(crate) trait Force: fmt::Debug + Send + Sync {
 }
 
 /// What a force has that is given over time: a load.
-pub(crate) trait OverTime {
+pub trait OverTime {
     /// Number of the load.
     fn number(&self) -> usize;
 
@@ -184,24 +184,24 @@ pub(crate) trait OverTime {
 
 /// Memory of a force in a stepper: a type of its own choice.
 #[derive(Default)]
-pub(crate) struct ForceMemory(Option<Box<dyn Any + Send + Sync>>);
+pub struct ForceMemory(Option<Box<dyn Any + Send + Sync>>);
 
 impl ForceMemory {
     /// No memory.
-    pub(crate) const NONE: ForceMemory = ForceMemory(None);
+    pub const NONE: ForceMemory = ForceMemory(None);
 
     /// Memory of a type.
-    pub(crate) fn new(memory: impl Any + Send + Sync) -> Self {
+    pub fn new(memory: impl Any + Send + Sync) -> Self {
         ForceMemory(Some(Box::new(memory)))
     }
 
     /// The memory, if it is of this type.
-    pub(crate) fn of<T: 'static>(&self) -> Option<&T> {
+    pub fn of<T: 'static>(&self) -> Option<&T> {
         self.0.as_ref()?.downcast_ref()
     }
 
     /// The memory, if it is of this type.
-    pub(crate) fn of_mut<T: 'static>(&mut self) -> Option<&mut T> {
+    pub fn of_mut<T: 'static>(&mut self) -> Option<&mut T> {
         self.0.as_mut()?.downcast_mut()
     }
 }

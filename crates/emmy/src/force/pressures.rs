@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Numbers of the pressures of a term.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PressureNumbers {
+pub struct PressureNumbers {
     /// Number of functions of the pressure in a cell.
     pub n_functions: usize,
     /// Position of the term among those with pressures.
@@ -17,7 +17,7 @@ pub(crate) struct PressureNumbers {
 
 /// Nodes and pressures of the cells of a term.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PressureCells<'a> {
+pub struct PressureCells<'a> {
     /// Indices of the cells in the mesh.
     pub cells: &'a [u32],
     /// Nodes, `[cell][n_nodes]`.
@@ -30,7 +30,7 @@ pub(crate) struct PressureCells<'a> {
 
 /// Results of the cells of a term that a part keeps.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PressureResults {
+pub struct PressureResults {
     /// Pressures of the deformation, `[cell][function][l]`.
     pub pressures: Vec<f64>,
     /// Forces g of unit pressures, `[cell][function][l][n_nodes][3]`.

@@ -16,7 +16,7 @@ type Function = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 
 /// A smooth function of time that acts on a body: a number, or the components of a field at some of its points.
 #[derive(Clone)]
-pub(crate) struct Signal {
+pub struct Signal {
     /// The load or support.
     pub target: SignalTarget,
     /// Its text, [`TimeFunction::text`] or [`super::Field::text`].

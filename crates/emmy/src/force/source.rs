@@ -12,7 +12,7 @@ use crate::space::geometry::MassKind;
 use crate::sparse::Pattern;
 
 /// Data of a force: a spring, a load, a new kind of force in a file of its own.
-pub(crate) trait ForceSource: fmt::Debug + Send + Sync {
+pub trait ForceSource: fmt::Debug + Send + Sync {
     /// The force on a body; `number`: among the sources of its kind.
     ///
     /// # Errors
@@ -21,8 +21,8 @@ pub(crate) trait ForceSource: fmt::Debug + Send + Sync {
 }
 
 /// A body, as far as it is made when its forces are.
-#[derive(Clone, Copy)]
-pub(crate) struct Site<'a> {
+#[derive(Debug, Clone, Copy)]
+pub struct Site<'a> {
     pub mesh: &'a Mesh,
     /// Couplings of the nodes.
     pub pattern: &'a Pattern,

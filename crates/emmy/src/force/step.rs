@@ -56,7 +56,7 @@ pub enum Sampling {
 
 /// The start of a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct StepStart<'a> {
+pub struct StepStart<'a> {
     /// Averaging rule.
     pub rule: &'a Rule,
     /// Points at which the rule takes loads.

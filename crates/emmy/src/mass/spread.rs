@@ -109,7 +109,7 @@ pub(crate) fn sizes(mesh: &Mesh, section: &[f64], masses: &[SpreadMass], ranks: 
 
 /// The masses of a body that are spread, with the points at which they lie.
 #[derive(Debug, Default)]
-pub(crate) struct Spread {
+pub struct Spread {
     masses: Vec<(Over, f64)>,
 }
 

@@ -140,7 +140,7 @@ pub(crate) fn for_each_volume_point(
 
 /// How mass and body forces act on the nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum MassKind {
+pub enum MassKind {
     /// By the shape functions N_A.
     Consistent,
     /// By the functions whose integrals are the lumped masses; those of quadratic cells are no shape functions:

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::gmres::Solution;
 use super::kernel::{Entry, Row};
-use super::ranks::Ranks;
 use super::real::Real;
+use super::shared_rows::SharedRows;
 use super::shifted::{CHUNK, ShiftedMatrix, dot, summed};
 use super::sweep::SweepOrder;
 
@@ -29,7 +29,7 @@ pub(crate) struct ConjugateGradients<T, const C: usize> {
     product: Vec<Row<T, C>>,
     partial: Vec<[f64; 2]>,
     /// The other ranks; `None`: there are none.
-    ranks: Option<Ranks>,
+    ranks: Option<SharedRows>,
 }
 
 /// Part of the square of a residual that its predecessor and the last direction determine to 8 digits.
@@ -54,7 +54,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     }
 
     /// The same memory, for rows that a team shares.
-    pub(crate) fn on(self, ranks: Option<Ranks>) -> Self {
+    pub(crate) fn on(self, ranks: Option<SharedRows>) -> Self {
         ConjugateGradients { ranks, ..self }
     }
 

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::kernel::Row;
 use super::{
-    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Ranks, Real, ShiftedMatrix,
-    StageMatrix, SweepOrder,
+    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Real, SharedRows,
+    ShiftedMatrix, StageMatrix, SweepOrder,
 };
 use crate::error::Result;
 
@@ -60,7 +60,7 @@ pub(super) const MAX_ITERATIONS: usize = 400;
 
 impl<const C: usize> Iterative<C> {
     /// Memory for a matrix with fixed rows, `[n_rows 3]`, those of guests among them.
-    pub(crate) fn new(fixed: &[bool], sweep: Arc<SweepOrder>, ranks: Option<Ranks>) -> Self {
+    pub(crate) fn new(fixed: &[bool], sweep: Arc<SweepOrder>, ranks: Option<SharedRows>) -> Self {
         Iterative {
             matrix: ShiftedMatrix::new(&sweep, fixed),
             factor: IncompleteCholesky::new(&sweep),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::kernel::Row;
 use super::shifted_solver::{MAX_ITERATIONS, gather, scatter};
 use super::{
-    Approximate, ConjugateGradients, Pattern, Ranks, Shifted, ShiftedMatrix, ShiftedSolver, SweepOrder,
+    Approximate, ConjugateGradients, Pattern, SharedRows, Shifted, ShiftedMatrix, ShiftedSolver, SweepOrder,
 };
 use crate::error::{Error, Result};
 use crate::team::{Engine, OwnRows};
@@ -53,7 +53,7 @@ impl<const C: usize> TeamSolver<C> {
     pub(crate) fn new(
         pattern: &Pattern,
         fixed: &[bool],
-        (sweep, ranks): (Arc<SweepOrder>, Ranks),
+        (sweep, ranks): (Arc<SweepOrder>, SharedRows),
         engine: Box<dyn Engine>,
         (cost, is_mixed): (f64, bool),
     ) -> Self {
@@ -107,7 +107,7 @@ impl<const C: usize> ShiftedSolver for TeamSolver<C> {
 }
 
 impl Rows {
-    fn new(pattern: &Pattern, fixed: &[bool], ranks: &Ranks) -> Self {
+    fn new(pattern: &Pattern, fixed: &[bool], ranks: &SharedRows) -> Self {
         let part = ranks.subdomain();
         let counts = part.gather("own rows", &[part.n_own() as f64]);
         let first = counts[..part.rank()].iter().sum::<f64>() as usize;

@@ -129,7 +129,7 @@ impl<'a> TimeElementStepper<'a> {
             equations.add_spring_reactions(rates, i, b, &self.position, reactions);
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
-                force[dof] = lambda + equations.external_force(i * n + dof);
+                force[dof] = lambda + equations.load(i * n + dof);
             }
             impulses.work += b * body.space.dot(force, &rates[i * n..(i + 1) * n]);
             equations.add_outside(unknowns, i, force);

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::dissipation::SchemeForce;
+use super::scheme_force::SchemeForce;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
 use crate::body::{Assembly, Body, Reaction};
@@ -25,7 +25,7 @@ pub(super) struct Equations<'a> {
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
     /// m_ij with the drag, for the time s.
-    dragged_mass: Vec<f64>,
+    damped_mass: Vec<f64>,
     /// The same in [`StageCoefficients::parts`].
     mass_parts: Vec<[f64; 2]>,
     pub scheme_force: SchemeForce,
@@ -56,9 +56,9 @@ impl<'a> Equations<'a> {
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
-            dragged_mass: coefficients.mass.clone(),
+            damped_mass: coefficients.mass.clone(),
             mass_parts: mass_parts(&coefficients, &coefficients.mass).collect(),
-            scheme_force: SchemeForce::new(body, coefficients.dissipation.clone()),
+            scheme_force: SchemeForce::new(body, coefficients.damping.clone()),
             driven: DrivenRates::new(&body.space, k),
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
@@ -100,9 +100,9 @@ impl<'a> Equations<'a> {
     /// Sets the coefficients of the inertia, with a further part of the diagonal ones.
     fn set_mass(&mut self, further: f64) {
         let k = self.coefficients.rule.degree();
-        self.dragged_mass.copy_from_slice(&self.coefficients.mass);
-        (0..k).for_each(|i| self.dragged_mass[i * k + i] += further);
-        let parts = mass_parts(&self.coefficients, &self.dragged_mass);
+        self.damped_mass.copy_from_slice(&self.coefficients.mass);
+        (0..k).for_each(|i| self.damped_mass[i * k + i] += further);
+        let parts = mass_parts(&self.coefficients, &self.damped_mass);
         self.mass_parts.iter_mut().zip(parts).for_each(|(own, parts)| *own = parts);
     }
 
@@ -251,10 +251,10 @@ impl<'a> Equations<'a> {
         let k = self.coefficients.rule.degree();
         let s = self.time_scale;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
-            let mass = &self.dragged_mass[i * k..(i + 1) * k];
+            let mass = &self.damped_mass[i * k..(i + 1) * k];
             for (dof, residual) in residual.iter_mut().enumerate() {
                 let inertia: f64 = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
-                *residual = inertia - self.known[i * n + dof] - s * s * self.external_force(i * n + dof);
+                *residual = inertia - self.known[i * n + dof] - s * s * self.load(i * n + dof);
             }
         }
         Ok(())
@@ -280,7 +280,7 @@ impl<'a> Equations<'a> {
     /// determine the rigid motion of the body.
     pub(super) fn is_self_balanced(&self) -> bool {
         self.coefficients.rule.is_energy_momentum()
-            && self.coefficients.dissipation.is_none()
+            && self.coefficients.damping.is_none()
             && !self.body.has_ground()
             && !self.body.constraints().is_grounded()
     }
@@ -337,7 +337,7 @@ impl<'a> Equations<'a> {
 
     /// Stage average of the forces that do work from outside, at the rates evaluated last; `at`: position in
     /// `[k][n_nodes][3]`.
-    pub(super) fn external_force(&self, at: usize) -> f64 {
+    pub(super) fn load(&self, at: usize) -> f64 {
         self.assembly.external(at)
     }
 
@@ -402,7 +402,7 @@ impl<'a> Equations<'a> {
         let [x, _, local] = self.split(unknowns);
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
-        self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
+        self.body.assemble(&step, request, &self.damped_mass, &mut self.assembly)?;
         if request == Request::Tangent {
             self.body.add_external_tangent(&step, &mut self.assembly)?;
         }
@@ -424,7 +424,7 @@ fn step_input<'a>(
     displacement: &'a [f64],
     rates: &'a [f64],
 ) -> StepInput<'a> {
-    let dissipation = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
+    let dissipation = coefficients.scheme_excess();
     let damping = StepDamping { inverse_step_size: 1.0 / s, dissipation };
     StepInput {
         tangent_factor: s * s,

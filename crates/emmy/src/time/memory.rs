@@ -44,7 +44,7 @@ impl Memory {
     /// Keeps local unknowns, `[function][n]`.
     pub fn keep_local(&mut self, name: &str, local: &[f64]) {
         self.keep(name, local);
-        self.entries.insert(name.to_string(), Entries::Pressures);
+        self.entries.insert(name.to_string(), Entries::Local);
     }
 
     /// The lists over nodes and cells, by their names.

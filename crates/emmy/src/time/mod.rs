@@ -4,7 +4,6 @@
 #![allow(non_snake_case)]
 
 pub(crate) mod classic;
-mod dissipation;
 pub(crate) mod element_stepper;
 mod equations;
 pub(crate) mod error;
@@ -15,6 +14,7 @@ pub(crate) mod memory;
 mod prediction;
 mod rigid_step;
 pub(crate) mod scheme;
+mod scheme_force;
 mod stage_coefficients;
 mod stage_system;
 mod state;

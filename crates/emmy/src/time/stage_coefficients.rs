@@ -1,6 +1,6 @@
 //! Coefficients of the stage equations.
 
-use super::dissipation::Dissipation;
+use super::scheme_force::SchemeDamping;
 use crate::average::Rule;
 use crate::force::Sampling;
 use crate::sparse::{accurate_sum, split};
@@ -27,11 +27,16 @@ pub(crate) struct StageCoefficients {
     pub inverse_mass: Vec<f64>,
     /// Response of the averages to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
     pub response: Vec<f64>,
-    /// Dissipation of the scheme.
-    pub dissipation: Option<Dissipation>,
+    /// SchemeDamping of the scheme.
+    pub damping: Option<SchemeDamping>,
 }
 
 impl StageCoefficients {
+    /// Factor beta of the scheme's damping on the elasticity at rest.
+    pub(crate) fn scheme_excess(&self) -> f64 {
+        self.damping.as_ref().map_or(0.0, |damping| damping.excess)
+    }
+
     /// A coefficient with its rounding error, as the two parts that products take: what a scheme of a degree above 1 conserves
     /// does not depend on rounded coefficients. At degree 1 they are 1/2, 1 and 2.
     pub(crate) fn parts(&self, coefficient: [f64; 2]) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::dissipation::Dissipation;
+use super::scheme_force::SchemeDamping;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::{AveragingRule, Rule};
 use crate::error::{Error, Result};
@@ -171,12 +171,12 @@ impl TimeElement {
                 mass_low: low,
                 inverse_mass: a.clone(),
                 response: a,
-                dissipation: None,
+                damping: None,
                 rule,
             },
             Some(radius) => {
-                let dissipation = Dissipation::new(&rule, &a_inverse, radius);
-                let a = dissipation.coefficients(&rule);
+                let damping = SchemeDamping::new(&rule, &a_inverse, radius);
+                let a = damping.coefficients(&rule);
                 let [mass, mass_low] = accurate_inverse(&a);
                 StageCoefficients {
                     sampling: Sampling::Averages,
@@ -184,7 +184,7 @@ impl TimeElement {
                     mass_low,
                     inverse_mass: a.clone(),
                     response: a,
-                    dissipation: Some(dissipation),
+                    damping: Some(damping),
                     rule,
                 }
             }

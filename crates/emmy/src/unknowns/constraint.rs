@@ -1,6 +1,10 @@
 //! Constraints that are sums of scalar products.
 
+use std::fmt;
+
 use super::affine::Affine;
+use crate::error::Result;
+use crate::mesh::Mesh;
 use crate::nodal;
 
 /// A constraint `Phi(q) = sum_r c_r A_r . B_r - s = 0` on points and vectors of the body: it is quadratic in the positions
@@ -13,11 +17,23 @@ use crate::nodal;
 /// C_i = G(q_i) x_i + Phi(q_1) = 0,    R_i + G(q_i)^T Lambda_i = 0,    G = dPhi/dq
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Constraint {
+pub struct Constraint {
     /// `(A_r, B_r, c_r)`.
     pub pairs: Vec<(Affine, Affine, f64)>,
     /// s.
     pub value: f64,
+}
+
+/// Data of constraints: a kind of joint in a file of its own.
+pub trait ConstraintSource: fmt::Debug + Send + Sync {
+    /// The constraints on a mesh.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the data.
+    fn constraints(&self, mesh: &Mesh) -> Result<Vec<Constraint>>;
+
+    /// Whether they join the body to the ground.
+    fn is_grounded(&self) -> bool;
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -26,18 +42,18 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 impl Constraint {
     /// Nodes, some of them more than once.
-    pub(crate) fn nodes(&self) -> impl Iterator<Item = u32> {
+    pub fn nodes(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().flat_map(|(a, b, _)| a.nodes.iter().chain(&b.nodes)).copied()
     }
 
     /// Phi at displacements of the nodes.
-    pub(crate) fn value(&self, u: &dyn Fn(usize) -> f64) -> f64 {
+    pub fn value(&self, u: &dyn Fn(usize) -> f64) -> f64 {
         let products = self.pairs.iter().map(|(a, b, c)| c * dot(a.value(u), b.value(u)));
         products.sum::<f64>() - self.value
     }
 
     /// `G(q) x`.
-    pub(crate) fn rate(&self, u: &dyn Fn(usize) -> f64, x: &dyn Fn(usize) -> f64) -> f64 {
+    pub fn rate(&self, u: &dyn Fn(usize) -> f64, x: &dyn Fn(usize) -> f64) -> f64 {
         let terms = self
             .pairs
             .iter()
@@ -46,7 +62,7 @@ impl Constraint {
     }
 
     /// Calls a function with each entry of `G(q)`, some of them more than once: degree of freedom and number.
-    pub(crate) fn for_each_gradient(&self, u: &dyn Fn(usize) -> f64, visit: &mut dyn FnMut(usize, f64)) {
+    pub fn for_each_gradient(&self, u: &dyn Fn(usize) -> f64, visit: &mut dyn FnMut(usize, f64)) {
         for (a, b, c) in &self.pairs {
             for (own, other) in [(a, b.value(u)), (b, a.value(u))] {
                 for (&node, weight) in own.nodes.iter().zip(&own.weights) {
@@ -58,7 +74,7 @@ impl Constraint {
 
     /// Calls a function with each entry of the second derivative, which is a number times the identity for each pair of
     /// nodes.
-    pub(crate) fn for_each_curvature(&self, visit: &mut dyn FnMut([u32; 2], f64)) {
+    pub fn for_each_curvature(&self, visit: &mut dyn FnMut([u32; 2], f64)) {
         for (a, b, c) in &self.pairs {
             for (&node, weight) in a.nodes.iter().zip(&a.weights) {
                 for (&other, other_weight) in b.nodes.iter().zip(&b.weights) {

@@ -10,5 +10,6 @@ mod constraint;
 mod constraints;
 mod rigid_link;
 
+pub(crate) use constraint::ConstraintSource;
 pub(crate) use constraints::{BorderStep, Constraints, Derivatives};
 pub use rigid_link::RigidLink;

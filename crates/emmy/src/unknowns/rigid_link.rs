@@ -1,11 +1,11 @@
 //! A rigid link.
 
 use super::affine::Affine;
-use super::constraint::Constraint;
+use super::constraint::{Constraint, ConstraintSource};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
-/// A rigid link without mass between two nodes, or between a node and a point of the ground.
+/// A rigid link without mass, as long as it is in the mesh: between two nodes, or between a node and a point of the ground.
 ///
 /// ```math
 /// (|p - r|^2 - L^2) / 2 = 0
@@ -18,12 +18,8 @@ pub enum RigidLink {
     Ground(u32, [f64; 3]),
 }
 
-impl RigidLink {
-    /// The constraint of a link as long as it is in the mesh.
-    ///
-    /// # Errors
-    /// [`Error::NotPositive`] for its length.
-    pub(crate) fn constraint(&self, mesh: &Mesh) -> Result<Constraint> {
+impl ConstraintSource for RigidLink {
+    fn constraints(&self, mesh: &Mesh) -> Result<Vec<Constraint>> {
         let X = |node: u32| mesh.points()[node as usize];
         let (nodes, weights, other) = match *self {
             RigidLink::Nodes([a, b]) => (vec![a, b], vec![1.0, -1.0], X(b)),
@@ -35,11 +31,10 @@ impl RigidLink {
             return Err(Error::NotPositive { what: "length of a rigid link".into(), value: square.sqrt() });
         }
         let arm = Affine { nodes, weights, reference };
-        Ok(Constraint { pairs: vec![(arm.clone(), arm, 0.5)], value: 0.5 * square })
+        Ok(vec![Constraint { pairs: vec![(arm.clone(), arm, 0.5)], value: 0.5 * square }])
     }
 
-    /// Whether the link holds the body to the ground.
-    pub(crate) fn is_grounded(&self) -> bool {
+    fn is_grounded(&self) -> bool {
         matches!(self, RigidLink::Ground(..))
     }
 }

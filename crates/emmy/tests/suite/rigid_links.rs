@@ -28,7 +28,7 @@ fn pendulum() -> Body {
         })
         .support(Support::fixed("pivot"))
         .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
-        .rigid_link(RigidLink::Ground(mass, [0.0; 3]))
+        .constraint(RigidLink::Ground(mass, [0.0; 3]))
         .build()
         .unwrap()
 }
@@ -74,7 +74,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         let rubber = NeoHooke::new(100.0, 50.0).unwrap();
         Body::builder(mesh.clone()).region(Region::new(rubber, 1.0))
     };
-    let body = builder().rigid_link(RigidLink::Nodes(link)).build().unwrap();
+    let body = builder().constraint(RigidLink::Nodes(link)).build().unwrap();
     let without = builder().build().unwrap();
     let flies = InitialVelocity {
         velocity: [0.3, -0.2, 0.1],

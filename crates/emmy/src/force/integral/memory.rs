@@ -11,7 +11,7 @@ use crate::tensor::{Batch, LANES, Mat3, Packed, Register};
 
 /// Working memory of an assembly, one for each part.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub struct Scratch {
     batch: BatchMemory,
     /// [`PointMemory`] of single cells, and of the registers that the machine has.
     points: [Box<dyn Any + Send + Sync>; 2],

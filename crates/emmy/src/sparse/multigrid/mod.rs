@@ -17,7 +17,7 @@ use super::conjugate_gradients::Approximate;
 use super::kernel::Row;
 use super::shifted_solver::{MAX_ITERATIONS, Shifted, gather, scatter};
 use super::{
-    BlockCholesky, ConjugateGradients, Pattern, Ranks, ShiftedMatrix, ShiftedSolver, SweepOrder,
+    BlockCholesky, ConjugateGradients, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver, SweepOrder,
     nested_dissection,
 };
 use crate::error::Result;
@@ -68,7 +68,7 @@ impl<const C: usize> Multigrid<C> {
     }
 
     /// The same for rows that a team shares: each rank has a cycle for its own rows, those of guests being fixed.
-    pub(crate) fn on(self, ranks: Option<Ranks>) -> Self {
+    pub(crate) fn on(self, ranks: Option<SharedRows>) -> Self {
         Multigrid { krylov: self.krylov.on(ranks), ..self }
     }
 }

@@ -82,14 +82,19 @@ impl<'a> Forces<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    fn ground(&mut self, displacement: &[f64], ground: &mut [f64], reactions: &mut [Reaction]) -> Result<()> {
+    fn outside(
+        &mut self,
+        displacement: &[f64],
+        outside: &mut [f64],
+        reactions: &mut [Reaction],
+    ) -> Result<()> {
         reactions.fill(Reaction::default());
         if !self.body.has_ground() {
             return Ok(());
         }
         let step = StepInput::undamped(&self.rule, displacement, &self.rest);
         self.body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
-        self.body.ground_force(&step, &mut self.assembly, ground)
+        self.body.ground_force(&step, &mut self.assembly, outside)
     }
 
     /// All loads at a displacement and time.
@@ -154,8 +159,8 @@ impl Forces<'_> {
             let forces = external.iter().zip(&self.internal);
             net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
         }
-        let drag = self.body.drag();
-        net.iter_mut().zip(&state.momentum).for_each(|(net, p)| *net -= drag * p);
+        let rate = self.body.drag();
+        net.iter_mut().zip(&state.momentum).for_each(|(net, p)| *net -= rate * p);
         Ok(())
     }
 }
@@ -171,7 +176,7 @@ pub(crate) struct TimePoint {
     /// set.
     pub force: Vec<f64>,
     /// Force on the ground.
-    ground: Vec<f64>,
+    outside: Vec<f64>,
     /// Force of each supported group: the springs first, then with the fixed degrees of freedom.
     reactions: Vec<Reaction>,
 }
@@ -184,7 +189,7 @@ impl TimePoint {
             displacement: vec![0.0; n],
             external: vec![0.0; n],
             force: vec![0.0; n],
-            ground: vec![0.0; n],
+            outside: vec![0.0; n],
         }
     }
 
@@ -223,7 +228,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
-        forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)?;
+        forces.outside(&self.displacement, &mut self.outside, &mut self.reactions)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)?;
         forces.body.space.share_internal_forces(&mut self.force);
         Ok(())
@@ -238,7 +243,7 @@ impl TimePoint {
             return self.evaluate(forces, time);
         }
         forces.external(&self.displacement, time, &mut self.external)?;
-        forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)
+        forces.outside(&self.displacement, &mut self.outside, &mut self.reactions)
     }
 
     /// Sets the reactions of all ranks, and the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
@@ -248,7 +253,7 @@ impl TimePoint {
         body.space.add_reactions(&self.displacement, reaction, &mut self.reactions);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
-            self.force[dof] = self.external[dof] + reaction - self.ground[dof];
+            self.force[dof] = self.external[dof] + reaction - self.outside[dof];
         }
         body.space.sum_reactions(&mut self.reactions);
     }

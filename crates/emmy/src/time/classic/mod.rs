@@ -41,6 +41,6 @@ fn stage_coefficients(rule: Rule, c: f64, w: f64) -> StageCoefficients {
         mass_low: vec![0.0],
         inverse_mass: vec![1.0 / c],
         response: vec![w],
-        dissipation: None,
+        damping: None,
     }
 }

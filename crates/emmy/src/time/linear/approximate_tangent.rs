@@ -79,7 +79,7 @@ impl ApproximateTangent {
             response_size: solvers.largest_modulus().sqrt(),
             solvers,
             viscous_rate: 0.0,
-            dissipation: coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess),
+            dissipation: coefficients.scheme_excess(),
             integrals: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
             rule,
             assembly: body.assembly(1),

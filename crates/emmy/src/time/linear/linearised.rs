@@ -4,7 +4,7 @@ use super::approximate_tangent::ApproximateTangent;
 use super::border::Border;
 use crate::body::{Assembly, Body};
 use crate::sparse::LinearSystem;
-use crate::time::dissipation::SchemeForce;
+use crate::time::scheme_force::SchemeForce;
 
 /// The linear system of a Newton iteration, on the free degrees of freedom.
 pub(crate) struct LinearisedStages<'a> {

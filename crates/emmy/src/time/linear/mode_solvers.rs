@@ -7,7 +7,7 @@ use super::solver_choice::{Costs, factorization_cost};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
-    Condensation, Direct, DirectPair, Iterative, Multigrid, Ranks, Shifted, ShiftedSolver, Solver,
+    Condensation, Direct, DirectPair, Iterative, Multigrid, SharedRows, Shifted, ShiftedSolver, Solver,
     SolverChoice, SolverKind, StageMatrix, SweepOrder, TeamSolver, inverse,
 };
 use crate::team::{Engine, EngineKind};
@@ -194,10 +194,7 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        self.condensation = body
-            .space
-            .has_internal_nodes()
-            .then(|| Condensation::new(body.pattern(), body.mass()).on(body.space.shared().cloned()));
+        self.condensation = body.condensation(body.mass());
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let fixed = &body.space.inactive()[..3 * pattern.n_rows()];
         let order = || -> Result<Vec<usize>> {
@@ -207,12 +204,12 @@ impl ModeSolvers {
         let part = body.space.shared();
         let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
-        let ranks = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
+        let shared = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| SharedRows::new(own, sweep));
         let is_mixed = body.has_local();
         for mode in &self.modes {
-            if let (Some(sweep), Some(ranks), Some(engine)) = (&sweep, ranks(), engine(body, choice.kind)) {
+            if let (Some(sweep), Some(rows), Some(engine)) = (&sweep, shared(), engine(body, choice.kind)) {
                 self.choice = Some(SolverChoice { engine: Some(engine.name()), ..choice });
-                let on = (sweep.clone(), ranks);
+                let on = (sweep.clone(), rows);
                 let costs = (setup_cost(body, choice.kind), is_mixed);
                 self.solvers.push(match mode.n_columns() {
                     1 => Box::new(TeamSolver::<1>::new(pattern, fixed, on, engine, costs)),
@@ -222,16 +219,16 @@ impl ModeSolvers {
             }
             self.solvers.push(match (&sweep, choice.kind, mode.n_columns()) {
                 (Some(sweep), SolverKind::Iterative, 1) => {
-                    Box::new(Iterative::<1>::new(fixed, sweep.clone(), ranks()))
+                    Box::new(Iterative::<1>::new(fixed, sweep.clone(), shared()))
                 }
                 (Some(sweep), SolverKind::Iterative, _) => {
-                    Box::new(Iterative::<2>::new(fixed, sweep.clone(), ranks()))
+                    Box::new(Iterative::<2>::new(fixed, sweep.clone(), shared()))
                 }
                 (Some(sweep), SolverKind::Multigrid, 1) => {
-                    Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?.on(ranks()))
+                    Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?.on(shared()))
                 }
                 (Some(sweep), SolverKind::Multigrid, _) => {
-                    Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?.on(ranks()))
+                    Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?.on(shared()))
                 }
                 (_, SolverKind::Direct, _) if part.is_some() => return Err(no_factorization()),
                 (Some(sweep), SolverKind::Direct, 2) => {

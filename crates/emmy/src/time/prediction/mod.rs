@@ -226,7 +226,7 @@ impl Prediction {
             for (node, y) in self.arm.chunks_exact(3).enumerate().take(equations.body.space.own_nodes().end) {
                 for d in 0..3 {
                     let at = i * n + nodal::dof(node, d);
-                    let force = equations.known[at] + s * s * equations.external_force(at);
+                    let force = equations.known[at] + s * s * equations.load(at);
                     sum[d] += force;
                     (0..3).for_each(|e| moments[d][e] += force * y[e]);
                 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::body::Body;
 use crate::error::Result;
 use crate::sparse::{
-    BlockCholesky, Condensation, Iterative, Ranks, Shifted, ShiftedSolver, StageMatrix, SweepOrder,
+    BlockCholesky, Condensation, Iterative, SharedRows, Shifted, ShiftedSolver, StageMatrix, SweepOrder,
 };
 
 /// The inverse, as a preconditioner.
@@ -95,17 +95,14 @@ impl Inverse {
 impl InverseOfRanks {
     fn new(body: &Body) -> Self {
         let no_mass = vec![0.0; body.pattern().n_blocks()];
-        let condensation = body
-            .space
-            .has_internal_nodes()
-            .then(|| Condensation::new(body.pattern(), &no_mass).on(body.space.shared().cloned()));
+        let condensation = body.condensation(&no_mass);
         let pattern = condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let sweep = Arc::new(SweepOrder::new(pattern));
-        let ranks = body.space.shared().cloned().map(|subdomain| Ranks::new(subdomain, &sweep));
+        let rows = body.space.shared().cloned().map(|subdomain| SharedRows::new(subdomain, &sweep));
         let fixed = &body.space.inactive()[..3 * pattern.n_rows()];
         let zero = vec![0.0; body.n_dofs()];
         InverseOfRanks {
-            solver: Box::new(Iterative::<1>::new(fixed, sweep, ranks)),
+            solver: Box::new(Iterative::<1>::new(fixed, sweep, rows)),
             condensation,
             no_mass,
             residual: zero.clone(),

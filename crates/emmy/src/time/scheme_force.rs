@@ -1,4 +1,4 @@
-//! Dissipation of a time element through its velocities, which conserves momenta and does not damp rigid motions.
+//! SchemeDamping of a time element through its velocities, which conserves momenta and does not damp rigid motions.
 //!
 //! A time element of degree k with the coefficients a of Gauss' method dissipates nothing. With
 //!
@@ -48,7 +48,7 @@ use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a dissipative time element.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Dissipation {
+pub(crate) struct SchemeDamping {
     /// chi.
     strength: f64,
     /// beta.
@@ -63,7 +63,7 @@ pub(crate) struct Dissipation {
     end_weight: f64,
 }
 
-impl Dissipation {
+impl SchemeDamping {
     /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
     pub(crate) fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
         let k = rule.degree();
@@ -73,7 +73,7 @@ impl Dissipation {
         let excess = strength / (2 * (2 * k - 1)) as f64;
         let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
         let stage_weights: Vec<f64> = (0..k).map(|i| excess * row(i) / (1.0 + strength)).collect();
-        Dissipation {
+        SchemeDamping {
             strength,
             excess,
             highest_mode: (0..k).map(|j| b[j] * p[j]).collect(),
@@ -95,21 +95,21 @@ impl Dissipation {
 /// What a dissipative scheme adds to the stage equations; nothing for other schemes.
 #[derive(Debug)]
 pub(super) struct SchemeForce {
-    projection: Option<RigidProjection>,
+    rigid: Option<RigidMotions>,
     /// Momentum at the start of the step.
     momentum: Vec<f64>,
 }
 
 impl SchemeForce {
     /// Memory for a body.
-    pub(super) fn new(body: &Body, dissipation: Option<Dissipation>) -> Self {
-        let momentum = vec![0.0; if dissipation.is_some() { body.n_dofs() } else { 0 }];
-        let projection = dissipation.map(|dissipation| RigidProjection::new(body, dissipation));
-        SchemeForce { projection, momentum }
+    pub(super) fn new(body: &Body, damping: Option<SchemeDamping>) -> Self {
+        let momentum = vec![0.0; if damping.is_some() { body.n_dofs() } else { 0 }];
+        let rigid = damping.map(|damping| RigidMotions::new(body, damping));
+        SchemeForce { rigid, momentum }
     }
 
     pub(super) fn is_zero(&self) -> bool {
-        self.projection.is_none()
+        self.rigid.is_none()
     }
 
     /// Begins a step with a momentum.
@@ -127,23 +127,23 @@ impl SchemeForce {
         h: f64,
         residual: &mut [f64],
     ) {
-        if let Some(projection) = &mut self.projection {
-            projection.set(body, rates, mass_rates, &self.momentum, h);
-            projection.add(projection.multipliers, h, residual);
+        if let Some(rigid) = &mut self.rigid {
+            rigid.set(body, rates, mass_rates, &self.momentum, h);
+            rigid.add(rigid.multipliers, h, residual);
         }
     }
 
     /// Adds the derivatives of the force along dx.
     pub(super) fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
-        if let Some(projection) = &mut self.projection {
-            projection.add_derivative(body, h, dx, residual);
+        if let Some(rigid) = &mut self.rigid {
+            rigid.add_derivative(body, h, dx, residual);
         }
     }
 
     /// Corrects a right-hand side for the approximate tangent, which does not know the force.
     pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
-        if let Some(projection) = &mut self.projection {
-            projection.correct(body, right);
+        if let Some(rigid) = &mut self.rigid {
+            rigid.correct(body, right);
             body.space.clear_inactive(right);
         }
     }
@@ -158,16 +158,16 @@ impl SchemeForce {
         h: f64,
         new: &mut [f64],
     ) -> f64 {
-        let Some(projection) = &mut self.projection else { return 0.0 };
-        projection.set(body, rates, mass_rates, &self.momentum, h);
-        projection.complete_end_velocity(body, rates, velocity, h, new)
+        let Some(rigid) = &mut self.rigid else { return 0.0 };
+        rigid.set(body, rates, mass_rates, &self.momentum, h);
+        rigid.complete_end_velocity(body, rates, velocity, h, new)
     }
 }
 
 /// Projection on translations and rotations without dissipation, for the unknowns of a step.
 #[derive(Debug)]
-struct RigidProjection {
-    dissipation: Dissipation,
+struct RigidMotions {
+    damping: SchemeDamping,
     /// Directions without a fixed node.
     translations: [bool; 3],
     /// Axes perpendicular to which every node is free, or all nodes are fixed.
@@ -206,9 +206,9 @@ struct Change {
 /// Rotations with less than this part of the largest moment of inertia are rounding.
 const NO_TURN: f64 = 1e-13;
 
-impl RigidProjection {
+impl RigidMotions {
     /// Memory for a body.
-    fn new(body: &Body, dissipation: Dissipation) -> Self {
+    fn new(body: &Body, damping: SchemeDamping) -> Self {
         let n = body.n_dofs();
         let nodes = || body.fixed().as_chunks::<3>().0.iter();
         let holds = |axis: usize| {
@@ -229,8 +229,8 @@ impl RigidProjection {
         let zero = vec![0.0; n];
         let change = [(); 4].map(|()| zero.clone());
         let [arm, weighted_arm, velocity, momentum] = change;
-        RigidProjection {
-            dissipation,
+        RigidMotions {
+            damping,
             translations,
             turns,
             mass: mass[0],
@@ -246,7 +246,7 @@ impl RigidProjection {
 
     /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
     fn set(&mut self, body: &Body, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
-        let Dissipation { highest_mode, eta, .. } = &self.dissipation;
+        let SchemeDamping { highest_mode, eta, .. } = &self.damping;
         combine(highest_mode, rates, &mut self.arm);
         combine(highest_mode, mass_rates, &mut self.weighted_arm);
         combine(eta, mass_rates, &mut self.momentum);
@@ -268,8 +268,8 @@ impl RigidProjection {
     fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
         let multipliers = self.multipliers;
         let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
-        combine(&self.dissipation.highest_mode, dx, arm);
-        combine(&self.dissipation.eta, dx, velocity);
+        combine(&self.damping.highest_mode, dx, arm);
+        combine(&self.damping.eta, dx, velocity);
         velocity.iter_mut().for_each(|v| *v /= h);
         body.mass_product(arm, weighted_arm);
         body.mass_product(velocity, momentum);
@@ -287,7 +287,7 @@ impl RigidProjection {
         let change = self.projected(body.space.sum(&self.change.momentum), right);
         self.add(change, h, residual);
         let n = self.arm.len();
-        for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
+        for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.damping.stage_weights) {
             let nodes = stage.as_chunks_mut::<3>().0.iter_mut().zip(self.change.weighted_arm.as_chunks().0);
             for (value, arm) in nodes {
                 let across = cross(multipliers.turn, *arm);
@@ -299,7 +299,7 @@ impl RigidProjection {
     /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
     /// in that subspace, where the strain response is neglected.
     fn correct(&mut self, body: &Body, right: &mut [f64]) {
-        combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
+        combine(&self.damping.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
         let part = self.projected(body.space.sum(momentum), moment(body, (&self.arm, momentum)));
         self.add(part, -1.0, right);
@@ -315,7 +315,7 @@ impl RigidProjection {
         h: f64,
         new: &mut [f64],
     ) -> f64 {
-        let Dissipation { eta, end_weight, excess, strength, .. } = &self.dissipation;
+        let SchemeDamping { eta, end_weight, excess, strength, .. } = &self.damping;
         combine(eta, rates, &mut self.change.velocity);
         let start: f64 = eta.iter().sum();
         let mut square = 0.0;
@@ -350,7 +350,7 @@ impl RigidProjection {
     /// Adds `factor weight_i M U motion` to the stages.
     fn add(&self, motion: RigidVelocity, factor: f64, stages: &mut [f64]) {
         let n = self.arm.len();
-        for (stage, weight) in stages.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
+        for (stage, weight) in stages.chunks_exact_mut(n).zip(&self.damping.stage_weights) {
             let arms = self.row_sums.iter().zip(self.weighted_arm.as_chunks().0);
             for (value, (&mass, arm)) in stage.as_chunks_mut::<3>().0.iter_mut().zip(arms) {
                 let weighted = motion.times(mass, *arm);
@@ -455,9 +455,9 @@ mod tests {
         1.0 + z * rows.sum::<f64>()
     }
 
-    fn dissipation(k: usize, radius: f64) -> (Rule, Dissipation) {
+    fn dissipation(k: usize, radius: f64) -> (Rule, SchemeDamping) {
         let rule = Rule::discrete_gradient(k);
-        let dissipation = Dissipation::new(&rule, &inverse(rule.coefficients()), radius);
+        let dissipation = SchemeDamping::new(&rule, &inverse(rule.coefficients()), radius);
         (rule, dissipation)
     }
 

@@ -10,18 +10,18 @@ use crate::team::Subdomain;
 /// The other ranks of a team, as conjugate gradients see them. Rows of guests are fixed in matrix and preconditioner; their
 /// entries in a direction come from their owners, and in a residual they are zero.
 #[derive(Debug, Clone)]
-pub(crate) struct Ranks {
+pub(crate) struct SharedRows {
     subdomain: Arc<Subdomain>,
     /// Number of each node in the sweep.
     number: Vec<u32>,
 }
 
-impl Ranks {
+impl SharedRows {
     /// The ranks that share the rows of a sweep.
     pub(crate) fn new(subdomain: Arc<Subdomain>, sweep: &SweepOrder) -> Self {
         let mut number = vec![0; sweep.n_rows()];
         sweep.order.iter().zip(0..).for_each(|(&old, new)| number[old as usize] = new);
-        Ranks { subdomain, number }
+        SharedRows { subdomain, number }
     }
 
     /// The part of this rank.
