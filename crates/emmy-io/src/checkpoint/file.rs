@@ -238,7 +238,7 @@ fn largest_count(value: &Value) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use emmy::internals::time::Memory;
+    use emmy::time::Memory;
     use emmy::motion::{Extreme, Snapshot};
     use emmy::prelude::*;
 

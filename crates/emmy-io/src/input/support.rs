@@ -2,7 +2,7 @@
 
 use emmy::body::{Rotation, Support, TimeFunction};
 use emmy::internals::number::{short, short_vector};
-use emmy::internals::time::BodyFeature;
+use emmy::time::BodyFeature;
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
 

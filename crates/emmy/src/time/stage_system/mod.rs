@@ -1,5 +1,6 @@
 //! The non-linear equations of a step.
 
+mod at_rates;
 mod newton;
 
 use rayon::prelude::*;
