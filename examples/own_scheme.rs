@@ -6,7 +6,7 @@ use emmy::body::Reaction;
 use emmy::prelude::*;
 use emmy::time::{PointForces, StepOutcome, Stepper};
 
-/// Size of the outer two of the three Verlet steps over that of the step, w = 1 / (2 - 2^(1/3)); the middle one goes back.
+/// Size of the first and the third Verlet step over that of the whole, w = 1 / (2 - 2^(1/3)).
 const W: f64 = 1.351_207_191_959_657_8;
 
 /// Drifts with the velocity and kicks by the forces, in turn, over the step size: Verlet steps of w, 1 - 2 w and w.
@@ -90,15 +90,20 @@ fn distance(a: &State, b: &State) -> f64 {
 }
 
 fn main() -> emmy::Result<()> {
-    let mut coarser: Option<(State, f64)> = None;
-    for steps in [128, 256, 512, 1024] {
+    // Distances of the ends of runs with n and n/2 steps.
+    let (mut last, mut change) = (tumble(128)?.1, f64::NAN);
+    for steps in [256, 512, 1024, 2048] {
         let (records, end) = tumble(steps)?;
         let energy = records[0].total_energy;
-        let drift = records.iter().map(|record| (record.total_energy / energy - 1.0).abs()).fold(0.0, f64::max);
-        let change = coarser.as_ref().map_or(f64::NAN, |(coarser, _)| distance(coarser, &end));
-        let order = coarser.as_ref().map_or(f64::NAN, |(_, before)| (before / change).log2());
-        println!("{steps:5} steps  energy changes by {drift:.1e}  order {order:.2}");
-        coarser = Some((end, change));
+        let drift =
+            records.iter().map(|record| (record.total_energy / energy - 1.0).abs()).fold(0.0, f64::max);
+        let before = std::mem::replace(&mut change, distance(&last, &end));
+        print!("{steps:5} steps: energy within {drift:.1e}");
+        println!(
+            "{}",
+            if before.is_nan() { String::new() } else { format!(", order {:.2}", (before / change).log2()) }
+        );
+        last = end;
     }
     Ok(())
 }

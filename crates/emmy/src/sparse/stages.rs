@@ -213,7 +213,8 @@ impl StageMatrix {
     pub fn block_rows(&self, pattern: &Pattern) -> Vec<BlockRow> {
         let k = self.degree;
         let row = |(i, node): (usize, usize)| {
-            let stages = (0..k).flat_map(|j| pattern.range(node).zip(pattern.row(node)).map(move |at| (j, at)));
+            let stages =
+                (0..k).flat_map(|j| pattern.range(node).zip(pattern.row(node)).map(move |at| (j, at)));
             let entry = |(j, (position, &column)): (usize, (usize, &u32))| {
                 let blocks = self.block(position).as_chunks::<9>().0;
                 ((j * self.n_rows) as u32 + column, blocks[i * k + j])

@@ -149,8 +149,7 @@ impl Body {
         let mut assembly = self.assembly_of(&rule);
         let mut tangent = |inverse_step_size: f64| -> Result<Vec<BlockRow>> {
             let damping = StepDamping { inverse_step_size, dissipation: 0.0 };
-            let step =
-                StepInput { tangent_factor: 1.0, damping, ..StepInput::undamped(&rule, &rest, &rest) };
+            let step = StepInput { tangent_factor: 1.0, damping, ..StepInput::undamped(&rule, &rest, &rest) };
             self.assemble(&step, Request::Tangent, &[0.0], &mut assembly)?;
             Ok(assembly.matrix.block_rows(self.pattern()))
         };

@@ -114,7 +114,7 @@ pub trait Stepper: fmt::Debug + Send {
     /// # Errors
     /// [`Error::Scheme`] if the scheme has none.
     fn residual(&mut self, _state: &State, _rates: &[f64], _step_size: f64) -> Result<Vec<f64>> {
-        Err(self.without_equations())
+        Err(without_equations(self.name()))
     }
 
     /// Derivative of the residual by the rates; see [`crate::motion::Motion::tangent`].
@@ -122,13 +122,7 @@ pub trait Stepper: fmt::Debug + Send {
     /// # Errors
     /// [`Error::Scheme`] if the scheme has none.
     fn tangent(&mut self, _state: &State, _rates: &[f64], _step_size: f64) -> Result<Vec<BlockRow>> {
-        Err(self.without_equations())
-    }
-
-    #[doc(hidden)]
-    fn without_equations(&self) -> Error {
-        let reason = "residual and tangent need a time element".to_string();
-        Error::Scheme { scheme: self.name().to_string(), reason }
+        Err(without_equations(self.name()))
     }
 
     /// Rates `x_j = du^h/dalpha` of the last step at the k Gauss points, `[k][n_nodes][3]` \[length\]; empty for other
@@ -161,6 +155,11 @@ pub trait Stepper: fmt::Debug + Send {
     fn restore(&mut self, _memory: &Memory) -> Result<()> {
         Ok(())
     }
+}
+
+fn without_equations(scheme: &str) -> Error {
+    let reason = "residual and tangent need a time element".to_string();
+    Error::Scheme { scheme: scheme.to_string(), reason }
 }
 
 /// Outcome of a step.

@@ -174,11 +174,7 @@ fn what_a_stepper_does_not_integrate_is_refused() {
             BodyFeature::PrescribedMotion,
             "supports with a given motion",
         ),
-        (
-            block().region(rubber()).drag(0.1).build().unwrap(),
-            BodyFeature::Damping,
-            "viscosity or drag",
-        ),
+        (block().region(rubber()).drag(0.1).build().unwrap(), BodyFeature::Damping, "viscosity or drag"),
         (
             block().region(rubber().with_formulation(Formulation::IncompatibleModes)).build().unwrap(),
             BodyFeature::IncompatibleModes,
@@ -210,9 +206,9 @@ fn ramp_from_zero() -> TimeFunction {
 /// Product of rows of blocks with a vector.
 fn product(rows: &[BlockRow], x: &[f64]) -> Vec<f64> {
     let entry = |(row, i): (&BlockRow, usize)| {
-        let blocks = row.iter().flat_map(|(node, block)| {
-            (0..3).map(move |j| (3 * *node as usize + j, block[3 * i + j]))
-        });
+        let blocks = row
+            .iter()
+            .flat_map(|(node, block)| (0..3).map(move |j| (3 * *node as usize + j, block[3 * i + j])));
         blocks.map(|(at, value)| value * x[at]).sum::<f64>()
     };
     rows.iter().flat_map(|row| [0, 1, 2].map(|i| entry((row, i)))).collect()
@@ -281,8 +277,7 @@ fn the_residual_of_collocation_is_that_of_its_forces() {
     let n = body.n_dofs();
     let (h, root) = (0.05, 3f64.sqrt());
     // Gauss' methods of one and two stages: a (Butcher 1964) and its inverse.
-    let a: [Vec<f64>; 2] =
-        [vec![0.5], vec![0.25, 0.25 - root / 6.0, 0.25 + root / 6.0, 0.25]];
+    let a: [Vec<f64>; 2] = [vec![0.5], vec![0.25, 0.25 - root / 6.0, 0.25 + root / 6.0, 0.25]];
     let inverse: [Vec<f64>; 2] = [vec![2.0], vec![3.0, 2.0 * root - 3.0, -2.0 * root - 3.0, 3.0]];
     let nodes: [Vec<f64>; 2] = [vec![0.5], vec![0.5 - root / 6.0, 0.5 + root / 6.0]];
     for k in 1..=2 {
@@ -317,12 +312,12 @@ fn the_residual_vanishes_at_the_rates_of_a_step_and_disturbs_no_motion() {
     let start = || Motion::new(&body, at(DGM, 2)).unwrap().from(moving(&body)).unwrap();
     let (mut motion, mut other) = (start(), start());
     for _ in 0..3 {
-        let mut before = other.residual(&numbers(2 * body.n_dofs(), 0.9), 0.01).unwrap();
-        assert!(largest(&before) > 1e-3);
+        let small: Vec<f64> = numbers(2 * body.n_dofs(), 0.9).iter().map(|x| 0.02 * x).collect();
+        assert!(largest(&other.residual(&small, 0.01).unwrap()) > 1e-3);
         other.tangent(&vec![0.0; 2 * body.n_dofs()], 0.03).unwrap();
         motion.step(0.05).unwrap();
         let rates = motion.stepper().rates().to_vec();
-        before = other.residual(&rates, 0.05).unwrap();
+        let before = other.residual(&rates, 0.05).unwrap();
         let free = |(dof, r): (usize, &f64)| if body.fixed()[dof % body.n_dofs()] { 0.0 } else { *r };
         let free: Vec<f64> = before.iter().enumerate().map(free).collect();
         assert!(largest(&free) <= motion.record().newton_target, "{:e}", largest(&free));
@@ -398,13 +393,13 @@ fn given_motions_are_those_of_their_functions() {
     let given = body.prescribed(t).unwrap();
     assert_eq!(given.dofs.len(), 4 * 3 + 4);
     for (at, &dof) in given.dofs.iter().enumerate() {
-        let X = body.mesh().points()[dof / 3];
-        let expected = if X[1] == 0.0 {
+        let point = body.mesh().points()[dof / 3];
+        let expected = if point[1] == 0.0 {
             // At the kink the rate after it.
             [1.0, -4.0]
         } else {
             let (s, c) = (2.0_f64 * t).sin_cos();
-            let r = X[0] - 0.5;
+            let r = point[0] - 0.5;
             [[r * (c - 1.0), -2.0 * r * s], [r * s, 2.0 * r * c], [0.0; 2]][dof % 3]
         };
         assert!((given.displacement[at] - expected[0]).abs() < 1e-15, "{dof}");
