@@ -226,7 +226,7 @@ class MotionView:
     def _rates(self, x: ArrayLike) -> NDArray[np.float64]:
         """Rates as an array (degree n, 3)."""
         n, given = self.body.mesh.n_nodes, words.reals(x, "x")
-        if given.ndim == 1 or self.degree == 1 and given.ndim == 2:
+        if given.ndim == 1 or (self.degree == 1 and given.ndim == 2):
             return words.vectors(given, self.degree * n, "x")
         return words.array(given, (self.degree, n, 3), "x").reshape(-1, 3)
 
