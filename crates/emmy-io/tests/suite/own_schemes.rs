@@ -10,7 +10,7 @@ const INPUT: &str = "\
     mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }\n\
     region = [{ density = 2, material.neo-hooke = { lambda = 10, mu = 5 } }]\n\
     initial = { gradient = [[0.1, 0, 0], [0, 0.2, 0], [0, 0, 0]] }\n\
-    support = [{ group = 'y-min', fix = 'xyz' }]\n\
+    support = [{ group = 'y-min', fix = ['x', 'y', 'z'] }]\n\
     time = { scheme = 'DGM', steps = [{ until = 0.5, size = 0.05 }] }\n\
     output = { every = 5, checkpoint_every = 4, reactions = ['y-min'] }\n";
 

@@ -15,8 +15,8 @@ impl Motion<'_> {
     /// R_i = sum_j (a^-1)_ij (M x_j - h p_1) + h^2 (f_i - f_i^ext)
     /// ```
     ///
-    /// (Betsch and Steinmann (2001), equation (31)), with the terms of damping and of a dissipative element. At held degrees
-    /// of freedom it is h^2 times the reaction. The motion does not change.
+    /// (Betsch and Steinmann (2001), equations (28)-(32)), with the terms of damping and of a dissipative element. At held
+    /// degrees of freedom it is h^2 times the reaction. The motion does not change.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -41,8 +41,8 @@ impl Motion<'_> {
         self.stepper.residual(&self.state, rates, step_size)
     }
 
-    /// Derivative of [`Motion::residual`] by the rates \[mass\]: a row for each stage and node, `stage n_nodes + node`, with
-    /// its columns in the same order, ascending within each stage, and the 3x3 blocks row by row.
+    /// Derivative of [`Motion::residual`] by the rates \[mass\]: a row for each stage and node, `stage n_nodes + node`,
+    /// with its columns in the same order, ascending within each stage, and the 3x3 blocks row by row.
     ///
     /// ```math
     /// dR_i/dx_j = (a^-1)_ij M + h^2 df_i/dx_j

@@ -7,11 +7,12 @@ use crate::newton::NewtonSettings;
 use crate::time::{BodyFeature, Scheme, State, Stepper};
 
 impl<'a> Motion<'a> {
-    /// A motion from rest at t = 0 by a stepper of one's own, which was made for this body; [`Motion::from`] gives it another
-    /// start. Plans, observers, records, cuts of failing steps and snapshots work as with the schemes of the library.
-    /// [`Stepper`] has an example.
+    /// A motion from rest at t = 0 by a stepper of one's own, which was made for this body; [`Motion::from`] gives it
+    /// another start. Plans, observers, records, cuts of failing steps and snapshots work as with the schemes of the
+    /// library. [`Stepper`] has an example.
     ///
-    /// An explicit scheme with the lumped mass is for [`Body::lumped`], on which loads by accelerations act on that mass.
+    /// An explicit scheme with the lumped mass is for [`Body::lumped`], on which loads by accelerations act on that
+    /// mass.
     ///
     /// # Errors
     /// [`Error::Scheme`] for a body that the stepper cannot integrate ([`Stepper::integrates`]), and for one with

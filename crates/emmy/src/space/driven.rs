@@ -96,8 +96,8 @@ impl Space {
         Ok(())
     }
 
-    /// Displacement and velocity, `[n_nodes][3]`, with those of the driven degrees of freedom at a time, the velocity after
-    /// a kink, and zero elsewhere.
+    /// Displacement and velocity, `[n_nodes][3]`, with those of the driven degrees of freedom at a time, the velocity
+    /// after a kink, and zero elsewhere.
     ///
     /// # Errors
     /// [`Error::NotFiniteAt`].

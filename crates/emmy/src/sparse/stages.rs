@@ -209,7 +209,8 @@ impl StageMatrix {
         (begin, columns, values)
     }
 
-    /// The matrix by rows of nodes, stage by stage: row `i n + A` and column `j n + B` for stages i, j and nodes A, B of n.
+    /// The matrix by rows of nodes, stage by stage: row `i n + A` and column `j n + B` for stages i, j and nodes A, B
+    /// of n.
     pub fn block_rows(&self, pattern: &Pattern) -> Vec<BlockRow> {
         let k = self.degree;
         let row = |(i, node): (usize, usize)| {

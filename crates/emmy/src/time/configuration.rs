@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use crate::force::{StepDamping, StepInput};
 use crate::quadrature::gauss;
 
-/// Part of the stiffness in the sum from which [`Body::damping`] takes the viscosity: its rounding does not count there.
+/// Part of the stiffness in the sum from which [`Body::damping`] takes the viscosity: its rounding does not count
+/// there.
 const STIFFNESS_PART: f64 = 1e-8;
 
 /// Given motion of a body at a time; see [`Body::prescribed`].
@@ -22,9 +23,9 @@ pub struct Prescribed {
 }
 
 impl Body {
-    /// Internal force f(u) of a displacement, `[n_nodes][3]` \[force\]: the derivative of [`Body::strain_energy`]. Springs and
-    /// attractions to the ground are included, loads are not. [`PointForces`](super::PointForces) evaluates it without
-    /// new memory.
+    /// Internal force f(u) of a displacement, `[n_nodes][3]` \[force\]: the derivative of [`Body::strain_energy`].
+    /// Springs and attractions to the ground are included, loads are not. [`PointForces`](super::PointForces) evaluates
+    /// it without new memory.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -49,8 +50,8 @@ impl Body {
         Ok(internal)
     }
 
-    /// Stiffness K = df/du at a displacement `[n_nodes][3]` \[force/length\]: for each row of nodes, its columns in ascending
-    /// order and the 3x3 blocks, row by row. Supports and loads are not included.
+    /// Stiffness K = df/du at a displacement `[n_nodes][3]` \[force/length\]: for each row of nodes, its columns in
+    /// ascending order and the 3x3 blocks, row by row. Supports and loads are not included.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -71,8 +72,8 @@ impl Body {
         Ok(forces.assembly.matrix.block_rows(self.pattern()))
     }
 
-    /// All loads F(t, u) at a time, `[n_nodes][3]` \[force\]; those that follow the body at a displacement `[n_nodes][3]`. At
-    /// a jump the load after it counts.
+    /// All loads F(t, u) at a time, `[n_nodes][3]` \[force\]; those that follow the body at a displacement
+    /// `[n_nodes][3]`. At a jump the load after it counts.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -95,8 +96,8 @@ impl Body {
         Ok(external)
     }
 
-    /// Given displacement and velocity of the driven degrees of freedom at a time; those of supports that are released by
-    /// then are none. At a kink the velocity is the rate after it.
+    /// Given displacement and velocity of the driven degrees of freedom at a time; those of supports that are released
+    /// by then are none. At a kink the velocity is the rate after it.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -121,9 +122,9 @@ impl Body {
         Ok(Prescribed { displacement: of_driven(displacement), velocity: of_driven(velocity), dofs })
     }
 
-    /// Damping C = df/dv at rest in the reference configuration \[force time/length\]: viscosity, and drag times the mass; rows
-    /// as those of [`Body::stiffness`], empty without damping. At large strains a viscous force depends on the
-    /// displacement, too.
+    /// Damping C = df/dv at rest in the reference configuration \[force time/length\]: viscosity, and drag times the
+    /// mass; rows as those of [`Body::stiffness`], empty without damping. At large strains a viscous force depends on
+    /// the displacement, too.
     ///
     /// ```
     /// use emmy::prelude::*;

@@ -44,9 +44,9 @@ impl BodyFeature {
 /// Advances the state of a body, step by step: the interface of all schemes.
 ///
 /// A scheme of one's own needs [`Stepper::advance`] alone, and runs by
-/// [`Motion::with_stepper`](crate::motion::Motion::with_stepper); [`PointForces`](super::PointForces) evaluates the forces
-/// and keeps the book of their work and impulses. `examples/own_scheme.rs` is a method of fourth order, and this one is
-/// explicit Euler on a free body, with the lumped mass:
+/// [`Motion::with_stepper`](crate::motion::Motion::with_stepper); [`PointForces`](super::PointForces) evaluates the
+/// forces and keeps the book of their work and impulses. `examples/own_scheme.rs` is a method of fourth order, and this
+/// one is explicit Euler on a free body, with the lumped mass:
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -95,8 +95,8 @@ pub trait Stepper: fmt::Debug + Send {
         "own scheme"
     }
 
-    /// Prepares for the state from which the motion starts: sets its momentum, if the scheme has another mass matrix than
-    /// [`Body::mass`], and memory that depends on it.
+    /// Prepares for the state from which the motion starts: sets its momentum, if the scheme has another mass matrix
+    /// than [`Body::mass`], and memory that depends on it.
     ///
     /// # Errors
     /// As [`Stepper::advance`].

@@ -1,4 +1,5 @@
-//! What a scheme from outside has: its stepper in a motion, forces and matrices of a body, the stage equations at any rates.
+//! What a scheme from outside has: its stepper in a motion, forces and matrices of a body, the stage equations at any
+//! rates.
 
 use emmy::Error;
 use emmy::body::{

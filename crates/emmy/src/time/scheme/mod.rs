@@ -51,7 +51,8 @@ pub enum Scheme {
     /// `static`: no scheme in time, but the equilibrium under the loads at the end of each step, without inertia. No input
     /// names it; [`crate::equilibrium`] uses it with the load fraction as time.
     Static,
-    /// The scheme of a stepper from outside, with its name ([`Motion::with_stepper`](crate::motion::Motion::with_stepper)).
+    /// The scheme of a stepper from outside, with its name
+    /// ([`Motion::with_stepper`](crate::motion::Motion::with_stepper)).
     Own(&'static str),
 }
 

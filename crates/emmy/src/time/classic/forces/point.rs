@@ -99,7 +99,8 @@ impl<'a> PointForces<'a> {
         self.reactions.fill(Reaction::default());
     }
 
-    /// Books that the forces evaluated last act for a time \[time\], while the body has a mean velocity v, `[n_nodes][3]`.
+    /// Books that the forces evaluated last act for a time \[time\], while the body has a mean velocity v,
+    /// `[n_nodes][3]`.
     ///
     /// ```math
     /// W += dt (F + lambda) . v,    I += dt (F + lambda),    J += dt q x (F + lambda),    lambda = M a + f - F
