@@ -19,7 +19,7 @@ except ImportError as _error:
     ) from _error
 
 from ._adjoint import Goal, GoalError, Gradient, Parameter
-from ._body import Body
+from ._body import Body, Prescribed
 from ._emmy import Step
 from ._errors import (
     ConvergenceError,
@@ -66,8 +66,8 @@ __all__ = [
     "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
     "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded",
     "Load", "Mass", "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke",
-    "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Problem", "Region", "ResultsError", "Run",
-    "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError",
+    "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem", "Region", "ResultsError",
+    "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError",
     "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements", "equilibrium", "examples",
     "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes",
     "set_threads", "solvers", "sweep", "threads",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,28 @@ from . import _words as words
 from ._errors import missing, of_whole_input, warn
 from ._mesh import Mesh
 from ._parts import Load, Mass, Region, Support
+
+
+class Prescribed(NamedTuple):
+    """Given motion of a body at a time, from `Body.prescribed`.
+
+    Attributes
+    ----------
+    dofs : array (m,)
+        Driven degrees of freedom, three times the number of the node plus that of the component.
+    displacement, velocity : array (m,)
+        Displacement and velocity of each.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2)).prescribed(0.0).dofs.tolist()
+    []
+    """
+
+    dofs: NDArray[np.int64]
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
 
 
 class Body:
@@ -153,14 +175,14 @@ class Body:
         >>> round(float(body.mass().sum()), 12)         # in three directions
         18.0
         """
-        return _sparse(self._native.mass())
+        return sparse(self._native.mass())
 
     def stiffness(self, u: ArrayLike | None = None) -> Any:
         """Stiffness: derivative of the internal forces by the displacement.
 
         Parameters
         ----------
-        u : array (n, 3), optional
+        u : array (n, 3) or (3 n,), optional
             Displacement at which to take it; the reference configuration if not given.
 
         Returns
@@ -181,19 +203,19 @@ class Body:
         >>> bool(np.abs(body.stiffness() @ np.tile([1.0, 0.0, 0.0], 8)).max() < 1e-14)      # no force in a translation
         True
         """
-        return _sparse(self._native.stiffness(None if u is None else self._nodal(u, "u")))
+        return sparse(self._native.stiffness(None if u is None else self._nodal(u, "u")))
 
     def internal_force(self, u: ArrayLike) -> NDArray[np.float64]:
-        """Internal forces.
+        """Internal forces, with those of springs and attractions to the ground, without loads.
 
         Parameters
         ----------
-        u : array (n, 3)
+        u : array (n, 3) or (3 n,)
             Displacement of the nodes.
 
         Returns
         -------
-        array (n, 3)
+        array of the same shape
 
         Raises
         ------
@@ -209,14 +231,98 @@ class Body:
         >>> float(np.abs(body.internal_force(np.zeros((8, 3)))).max())
         0.0
         """
-        return self._native.internal_force(self._nodal(u, "u"))
+        return self._native.internal_force(self._nodal(u, "u")).reshape(np.shape(u))
+
+    def external_force(self, time: float, u: ArrayLike | None = None) -> NDArray[np.float64]:
+        """All loads at a time.
+
+        Parameters
+        ----------
+        time : float
+            Time; at a jump of a load the value after it counts.
+        u : array (n, 3) or (3 n,), optional
+            Displacement for loads that follow the body; the reference configuration if not given.
+
+        Returns
+        -------
+        array of the shape of `u`, (n, 3) without it
+
+        Raises
+        ------
+        InputError
+            If the array has another shape, or a load is not a finite number.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> weight = emmy.Load(acceleration=(0, 0, -10))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2), loads=weight)
+        >>> round(float(body.external_force(0.0).sum()), 12)
+        -20.0
+        """
+        force = self._native.external_force(words.real(time, "time"), None if u is None else self._nodal(u, "u"))
+        return force if u is None else force.reshape(np.shape(u))
+
+    def prescribed(self, time: float) -> Prescribed:
+        """Given motion of the driven degrees of freedom at a time, without supports released by then.
+
+        Parameters
+        ----------
+        time : float
+            Time; at a kink the velocity is that after it.
+
+        Returns
+        -------
+        Prescribed
+
+        Raises
+        ------
+        InputError
+            If a function of time is not finite there.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> shaken = emmy.Support("z-min", move={"z": "0.1*t^2"})
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2), shaken)
+        >>> given = body.prescribed(1.0)
+        >>> u = np.zeros((8, 3))
+        >>> u.flat[given.dofs] = given.displacement
+        >>> u[0].tolist(), given.velocity.tolist()
+        ([0.0, 0.0, 0.1], [0.2, 0.2, 0.2, 0.2])
+        """
+        return Prescribed(*self._native.prescribed(words.real(time, "time")))
+
+    def damping(self) -> Any:
+        """Damping matrix at rest: viscosity, and drag times the mass.
+
+        At large strains a viscous force depends on the displacement, too; `Motion.residual` has it.
+
+        Returns
+        -------
+        scipy.sparse.csr_array (3 n, 3 n)
+
+        Raises
+        ------
+        ImportError
+            If SciPy is not installed.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> viscous = emmy.Viscosity(time=0.02)
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1, viscosity=viscous))
+        >>> bool(np.abs(body.damping() - 0.02 * body.stiffness()).max() < 1e-15)
+        True
+        """
+        return sparse(self._native.damping())
 
     def strain_energy(self, u: ArrayLike) -> float:
         """Strain energy.
 
         Parameters
         ----------
-        u : array (n, 3)
+        u : array (n, 3) or (3 n,)
             Displacement of the nodes.
 
         Returns
@@ -257,7 +363,7 @@ class Body:
         return self._native.toml
 
     def _nodal(self, values: ArrayLike, place: str) -> NDArray[np.float64]:
-        return words.array(values, (self._mesh.n_nodes, 3), place)
+        return words.vectors(values, self._mesh.n_nodes, place)
 
     def __str__(self) -> str:
         return self._native.report()
@@ -270,7 +376,8 @@ class Body:
         return Body, (self._mesh, self._regions, self._supports, self._loads, self._masses)
 
 
-def _sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) -> Any:
+def sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) -> Any:
+    """The matrix of SciPy."""
     try:
         import scipy.sparse
     except ImportError:

@@ -22,14 +22,14 @@ class State:
     ----------
     time : float
         Time.
-    displacement, velocity : array (n, 3)
+    displacement, velocity : array (n, 3) or (3 n,)
         Displacement and velocity of the nodes.
-    momentum : array (n, 3), optional
+    momentum : array (n, 3) or (3 n,), optional
         Momentum of the nodes, ``p = M v``. Without it a motion that starts here computes it from the velocity with the
         masses of its body, and nodes that its supports hold begin at rest.
     step : int
         Number of the step at whose end they hold.
-    displacement_low : array (n, 3), optional
+    displacement_low : array (n, 3) or (3 n,), optional
         Low part of the displacement, by which it is known beyond double precision.
 
     Raises
@@ -67,7 +67,7 @@ class State:
         for name in ("displacement", "velocity", "momentum", "displacement_low"):
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, words.finite(value, (None, 3), name))
+                object.__setattr__(self, name, words.finite_vectors(value, name))
         object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:

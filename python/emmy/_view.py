@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _emmy, _notebook
-from ._body import Body
+from . import _words as words
+from ._body import Body, sparse
 from ._emmy import Step
+from ._errors import fault
 from ._history import Event, History, Peak, structured
 from ._state import Snapshot, State
 
@@ -154,6 +156,80 @@ class MotionView:
         """Residuals of Newton's iteration in the last step."""
         return np.asarray(self._native.newton_residuals, dtype=np.float64)
 
+    def residual(self, x: ArrayLike, step_size: float) -> NDArray[np.float64]:
+        """Residual of the equations of a step of the time element from the present state. The motion does not change.
+
+        Parameters
+        ----------
+        x : array (degree, n, 3) or (3 n degree,)
+            Rates of the displacement, its derivatives by the part of the step that has passed, at the Gauss points of
+            the time element; for degree 1 also an array (n, 3).
+        step_size : float
+            Size of the step.
+
+        Returns
+        -------
+        array of the same shape
+            ``R_i = sum_j (a^-1)_ij (M x_j - h p) + h^2 (f_i - F_i)``, with the averages f and F of the internal forces
+            and of the loads. At held components it is ``h^2`` times the reaction.
+
+        Raises
+        ------
+        InputError
+            If the scheme is not a time element, the array has another shape, or the step size is not positive.
+        MeshError
+            If a cell is inverted by the rates.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2))
+        >>> motion = emmy.Motion(body, initial=emmy.Initial(velocity=(3, 0, 0)))
+        >>> bool(np.abs(motion.residual(0.1 * motion.velocity, 0.1)).max() < 1e-15)       # x = h v: it flies
+        True
+        """
+        return self._native.residual(self._rates(x), _step_size(step_size)).reshape(np.shape(x))
+
+    def tangent(self, x: ArrayLike, step_size: float) -> Any:
+        """Derivative of `residual` by the rates. Held components are included.
+
+        Parameters
+        ----------
+        x : array (degree, n, 3) or (3 n degree,)
+            Rates, as in `residual`.
+        step_size : float
+            Size of the step.
+
+        Returns
+        -------
+        scipy.sparse.csr_array (3 n degree, 3 n degree)
+
+        Raises
+        ------
+        ImportError
+            If SciPy is not installed.
+        InputError
+            As `residual`, and if the scheme dissipates: its projection couples all nodes.
+        MeshError
+            If a cell is inverted by the rates.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2))
+        >>> tangent = emmy.Motion(body).tangent(np.zeros((8, 3)), 0.1)
+        >>> bool(np.abs(tangent - (2 * body.mass() + 0.1**2 / 2 * body.stiffness())).max() < 1e-15)
+        True
+        """
+        return sparse(self._native.tangent(self._rates(x), _step_size(step_size)))
+
+    def _rates(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Rates as an array (degree n, 3)."""
+        n, given = self.body.mesh.n_nodes, words.reals(x, "x")
+        if given.ndim == 1 or (self.degree == 1 and given.ndim == 2):
+            return words.vectors(given, self.degree * n, "x")
+        return words.array(given, (self.degree, n, 3), "x").reshape(-1, 3)
+
     def field(self, name: str, group: str | None = None) -> NDArray[np.float64]:
         """A field at the present state.
 
@@ -268,3 +344,10 @@ class MotionView:
 
     def _repr_html_(self) -> str:
         return _notebook.motion(self)
+
+
+def _step_size(value: float) -> float:
+    size = words.real(value, "step_size")
+    if size <= 0:
+        raise fault("step_size", f"must be positive, not {size}")
+    return size

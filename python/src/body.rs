@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::equilibrium;
+use emmy::body::BlockRow;
 use emmy::motion::State;
 use emmy_io::input::{self, Overrides, Tree};
 use numpy::ndarray::{Array3, ArrayView2};
@@ -145,7 +145,11 @@ impl Body {
     }
 
     /// A displacement `(n, 3)` as the library has it.
-    fn displacement(&self, py: Python<'_>, u: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<f64>> {
+    pub(crate) fn displacement(
+        &self,
+        py: Python<'_>,
+        u: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Vec<f64>> {
         let n = self.n_mesh_dofs();
         if n < self.inner().n_dofs() {
             let message = "a body with incompatible modes has internal nodes, which no array of the mesh \
@@ -156,11 +160,15 @@ impl Body {
     }
 }
 
+/// Driven degrees of freedom with their displacements and velocities.
+type Prescribed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// Rows of a sparse matrix: numbers, columns, ends of the rows, number of rows.
-type Sparse<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, usize);
+pub(crate) type Sparse<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, usize);
 
 /// The matrix of 3x3 blocks, by rows.
-fn sparse<'py>(py: Python<'py>, rows: &[Vec<(u32, [f64; 9])>]) -> PyResult<Sparse<'py>> {
+pub(crate) fn sparse<'py>(py: Python<'py>, rows: &[BlockRow]) -> PyResult<Sparse<'py>> {
     let (numbers, columns, ends) = pool::work(py, || {
         let (mut numbers, mut columns, mut ends) = (Vec::new(), Vec::new(), vec![0]);
         for row in rows {
@@ -282,7 +290,7 @@ impl Body {
             let row = pattern.row(row).iter().copied().zip(pattern.range(row).map(block));
             row.filter(|&(column, _)| (column as usize) < n_nodes).collect()
         };
-        let rows: Vec<Vec<(u32, [f64; 9])>> = pool::work(py, || (0..n_nodes).map(row).collect())?;
+        let rows: Vec<BlockRow> = pool::work(py, || (0..n_nodes).map(row).collect())?;
         sparse(py, &rows)
     }
 
@@ -294,7 +302,7 @@ impl Body {
         u: Option<PyReadonlyArray2<'py, f64>>,
     ) -> PyResult<Sparse<'py>> {
         let displacement = self.displacement(py, u)?;
-        let rows = pool::work(py, || equilibrium::stiffness(self.inner(), &displacement))?;
+        let rows = pool::work(py, || self.inner().stiffness(&displacement))?;
         sparse(py, &rows.map_err(|error| errors::library(py, &error))?)
     }
 
@@ -305,8 +313,37 @@ impl Body {
         u: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let displacement = self.displacement(py, Some(u))?;
-        let force = pool::work(py, || equilibrium::internal_force(self.inner(), &displacement))?;
+        let force = pool::work(py, || self.inner().internal_force(&displacement))?;
         vectors(py, &force.map_err(|error| errors::library(py, &error))?)
+    }
+
+    /// All loads at a time and a displacement.
+    #[pyo3(signature = (time, u=None))]
+    fn external_force<'py>(
+        &self,
+        py: Python<'py>,
+        time: f64,
+        u: Option<PyReadonlyArray2<'py, f64>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let displacement = self.displacement(py, u)?;
+        let force = pool::work(py, || self.inner().external_force(time, &displacement))?;
+        vectors(py, &force.map_err(|error| errors::library(py, &error))?)
+    }
+
+    /// Given displacements and velocities at a time.
+    fn prescribed<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Prescribed<'py>> {
+        let given = pool::work(py, || self.inner().prescribed(time))?;
+        let given = given.map_err(|error| errors::library(py, &error))?;
+        let dofs = PyArray1::from_iter(py, given.dofs.iter().map(|&dof| dof as i64));
+        let [u, v] = [given.displacement, given.velocity].map(|list| PyArray1::from_vec(py, list));
+        Ok((dofs, u, v))
+    }
+
+    /// Damping matrix at rest.
+    fn damping<'py>(&self, py: Python<'py>) -> PyResult<Sparse<'py>> {
+        self.displacement(py, None)?;
+        let rows = pool::work(py, || self.inner().damping())?;
+        sparse(py, &rows.map_err(|error| errors::library(py, &error))?)
     }
 
     /// Strain energy of a displacement.

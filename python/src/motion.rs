@@ -9,14 +9,14 @@ use emmy::motion::{MarchError, State};
 use emmy_io::directory;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::adjoint::{Goal, GoalError, Gradient, Parameter};
-use crate::body::{Body, entries};
+use crate::body::{Body, Sparse, entries, sparse};
 use crate::function::Callables;
 use crate::mesh::{table_of, vectors};
 use crate::snapshot::{Snapshot, StateTuple, tuple};
@@ -49,6 +49,22 @@ impl Motion {
     /// Passes the present state to a function.
     pub(crate) fn with_state<T>(&self, work: impl FnOnce(&State) -> T) -> PyResult<T> {
         Ok(work(self.lock()?.running.motion().state()))
+    }
+
+    /// What the stage equations give at rates.
+    fn at_rates<T: Send>(
+        &self,
+        py: Python<'_>,
+        rates: &PyReadonlyArray2<'_, f64>,
+        equations: impl FnOnce(&mut emmy::motion::Motion<'_>, &[f64]) -> emmy::Result<T> + Send,
+    ) -> PyResult<T> {
+        // Internal nodes have no place in the arrays.
+        self.body.get().displacement(py, None)?;
+        let rates: Vec<f64> = rates.as_array().iter().copied().collect();
+        let mut work = self.lock()?;
+        let running = &mut work.running;
+        let found = pool::work(py, || running.with_motion(|motion| equations(motion, &rates)))?;
+        found.map_err(|error| errors::library(py, &error))
     }
 
     fn array<'py>(&self, py: Python<'py>, of: fn(&State) -> &[f64]) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -241,6 +257,27 @@ impl Motion {
         let running = &mut work.running;
         pool::work(py, || running.step(size))?.map_err(|error| errors::march(py, error))?;
         Ok(work.step())
+    }
+
+    /// Residual of the stage equations at rates `(degree n, 3)`.
+    fn residual<'py>(
+        &self,
+        py: Python<'py>,
+        rates: PyReadonlyArray2<'py, f64>,
+        size: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let residual = self.at_rates(py, &rates, |motion, rates| motion.residual(rates, size))?;
+        vectors(py, &residual)
+    }
+
+    /// Derivative of the residual by the rates.
+    fn tangent<'py>(
+        &self,
+        py: Python<'py>,
+        rates: PyReadonlyArray2<'py, f64>,
+        size: f64,
+    ) -> PyResult<Sparse<'py>> {
+        sparse(py, &self.at_rates(py, &rates, |motion, rates| motion.tangent(rates, size))?)
     }
 
     /// The next step of the plan; `None` at its end.

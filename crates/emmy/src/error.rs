@@ -576,6 +576,16 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// A vector of another length than that of the body or the step.
+    #[error("{what} has {expected} numbers here, not {found}")]
+    Length {
+        /// What the vector is.
+        what: &'static str,
+        /// Its numbers.
+        found: usize,
+        /// The numbers that it must have.
+        expected: usize,
+    },
     /// A mesh too large for the memory of the machine.
     #[error("not enough memory for {what} ({gigabytes:.1} GB); try a coarser mesh")]
     OutOfMemory {

@@ -78,12 +78,10 @@ pub mod unknowns {
     pub use crate::unknowns::RigidLink;
 }
 
-/// Tables of schemes and estimators, and the steppers behind [`Motion`](crate::motion::Motion).
+/// Tables of schemes and estimators, and the steppers of the library.
 pub mod time {
     pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper, StaticStepper};
     pub use crate::time::element_stepper::TimeElementStepper;
     pub use crate::time::error::{ESTIMATORS, LocalError, Reconstruction};
-    pub use crate::time::memory::Memory;
-    pub use crate::time::scheme::{BodyFeature, SCHEMES, SchemeRow};
-    pub use crate::time::stepper::{Impulses, StepOutcome, Stepper};
+    pub use crate::time::scheme::{SCHEMES, SchemeRow};
 }

@@ -238,9 +238,9 @@ fn largest_count(value: &Value) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use emmy::internals::time::Memory;
     use emmy::motion::{Extreme, Snapshot};
     use emmy::prelude::*;
+    use emmy::time::Memory;
 
     use super::*;
     use crate::checkpoint::{self, Identity};

@@ -1,7 +1,7 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attractions and drags of `[[load]]`.
 
 use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region, SpreadMass};
-use emmy::internals::time::BodyFeature;
+use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section};
 use super::fault::{Fault, Place};

@@ -2,9 +2,9 @@
 
 use emmy::body::{GroundSpring, Rotation, Support, TimeFunction};
 use emmy::internals::number::{short, short_vector};
-use emmy::internals::time::BodyFeature;
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
+use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, list, vector, word};
 use super::fault::{Fault, Place};

@@ -29,4 +29,5 @@ mod mesh_round_trip;
 mod mesh_vtk_arrays;
 mod mesh_vtu;
 mod meshes;
+mod own_schemes;
 mod report_vendor;

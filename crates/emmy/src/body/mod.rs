@@ -23,6 +23,7 @@ pub use crate::input::{
 };
 pub use crate::mass::RegionSummary;
 pub use crate::space::Reaction;
+pub use crate::sparse::BlockRow;
 pub use builder::BodyBuilder;
 pub(crate) use entries::Entries;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};

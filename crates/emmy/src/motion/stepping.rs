@@ -91,7 +91,11 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// As [`Motion::starting`].
     pub fn from(self, state: State) -> Result<Self> {
-        Motion::starting(self.body, self.scheme, self.settings, state)
+        let Motion { body, scheme, settings, stepper, .. } = self;
+        match scheme {
+            Scheme::Own(_) => Motion::with_own(body, scheme, stepper, state),
+            _ => Motion::starting(body, scheme, settings, state),
+        }
     }
 
     /// The motion with other settings of Newton's iteration.
@@ -99,6 +103,7 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// As [`Motion::starting`].
     pub fn newton(self, settings: NewtonSettings) -> Result<Self> {
+        // A stepper from outside has its own: `starting` refuses it.
         Motion::starting(self.body, self.scheme, settings, self.state)
     }
 
@@ -125,10 +130,20 @@ impl<'a> Motion<'a> {
         body: &'a Body,
         scheme: impl Into<Scheme>,
         settings: NewtonSettings,
-        mut state: State,
+        state: State,
     ) -> Result<Self> {
         let scheme = scheme.into();
         let body = scheme.body(body);
+        Motion::made(body, (scheme, settings), state, |state| scheme.stepper(body, settings, state))
+    }
+
+    /// A motion that starts from a state, with a stepper that is made for it.
+    pub(super) fn made(
+        body: &'a Body,
+        (scheme, settings): (Scheme, NewtonSettings),
+        mut state: State,
+        stepper: impl FnOnce(&mut State) -> Result<Box<dyn Stepper + 'a>>,
+    ) -> Result<Self> {
         body.space.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
         body.space.clear_guests(&mut state.momentum);
@@ -136,7 +151,7 @@ impl<'a> Motion<'a> {
         let released = |now: &&'a Body| due_release(now, state.time, 0.0).map(|(_, next)| next);
         let due = std::iter::successors(Some(body), released).last().unwrap_or(body);
         due.fit_momentum(&state.velocity, &mut state.momentum)?;
-        let stepper = scheme.stepper(body, settings, &mut state)?;
+        let stepper = stepper(&mut state)?;
         let degree = scheme.degree();
         let record =
             Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
@@ -182,6 +197,18 @@ impl<'a> Motion<'a> {
     ) -> Result<Self> {
         let given = scheme.into();
         let mut body = given.body(body);
+        for _ in 0..snapshot.releases {
+            let Some((_, released)) = body.release() else { break };
+            body = released;
+        }
+        let degree = snapshot.control.as_ref().and_then(degree_of);
+        let scheme = degree.map_or(Ok(given), |degree| given.at_degree(degree))?;
+        let motion = Motion::starting(body, scheme, settings, snapshot.state.clone())?;
+        Motion { given, ..motion }.continued(snapshot)
+    }
+
+    /// The motion that started from the state of a snapshot, with the rest of the snapshot.
+    pub(super) fn continued(mut self, snapshot: Snapshot) -> Result<Self> {
         let Snapshot {
             state,
             record,
@@ -192,22 +219,14 @@ impl<'a> Motion<'a> {
             was_at_rounding_floor,
             memory,
         } = snapshot;
-        for _ in 0..releases {
-            let Some((_, released)) = body.release() else { break };
-            body = released;
-        }
-        let degree = control.as_ref().and_then(degree_of);
-        let scheme = degree.map_or(Ok(given), |degree| given.at_degree(degree))?;
-        let mut motion = Motion::starting(body, scheme, settings, state.clone())?;
-        motion.given = given;
         match &memory {
             Some(memory) => {
-                motion.stepper.restore(memory)?;
-                motion.state = state;
-                motion.record = record;
+                self.stepper.restore(memory)?;
+                self.state = state;
+                self.record = record;
             }
             // The new stepper may have set the momentum with its own mass matrix.
-            None => motion.record = record.at(body, &motion.state),
+            None => self.record = record.at(self.body, &self.state),
         }
         Ok(Motion {
             statistics,
@@ -215,7 +234,7 @@ impl<'a> Motion<'a> {
             control_memory: control,
             releases,
             was_at_rounding_floor,
-            ..motion
+            ..self
         })
     }
 

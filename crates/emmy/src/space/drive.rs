@@ -105,7 +105,7 @@ impl Drive {
     }
 
     /// The displacements at some times; a function of many times is called once.
-    fn set_maps(&self, times: &[f64], maps: &mut [Map]) -> Result<(), Fault<'_>> {
+    pub(crate) fn set_maps(&self, times: &[f64], maps: &mut [Map]) -> Result<(), Fault<'_>> {
         let mut values = [[0.0; AT_ONCE]; 4];
         for (time_function, values) in self.time_functions().zip(&mut values) {
             let values = &mut values[..times.len()];

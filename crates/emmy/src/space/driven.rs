@@ -123,6 +123,23 @@ impl Space {
         Ok(())
     }
 
+    /// Displacement and velocity, `[n_nodes][3]`, with those of the driven degrees of freedom at a time, the velocity
+    /// after a kink, and zero elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(crate) fn prescribed(&self, time: f64) -> Result<[Vec<f64>; 2]> {
+        let mut given = [(); 2].map(|()| vec![0.0; self.n_dofs()]);
+        for drive in self.drives() {
+            let mut map = [[[0.0; 4]; 3]];
+            drive.set_maps(&[time], &mut map).map_err(|fault| not_finite(drive.support, fault))?;
+        }
+        self.set_driven_displacement(time, &mut given[0]);
+        let next = (f64::EPSILON * time.abs()).max(f64::MIN_POSITIVE);
+        self.set_given_velocity(time, next / SAME_TIME, &mut given[1])?;
+        Ok(given)
+    }
+
     /// Largest distance of the given motion at a time from the displacement of its nodes \[length\].
     pub(crate) fn driven_distance(&self, time: f64, displacement: &[f64]) -> f64 {
         let of_drive = |drive: &Drive| {

@@ -49,6 +49,6 @@ pub(crate) use shared_rows::SharedRows;
 pub(crate) use shifted::ShiftedMatrix;
 pub(crate) use shifted_solver::{Direct, DirectPair, Iterative, Shifted, ShiftedSolver};
 pub use solver::{SOLVERS, Solver, SolverChoice, SolverKind};
-pub use stages::{RowPart, StageMatrix};
+pub use stages::{BlockRow, RowPart, StageMatrix};
 pub(crate) use sweep::SweepOrder;
 pub(crate) use team_solver::TeamSolver;

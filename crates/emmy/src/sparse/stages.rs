@@ -106,6 +106,9 @@ impl RowPart {
     }
 }
 
+/// A row of nodes of a sparse matrix: columns in ascending order, with 3x3 blocks row by row.
+pub type BlockRow = Vec<(u32, [f64; 9])>;
+
 /// Stage forces and stage matrix of a step, in parts by rows.
 #[derive(Debug, Clone)]
 pub struct StageMatrix {
@@ -204,6 +207,22 @@ impl StageMatrix {
             begin.push(columns.len());
         }
         (begin, columns, values)
+    }
+
+    /// The matrix by rows of nodes, stage by stage: row `i n + A` and column `j n + B` for stages i, j and nodes A, B
+    /// of n.
+    pub fn block_rows(&self, pattern: &Pattern) -> Vec<BlockRow> {
+        let k = self.degree;
+        let row = |(i, node): (usize, usize)| {
+            let stages =
+                (0..k).flat_map(|j| pattern.range(node).zip(pattern.row(node)).map(move |at| (j, at)));
+            let entry = |(j, (position, &column)): (usize, (usize, &u32))| {
+                let blocks = self.block(position).as_chunks::<9>().0;
+                ((j * self.n_rows) as u32 + column, blocks[i * k + j])
+            };
+            stages.map(entry).collect()
+        };
+        (0..k).flat_map(|i| (0..self.n_rows).map(move |node| (i, node))).map(row).collect()
     }
 
     /// The blocks of all stages at a position, transposed in stages and components.

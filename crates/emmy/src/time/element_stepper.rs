@@ -4,7 +4,7 @@ use super::equations::Equations;
 use super::implicit::ImplicitStep;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, MassSolver, Reaction};
+use crate::body::{BlockRow, Body, MassSolver, Reaction};
 use crate::error::Result;
 use crate::force::StrainState;
 use crate::input::Span;
@@ -15,7 +15,8 @@ use crate::newton::NewtonSettings;
 /// ```
 /// use emmy::prelude::*;
 /// use emmy::motion::NewtonSettings;
-/// use emmy::internals::time::{Stepper, TimeElementStepper};
+/// use emmy::internals::time::TimeElementStepper;
+/// use emmy::time::Stepper;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let mut state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
@@ -330,6 +331,16 @@ fn take_fixed(body: &Body, from: &[f64], to: &mut [f64]) {
 impl Stepper for TimeElementStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         self.advance_from(state, step_size, None)
+    }
+
+    fn residual(&mut self, state: &State, rates: &[f64], step_size: f64) -> Result<Vec<f64>> {
+        self.start(state, step_size)?;
+        self.step.system.residual_at(rates)
+    }
+
+    fn tangent(&mut self, state: &State, rates: &[f64], step_size: f64) -> Result<Vec<BlockRow>> {
+        self.start(state, step_size)?;
+        self.step.system.tangent_at(rates)
     }
 
     fn rates(&self) -> &[f64] {

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 /// the same on all ranks.
 ///
 /// ```
-/// let mut memory = emmy::internals::time::Memory::default();
+/// let mut memory = emmy::time::Memory::default();
 /// memory.keep_nodal("acceleration", &[0.5, -0.5, 0.0]);
 /// memory.keep_number("step_size", 0.1);
 /// memory.keep_word("solver", "direct");

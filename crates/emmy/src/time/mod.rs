@@ -4,6 +4,7 @@
 #![allow(non_snake_case)]
 
 pub(crate) mod classic;
+mod configuration;
 pub(crate) mod element_stepper;
 mod equations;
 pub(crate) mod error;
@@ -24,15 +25,18 @@ mod tests;
 mod time_element;
 
 pub use crate::average::AveragingRule;
-pub use classic::{NewmarkFamily, NewmarkParameters};
+pub use crate::force::StrainState;
+pub use crate::newton::Outcome as NewtonOutcome;
+pub use classic::{NewmarkFamily, NewmarkParameters, PointForces};
+pub use configuration::Prescribed;
 pub(crate) use element_stepper::TimeElementStepper;
 pub use error::Estimator;
 pub(crate) use error::LocalError;
 pub(crate) use iteration::LARGEST_ROUNDING;
 pub(crate) use linear::ApproximateTangent;
-pub(crate) use memory::Memory;
+pub use memory::Memory;
 pub use scheme::Scheme;
 pub(crate) use stage_coefficients::StageCoefficients;
 pub use state::State;
-pub(crate) use stepper::{Impulses, StepOutcome, Stepper};
+pub use stepper::{BodyFeature, Impulses, StepOutcome, Stepper};
 pub use time_element::{MAX_DEGREE, TimeElement};

@@ -23,6 +23,7 @@ mod measured;
 mod modes;
 mod next_steps;
 mod order_of_accuracy;
+mod own_schemes;
 mod plane_elements;
 mod pressure;
 mod quadratic_cells;

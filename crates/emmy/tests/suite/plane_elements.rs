@@ -136,7 +136,7 @@ fn fibres_out_of_the_plane_keep_the_balances() {
                 assert!(record.linear_momentum_residual < 1e-12, "{scheme}: {record:?}");
                 let turn = record.angular_momentum[2] - first.angular_momentum[2];
                 assert!(turn.abs() < 1e-11 * first.angular_momentum[2], "{scheme}: {record:?}");
-                let force = emmy::equilibrium::internal_force(&body, &motion.state().displacement).unwrap();
+                let force = body.internal_force(&motion.state().displacement).unwrap();
                 sheared =
                     force.iter().skip(2).step_by(3).fold(sheared, |largest, force| largest.max(force.abs()));
             }

@@ -251,7 +251,7 @@ fn conserves(scheme: Scheme) -> [bool; 2] {
         Scheme::Newmark(family) => [matches!(family, NewmarkFamily::Newmark { .. }), false],
         Scheme::Bathe => [true, false],
         Scheme::Static => [false; 2],
-        Scheme::CentralDifferences => [true; 2],
+        Scheme::CentralDifferences | Scheme::Own(_) => [true; 2],
     }
 }
 

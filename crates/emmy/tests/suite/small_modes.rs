@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 use emmy::body::{Body, Formulation, PointTerms, Region, Support};
-use emmy::equilibrium::stiffness;
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, Mesh};
 use emmy::modes::{Mode, lowest_elastic_mode, lowest_elastic_mode_about, modes, modes_about, n_modes};
@@ -70,7 +69,7 @@ fn jacobi(mut A: Vec<Vec<f64>>) -> Vec<f64> {
 /// All eigenvalues of `K v = lambda M v` on the free degrees of freedom, ascending; K at a displacement `[n_nodes][3]`.
 /// Internal nodes, which have no mass, are eliminated: `K - K_i K_ii^-1 K_i^T`.
 fn eigenvalues(body: &Body, displacement: &[f64]) -> Vec<f64> {
-    let rows = stiffness(body, displacement).unwrap();
+    let rows = body.stiffness(displacement).unwrap();
     let n = body.n_dofs();
     let (mut K, mut M) = (vec![vec![0.0; n]; n], vec![vec![0.0; n]; n]);
     for (row, blocks) in rows.iter().enumerate() {

@@ -1,5 +1,9 @@
 //! Forces at one configuration and time: internal, external, reactions.
 
+mod point;
+
+pub use point::PointForces;
+
 use super::configurations;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, MassSolver, Reaction};

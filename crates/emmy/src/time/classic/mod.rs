@@ -14,6 +14,7 @@ mod statics;
 
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
+pub use forces::PointForces;
 pub(super) use forces::Start;
 pub(crate) use forces::{Forces, static_reactions};
 pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};

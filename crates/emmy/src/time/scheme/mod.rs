@@ -7,7 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::classic::{BatheStepper, CentralDifferences, NewmarkFamily, NewmarkStepper, StaticStepper};
-use super::{MAX_DEGREE, State, Stepper, TimeElement, TimeElementStepper};
+use super::{BodyFeature, MAX_DEGREE, State, Stepper, TimeElement, TimeElementStepper};
 use crate::average::AveragingRule;
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -51,6 +51,9 @@ pub enum Scheme {
     /// `static`: no scheme in time, but the equilibrium under the loads at the end of each step, without inertia. No input
     /// names it; [`crate::equilibrium`] uses it with the load fraction as time.
     Static,
+    /// The scheme of a stepper from outside, with its name
+    /// ([`Motion::with_stepper`](crate::motion::Motion::with_stepper)).
+    Own(&'static str),
 }
 
 /// A row of the table of schemes.
@@ -126,23 +129,16 @@ fn element(rule: AveragingRule, spectral_radius: Option<f64>) -> Scheme {
     Scheme::TimeElement(TimeElement { rule, degree: 1, spectral_radius })
 }
 
-/// A property of a body that not every scheme can integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BodyFeature {
-    /// Supports with a prescribed motion.
-    PrescribedMotion,
-    /// Viscosity or drag.
-    Damping,
-    /// Cells with incompatible modes, which have no mass.
-    IncompatibleModes,
-}
-
 impl Scheme {
     /// The time element, if the scheme is one.
     pub fn time_element(self) -> Option<TimeElement> {
         match self {
             Scheme::TimeElement(element) => Some(element),
-            Scheme::Newmark(_) | Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => None,
+            Scheme::Newmark(_)
+            | Scheme::Bathe
+            | Scheme::CentralDifferences
+            | Scheme::Static
+            | Scheme::Own(_) => None,
         }
     }
 
@@ -169,6 +165,7 @@ impl Scheme {
             Scheme::Bathe => "Bathe".to_string(),
             Scheme::CentralDifferences => "central-differences".to_string(),
             Scheme::Static => "static".to_string(),
+            Scheme::Own(name) => name.to_string(),
         }
     }
 
@@ -216,7 +213,7 @@ impl Scheme {
         match self {
             Scheme::TimeElement(element) => element.check(),
             Scheme::Newmark(family) => family.check(),
-            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => Ok(()),
+            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static | Scheme::Own(_) => Ok(()),
         }
     }
 
@@ -228,7 +225,7 @@ impl Scheme {
                 checked.map_err(|reason| Error::Scheme { scheme: self.name(), reason })
             }
             Scheme::Newmark(family) => family.check(),
-            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => Ok(()),
+            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static | Scheme::Own(_) => Ok(()),
         }
     }
 
@@ -251,8 +248,13 @@ impl Scheme {
     /// [`Error::Scheme`].
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
-            // An equilibrium has no velocity, and no damping.
-            (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }) | Scheme::Static)
+            // An equilibrium has no velocity, and no damping; a stepper from outside says itself what it integrates.
+            (
+                _,
+                Scheme::TimeElement(TimeElement { spectral_radius: None, .. })
+                | Scheme::Static
+                | Scheme::Own(_),
+            )
             | (BodyFeature::Damping, Scheme::TimeElement(_))
             | (BodyFeature::IncompatibleModes, Scheme::TimeElement(_) | Scheme::Newmark(_) | Scheme::Bathe) =>
             {
@@ -275,19 +277,10 @@ impl Scheme {
     /// # Errors
     /// [`Error::Scheme`].
     pub fn check_body(self, body: &Body) -> Result<()> {
-        if body.is_driven() {
-            self.check_feature(BodyFeature::PrescribedMotion)?;
-        }
         if !matches!(self, Scheme::TimeElement(_)) {
             body.check_unconstrained(&self.name())?;
         }
-        if body.dissipates() {
-            self.check_feature(BodyFeature::Damping)?;
-        }
-        if body.space.has_internal_nodes() {
-            self.check_feature(BodyFeature::IncompatibleModes)?;
-        }
-        Ok(())
+        BodyFeature::of(body).try_for_each(|feature| self.check_feature(feature))
     }
 
     /// The body as the scheme moves it, with loads on the mass that the scheme has: [`Body::lumped`] for central
@@ -326,6 +319,10 @@ impl Scheme {
             Scheme::Bathe => Box::new(BatheStepper::new(body, settings, state)?),
             Scheme::CentralDifferences => Box::new(CentralDifferences::new(body, state)?),
             Scheme::Static => Box::new(StaticStepper::new(body, settings, state)?),
+            Scheme::Own(_) => {
+                let reason = "only `Motion::with_stepper` has a stepper from outside".to_string();
+                return Err(Error::Scheme { scheme: self.name(), reason });
+            }
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The equations of a step with the memory of their solution.
 
+mod at_rates;
 mod newton;
 
 use super::Memory;

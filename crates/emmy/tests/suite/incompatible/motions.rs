@@ -5,7 +5,7 @@ use emmy::material::NeoHooke;
 use emmy::mesh::{self, CellKind};
 use emmy::motion::{Motion, NewtonSettings, Solver, State};
 use emmy::time::Scheme;
-use emmy::{Error, internals::time::Stepper};
+use emmy::{Error, time::Stepper};
 
 use super::{distorted_pair, isochoric, of_mesh, pair, rubber, spin, with_modes};
 use crate::shared::schemes::{DGM, assumed_strain, at, fe};
