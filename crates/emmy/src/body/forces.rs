@@ -11,8 +11,7 @@ use crate::force::{
     Book, Cells, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side, Signal, StepInput,
     StepStart, StrainState, cells,
 };
-use crate::input::SignalTarget;
-use crate::input::Span;
+use crate::input::{SignalTarget, Span};
 use crate::quadrature::Quadrature;
 use crate::space::Reaction;
 use crate::sparse::{RowPart, StageMatrix};

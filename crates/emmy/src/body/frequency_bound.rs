@@ -2,8 +2,7 @@
 
 use super::system::Body;
 use crate::element::{element, jacobian};
-use crate::input::Region;
-use crate::input::RegionMaterial;
+use crate::input::{Region, RegionMaterial};
 use crate::mesh::{Cell, CellKind, Mesh};
 use crate::space::geometry::{ReferenceTable, inverse, positions};
 use crate::sparse::largest_eigenvalue;

@@ -1,9 +1,8 @@
 //! Lines: the edges of plane cells, and links.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape};
-use super::lifted;
 use super::tensor_product::{gradient, linear, quadratic, shape};
+use super::{ReferenceElement, lifted};
 use crate::quadrature::{Quadrature, gauss};
 
 /// Nodes of the lines: the ends, then the middle.

@@ -5,11 +5,10 @@
 //! p + 1 points, exact to degree 2p + 1, integrate it exactly, and also products of two shape functions on flat facets.
 
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
-use super::lifted;
 use super::tensor_product::{
     SQUARE_NODES, gradient, linear, quadratic, serendipity_gradient, serendipity_shape, shape,
 };
-use super::{PressureSpace, ReferenceElement};
+use super::{PressureSpace, ReferenceElement, lifted};
 use crate::quadrature::{Quadrature, square};
 
 /// Bilinear quadrilateral on `[-1, 1]^2`: 4 nodes, 2x2 Gauss points.

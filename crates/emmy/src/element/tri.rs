@@ -1,9 +1,8 @@
 //! Triangles: the facets of tetrahedra.
 
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
-use super::lifted;
 use super::simplex::{TRIANGLE_NODES, linear_gradient, linear_shape, quadratic_gradient, quadratic_shape};
-use super::{PressureSpace, ReferenceElement};
+use super::{PressureSpace, ReferenceElement, lifted};
 use crate::quadrature::{Quadrature, triangle};
 
 /// Linear triangle (0,0), (1,0), (0,1): 3 nodes, 3 quadrature points.

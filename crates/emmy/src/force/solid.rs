@@ -12,8 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
 use super::force::{Book, Force, ForceMemory, Side};
-use super::integral;
-use super::integral::{BatchMemory, CellLaw, PointMemory, RegisterCells, Scratch, projected};
+use super::integral::{self, BatchMemory, CellLaw, PointMemory, RegisterCells, Scratch, projected};
 use super::pressures::{PressureCells, PressureNumbers};
 use super::projection::Projection;
 use super::step::{StepDamping, StepInput};

@@ -1,8 +1,7 @@
 //! Regions of a body.
 
 use super::viscosity::Viscosity;
-use crate::element::CellKind;
-use crate::element::{Formulation, PressureSpace};
+use crate::element::{CellKind, Formulation, PressureSpace};
 use crate::input::RegionMaterial;
 use crate::material::{Link, Material};
 

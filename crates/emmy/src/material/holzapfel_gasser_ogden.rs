@@ -2,14 +2,13 @@
 
 #![allow(non_snake_case)]
 
-use super::axes;
 use super::invariants::{add_dyad, commuting_product};
 use super::isochoric::{Distortion, SecondDerivative};
 use super::model::{
     BULK_MODULUS, Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values,
 };
 use super::volumetric::Volume;
-use super::{Material, VolumeLaw, Volumetric, compiled_with_this_crate, fulfils, positive};
+use super::{Material, VolumeLaw, Volumetric, axes, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_scaled, sym_scaled};
 

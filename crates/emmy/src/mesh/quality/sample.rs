@@ -4,8 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::element::CellShape;
-use crate::element::{ReferenceElement, element, jacobian};
+use crate::element::{CellShape, ReferenceElement, element, jacobian};
 use crate::mesh::CellKind;
 use crate::tensor::det;
 

@@ -5,8 +5,7 @@
 mod tests;
 
 use super::equations::Equations;
-use super::rigid_step;
-use super::rigid_step::RigidStep;
+use super::rigid_step::{self, RigidStep};
 use super::stage_coefficients::StageCoefficients;
 use super::{Memory, State};
 use crate::body::Body;
