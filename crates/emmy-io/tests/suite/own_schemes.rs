@@ -1,5 +1,6 @@
 //! The files of a run by a stepper from outside.
 
+use emmy::body::Reaction;
 use emmy::motion::{Motion, State};
 use emmy::time::{PointForces, StepOutcome, Stepper};
 use emmy_io::input::{self, Overrides};
@@ -35,6 +36,10 @@ impl Stepper for Euler<'_> {
         self.0.begin();
         self.0.book(h, &state.velocity, None)?;
         StepOutcome::new(body, state, self.0.end(h))
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        self.0.reactions()
     }
 }
 

@@ -15,8 +15,8 @@ impl Motion<'_> {
     /// R_i = sum_j (a^-1)_ij (M x_j - h p_1) + h^2 (f_i - f_i^ext)
     /// ```
     ///
-    /// (Betsch and Steinmann (2001), equations (28)-(32)), with the terms of damping and of a dissipative element. At held
-    /// degrees of freedom it is h^2 times the reaction. The motion does not change.
+    /// (Betsch and Steinmann (2001), equations (28)-(32)), with the terms of damping and of a dissipative element. At
+    /// held degrees of freedom it is h^2 times the reaction. The motion does not change.
     ///
     /// ```
     /// use emmy::prelude::*;
