@@ -48,13 +48,14 @@ from ._lists import (
     solvers,
     threads,
 )
-from ._materials import CiarletGeymonat, Energy, Hencky, Material, NeoHooke, Orthotropic, SaintVenantKirchhoff
+from ._materials import Energy, Material
 from ._mesh import Mesh
 from ._motion import Motion
 from ._parts import Adaptive, Initial, Load, Mass, Region, Support, Viscosity
 from ._results import Frame, Frames, Run
 from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
 from ._run import Comparison, check, compare, report, resume, run
+from ._solids import CiarletGeymonat, Hencky, NeoHooke, Orthotropic, SaintVenantKirchhoff
 from ._state import Snapshot, State
 from ._studies import Convergence, Modes, Problem, converge, equilibrium, load, modes
 from ._sweep import Sweep, sweep

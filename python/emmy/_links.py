@@ -1,5 +1,7 @@
 """Materials of links, which are cells of two nodes."""
 
+# Energies, parameters, errors and fields are written by EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference.
+
 from __future__ import annotations
 
 from ._materials import Material
@@ -8,19 +10,19 @@ from ._materials import Material
 class Bar(Material):
     """A bar of a truss, or a cable under tension; its density is a mass per volume.
 
-    ``W = E A L e^2/2`` of the whole link, with ``e = (l^2/L^2 - 1)/2``.
+    ``V = E A L e^2/2, e = (l^2/L^2 - 1)/2``, of the whole link.
 
     Parameters
     ----------
-    youngs_modulus : float
+    youngs_modulus : float > 0
         Young's modulus E.
-    area : float
+    area : float > 0
         Cross section A.
 
     Raises
     ------
     InputError
-        If a value is not positive.
+        If a value is out of its range.
 
     Examples
     --------
@@ -34,13 +36,15 @@ class Bar(Material):
 
 
 class Spring(Material):
-    """A spring without mass, ``W = k/2 (l - l_0)^2``.
+    """A spring without mass.
+
+    ``V = k/2 (l - l_0)^2``, of the whole link.
 
     Parameters
     ----------
-    stiffness : float
+    stiffness : float > 0
         Stiffness k.
-    rest_length : float, optional
+    rest_length : float ≥ 0, optional
         Length l_0 without force; the reference length of each link if not given.
 
     Raises
@@ -60,17 +64,19 @@ class Spring(Material):
 
 
 class Attraction(Material):
-    """Attraction of two masses, such as gravitation: ``W = -g/l``, without mass.
+    """Attraction of two masses, such as gravitation; without mass.
+
+    ``V = -g/l``, of the whole link.
 
     Parameters
     ----------
-    strength : float
-        Strength g, of two masses G m_1 m_2; negative: repulsion.
+    strength : float ≠ 0
+        Strength g, of two masses that attract each other G m_1 m_2; negative: repulsion.
 
     Raises
     ------
     InputError
-        If the strength is 0.
+        If a value is out of its range.
 
     Examples
     --------

@@ -1,5 +1,7 @@
 """Materials that hardly change their volume: rubber and soft tissue."""
 
+# Energies, parameters, errors and fields are written by EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference.
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -18,12 +20,12 @@ class NeoHookeIsochoric(Material):
 
     Parameters
     ----------
-    mu : float
+    mu : float > 0
         Shear modulus.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume: "simo-taylor" (default), "miehe", "logarithmic", "quadratic" or "liu".
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -49,12 +51,14 @@ class MooneyRivlin(Material):
 
     Parameters
     ----------
-    c10, c01 : float
-        Moduli of the first and the second invariant; 2 (c10 + c01) is the shear modulus.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+    c10 : float
+        Modulus of the first invariant; mu = 2 (c10 + c01) > 0.
+    c01 : float
+        Modulus of the second invariant; neither should be negative.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -83,12 +87,16 @@ class Yeoh(Material):
 
     Parameters
     ----------
-    c10, c20, c30 : float
-        Linear, quadratic and cubic modulus; 2 c10 is the shear modulus.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+    c10 : float > 0
+        Linear modulus; mu = 2 c10.
+    c20 : float
+        Quadratic modulus.
+    c30 : float
+        Cubic modulus.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -116,14 +124,14 @@ class Gent(Material):
 
     Parameters
     ----------
-    mu : float
+    mu : float > 0
         Shear modulus at small strain.
-    jm : float
-        Limit of I1bar - 3.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+    jm : float > 0
+        Limit of I1bar - 3; steps that reach it fail.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -146,16 +154,18 @@ class Gent(Material):
 class ArrudaBoyce(Material):
     """Arruda and Boyce: rubber, eight chains of rigid links.
 
+    ``W = n sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J)``
+
     Parameters
     ----------
-    mu : float
+    mu : float > 0
         Shear modulus at small strain.
-    lambda_m : float
-        Locking stretch of a chain, above 1.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+    lambda_m : float > 1
+        Locking stretch of a chain.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -182,12 +192,14 @@ class Ogden(Material):
 
     Parameters
     ----------
-    mu, alpha : list of float
-        Moduli and exponents, one a term; half the sum of mu_p alpha_p is the shear modulus.
-    bulk_modulus : float
-        Bulk modulus.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+    mu : list of float
+        Moduli mu_p, one a term; half the sum of mu_p alpha_p is the shear modulus.
+    alpha : list of float
+        Exponents alpha_p, one a term, not 0.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -216,18 +228,20 @@ class HolzapfelGasserOgden(Material):
 
     Parameters
     ----------
-    mu : float
+    mu : float > 0
         Shear modulus of the matrix.
-    k1, k2 : float
-        Stiffness of the fibres, and its growth with the strain.
-    bulk_modulus : float
-        Bulk modulus.
+    k1 : float > 0
+        Stiffness of the fibres.
+    k2 : float > 0
+        Growth of their stiffness with the strain.
     fibres : list of vector
-        Direction of each family of fibres.
-    kappa : float, optional
-        Dispersion of the fibres: 0 (default) parallel, 1/3 in all directions alike.
-    volumetric : str, optional
-        Law of volume, as in `NeoHookeIsochoric`.
+        Direction of each family of fibres, such as `[[1, 0, 0]]`.
+    bulk_modulus : float > 0
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
+    kappa : float from 0 to 0.3333, optional
+        Dispersion of the fibres: 0 parallel, 1/3 in all directions alike; 0.0 if not given.
+    volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
+        Law of volume W_vol(J); "simo-taylor" if not given.
 
     Raises
     ------
@@ -245,7 +259,7 @@ class HolzapfelGasserOgden(Material):
     mu: float
     k1: float
     k2: float
-    bulk_modulus: float
     fibres: Sequence[Vector] | NDArray[Any]
+    bulk_modulus: float
     kappa: float | None = None
     volumetric: str | None = None

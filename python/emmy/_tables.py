@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import _links, _materials, _rubber
 from ._materials import Material
 from ._parts import Load, Mass, Region, Support, Viscosity
 
@@ -12,9 +11,7 @@ from ._parts import Load, Mass, Region, Support, Viscosity
 def material(tree: dict[str, Any]) -> Material:
     """The material of a table such as `{"neo-hooke": {...}}`."""
     ((model, parameters),) = tree.items()
-    modules = (_materials, _rubber, _links)
-    classes = [value for module in modules for value in vars(module).values() if getattr(value, "model", None) == model]
-    own: type[Material] = classes[0]
+    own = next(own for own in Material.__subclasses__() if own.model == model)
     return own(**{"lambda_" if key == "lambda" else key: value for key, value in parameters.items()})
 
 

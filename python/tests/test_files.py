@@ -1,5 +1,6 @@
 """Files: inputs as objects, runs, results."""
 
+import dataclasses
 import itertools
 import subprocess
 import sys
@@ -190,6 +191,14 @@ def test_lists():
     assert {item.name for item in emmy.materials()} >= {material.model for material in classes()}
     named = {item.name for item in emmy.materials()} - {"energy"}
     assert named == {material.model for material in classes()} - {"energy"}
+
+
+def test_keys_of_tables_are_fields():
+    tables = emmy.schema()["properties"]
+    tables |= {"viscosity": tables["region"]["properties"]["viscosity"]}
+    tables |= {"adaptive": tables["time"]["properties"]["adaptive"]}
+    for own in (emmy.Adaptive, emmy.Initial, emmy.Load, emmy.Mass, emmy.Region, emmy.Support, emmy.Viscosity):
+        assert {field.name for field in dataclasses.fields(own)} == set(tables[own._section]["properties"])
 
 
 def classes():

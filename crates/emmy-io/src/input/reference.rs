@@ -1,7 +1,10 @@
 //! Tables of `book/src/input.md`, `book/src/results.md` and `book/src/materials.md`, written from the descriptions.
 //!
 //! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input,
-//! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
+//! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them, and the classes of the
+//! materials in Python.
+
+mod python;
 
 use emmy::body::FieldName;
 use emmy::internals::body::MODELS;
@@ -273,6 +276,19 @@ fn filled(page: &str) -> (String, Vec<String>) {
     (text, names)
 }
 
+/// Fills a file, or checks that this changes nothing. Returns the names of its filled parts.
+fn updated(path: &str, filled: fn(&str) -> (String, Vec<String>)) -> Vec<String> {
+    let place = format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"));
+    let own = std::fs::read_to_string(&place).unwrap();
+    let (filled, names) = filled(&own);
+    if std::env::var_os("EMMY_UPDATE_DOCS").is_some() {
+        std::fs::write(&place, &filled).unwrap();
+    } else {
+        assert!(own == filled, "{path}: EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference writes it");
+    }
+    names
+}
+
 #[test]
 fn every_unit_of_a_description_is_a_dimension() {
     let of_columns = every_column().map(|column| column.dimension);
@@ -285,21 +301,8 @@ fn every_unit_of_a_description_is_a_dimension() {
 
 #[test]
 fn the_tables_of_the_reference_match_the_program() {
-    let mut all = Vec::new();
-    for page in ["input", "results", "materials"] {
-        let path = format!("{}/../../book/src/{page}.md", env!("CARGO_MANIFEST_DIR"));
-        let page = std::fs::read_to_string(&path).unwrap();
-        let (filled, names) = filled(&page);
-        all.extend(names);
-        if std::env::var_os("EMMY_UPDATE_DOCS").is_some() {
-            std::fs::write(&path, &filled).unwrap();
-        }
-        let is_same = std::fs::read_to_string(&path).unwrap() == filled;
-        assert!(
-            is_same,
-            "{path}: EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference writes its tables"
-        );
-    }
+    let pages = ["input", "results", "materials"].iter();
+    let all: Vec<String> = pages.flat_map(|page| updated(&format!("book/src/{page}.md"), filled)).collect();
     let is_model = |section: &&Section| {
         let is_formula = section.name == energy::NAME;
         !is_formula
