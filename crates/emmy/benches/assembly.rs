@@ -94,7 +94,7 @@ impl Step {
             displacement,
             rates,
             damping: StepDamping::default(),
-            pressures: None,
+            local: None,
         };
         let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
         counted.bench_local(|| body.assemble(&step, request, &[2.0], &mut assembly).unwrap());
