@@ -47,7 +47,7 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, request: Request) {
         displacement: &displacement,
         rates: &rates,
         damping: StepDamping::default(),
-        pressures: None,
+        local: None,
     };
     let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
     counted.bench_local(|| body.assemble(&step, request, &[2.0], &mut assembly).unwrap());

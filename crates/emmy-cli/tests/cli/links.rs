@@ -58,16 +58,16 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("group = \"head\"", "group = \"heda\"", &["no group `heda`", "did you mean `head`?"]),
     // Links.
     ("stiffness", "k", &["unknown key `k` in spring", "did you mean `stiffness`?"]),
-    ("stiffness = 10.0", "stiffness = 0", &["spring: stiffness = 0 must be positive"]),
-    ("rest_length = 1.5", "rest_length = -1", &["spring: rest_length = -1 must be finite and not negative"]),
+    ("stiffness = 10.0", "stiffness = 0", &["`stiffness` must be positive, not 0"]),
+    ("rest_length = 1.5", "rest_length = -1", &["`rest_length` must be at least 0, not -1"]),
     ("rest_length", "l0", &["did you mean `rest_length`?"]),
-    ("area = 0.5", "area = -0.5", &["bar: area = -0.5 must be positive"]),
+    ("area = 0.5", "area = -0.5", &["`area` must be positive, not -0.5"]),
     (", area = 0.5", "", &["`area` is missing in bar"]),
     ("youngs_modulus = 100.0", "E = 100.0", &["did you mean `youngs_modulus`?"]),
     (
         "spring = { stiffness = 10.0, rest_length = 1.5 }",
         "attraction = { strength = 0 }",
-        &["attraction: strength = 0 must not be zero"],
+        &["`strength` must not be 0"],
     ),
     (
         "spring = { stiffness = 10.0, rest_length = 1.5 }",
@@ -90,7 +90,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "attraction = 3.0",
         &["`attraction` must be a table with the keys `centre`, `strength`"],
     ),
-    ("strength = 3.0 }", "strength = 3.0 }\nforce = [1, 0, 0]", &["[[load]] has more than one kind of load"]),
+    (
+        "strength = 3.0 }",
+        "strength = 3.0 }\nforce = [1, 0, 0]",
+        &["[[load]] takes exactly one of `traction`, `force`"],
+    ),
     ("strength = 3.0 }", "strength = 3.0 }\nhistory = [[0, 1]]", &["an attraction has no `history`"]),
     ("strength = 3.0 }", "strength = 3.0 }\ngroup = \"sky\"", &["no group `sky`"]),
 ];

@@ -56,7 +56,7 @@ fn a_mass_of_a_group_flies_with_the_body() {
 #[test]
 fn one_size_of_a_mass_is_given() {
     for (size, parts) in [
-        ("total = 6, mass = 1", ["more than one size", "exactly one of `mass`, `total`"]),
+        ("total = 6, mass = 1", ["takes exactly one of `mass`, `total`", "and this one"]),
         ("total = -6", ["`total` must be positive", "-6"]),
         ("totl = 6", ["unknown key `totl` in [[mass]]", "did you mean `total`?"]),
     ] {

@@ -23,8 +23,8 @@ pub(super) struct Context<'a> {
     pub(super) is_undeformed: bool,
 }
 
-/// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression, which must be finite
-/// throughout the run.
+/// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression, which must be
+/// finite throughout the run.
 pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     match item.value() {
         Value::String(text) => {

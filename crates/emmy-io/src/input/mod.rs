@@ -2,9 +2,9 @@
 //!
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`). Each
 //! section has its own file with its description and its reader, which returns types of the library. One walk (`walk`)
-//! checks a table against its description and reports every fault; readers see only tables that are right (`table`), and
-//! check meaning. The descriptions (`description`, all in `catalogue`) also yield the defaults, the JSON schema for
-//! editors (`schema`) and the key tables of `book/src/input.md` (`reference`).
+//! checks a table against its description and reports every fault; readers see only tables that are right (`table`),
+//! and check meaning. The descriptions (`description`, all in `catalogue`) also yield the defaults, the JSON schema
+//! for editors (`schema`) and the key tables of `book/src/input.md` (`reference`).
 
 mod adaptive;
 mod catalogue;

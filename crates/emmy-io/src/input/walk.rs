@@ -64,7 +64,8 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
     }
 }
 
-/// Checks the entries of a list. If all are wrong, that is one mistake: a fault of the list, except of a list of tables.
+/// Checks the entries of a list. If all are wrong, that is one mistake: a fault of the list, except of a list of
+/// tables.
 fn are_right(list: Item<'_>, items: &[Item<'_>], faults: &mut Faults) -> bool {
     let mut own = Faults::default();
     let n_wrong = items.iter().filter(|item| !is_right(**item, &mut own)).count();

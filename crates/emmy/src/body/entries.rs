@@ -10,6 +10,7 @@ pub enum Entries {
     /// Nodes, internal ones included: `[k][n_nodes][3]`.
     Nodes,
     /// Local unknowns, functions of the pressure in cells: `[function][n]`.
+    #[serde(rename = "Pressures")]
     Local,
 }
 

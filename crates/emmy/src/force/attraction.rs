@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::force::{Force, Side};
+use super::interface::{Force, Side};
 use super::solid::SolidForce;
 use super::source::{ForceSource, Site};
 use crate::error::{Error, Result};

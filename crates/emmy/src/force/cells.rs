@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::batches::PointGeometry;
-use super::force::Force;
+use super::interface::Force;
 use super::solid::SolidForce;
 use crate::element::{element, jacobian};
 use crate::error::{Error, Result};

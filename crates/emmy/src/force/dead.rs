@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::force::{Book, Force, ForceMemory, OverTime, Side};
+use super::interface::{Book, Force, ForceMemory, OverTime, Side};
 use super::signal::Signal;
 use super::source::Site;
 use super::step::{Sampling, StepStart};

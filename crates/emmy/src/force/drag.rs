@@ -1,6 +1,6 @@
 //! Drag of a surrounding medium.
 
-use super::force::{Book, Force, Side};
+use super::interface::{Book, Force, Side};
 
 /// An external force `-rate M v`.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::dead::{DeadLoad, cells_of, finite_factor, not_finite};
-use super::force::{Book, Force, ForceMemory, OverTime, Side};
+use super::interface::{Book, Force, ForceMemory, OverTime, Side};
 use super::signal::{POINTS_OF_SIGNALS, Signal};
 use super::source::Site;
 use super::step::{Sampling, StepStart};

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::force::Force;
+use super::interface::Force;
 use super::solid::SolidForce;
 
 /// The forces of a body: those of its cells, which are made on first use, then the others.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::dead::DeadLoad;
 use super::field_load::FieldLoad;
-use super::force::Force;
+use super::interface::Force;
 use super::source::{ForceSource, Site};
 use super::surface_pressure::SurfacePressure;
 use crate::error::Result;

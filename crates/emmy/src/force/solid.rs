@@ -11,8 +11,8 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
-use super::force::{Book, Force, ForceMemory, Side};
 use super::integral::{self, BatchMemory, CellLaw, PointMemory, RegisterCells, Scratch, projected};
+use super::interface::{Book, Force, ForceMemory, Side};
 use super::pressures::{PressureCells, PressureNumbers};
 use super::projection::Projection;
 use super::step::{StepDamping, StepInput};
@@ -422,6 +422,10 @@ impl Force for SolidForce {
 
     fn dissipates(&self) -> bool {
         !self.viscosity.is_zero()
+    }
+
+    fn without_adjoint(&self) -> Option<&'static str> {
+        (!self.viscosity.is_zero()).then_some("viscosity and drag are not covered")
     }
 
     fn dissipated(&self, step: &StepInput<'_>, scratch: &mut Scratch) -> f64 {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::force::Force;
+use super::interface::Force;
 use crate::error::Result;
 use crate::mass::Spread;
 use crate::mesh::Mesh;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::force::{Book, Force, ForceMemory, Side};
 use super::integral::Scratch;
+use super::interface::{Book, Force, ForceMemory, Side};
 use super::source::{ForceSource, Site};
 use super::step::StepInput;
 use super::strain_state::StrainState;

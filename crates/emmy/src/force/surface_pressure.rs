@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::dead::{finite_factor, not_finite};
 use super::facets::{FacetOfTable, FacetTable, NodalVectors};
-use super::force::{Book, Force, ForceMemory, OverTime, Side};
 use super::integral::Scratch;
+use super::interface::{Book, Force, ForceMemory, OverTime, Side};
 use super::signal::Signal;
 use super::source::Site;
 use super::step::{Sampling, StepInput, StepStart};

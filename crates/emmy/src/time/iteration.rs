@@ -205,12 +205,16 @@ impl Iteration {
             }
         }
         self.newton.forget();
-        // An iteration that ran is more informative than one that could not start.
         let step = state.step + 1;
         let time = state.time + step_size;
-        Err(failure
-            .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
-            .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
+        let could_not_start = |cause| Error::StepFailed { step, time, cause };
+        // An iteration that ran is more informative than one that could not start, unless a force has refused it.
+        Err(match (failure, cause) {
+            (_, Some(cause)) if matches!(*cause, Error::Refused { .. }) => could_not_start(cause),
+            (Some(failure), _) => failure,
+            (None, Some(cause)) => could_not_start(cause),
+            (None, None) => Error::Linear { reason: format!("no starting point for step {step}") },
+        })
     }
 
     /// Newton's iteration from the present unknowns.

@@ -96,7 +96,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "pressures",
             "integral",
             "signal",
-            "force",
+            "interface",
             "source",
             "solid",
             "cells",

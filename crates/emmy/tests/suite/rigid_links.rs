@@ -81,7 +81,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         angular_velocity: [1.0, 2.0, -3.0],
         ..InitialVelocity::default()
     };
-    let start = |body: &Body| State::initial(body, 0.0, &[flies.clone()]).unwrap();
+    let start = |body: &Body| State::initial(body, 0.0, std::slice::from_ref(&flies)).unwrap();
     for k in 1..=3 {
         let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start(&body)).unwrap();
         let mut other = Motion::new(&without, at(DGM, k)).unwrap().from(start(&without)).unwrap();

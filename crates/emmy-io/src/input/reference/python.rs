@@ -1,5 +1,5 @@
-//! Classes of the materials in Python, filled from the descriptions of their models: energy, parameters, errors, fields.
-//! By hand are the headline of a class, its examples and the name of its model.
+//! Classes of the materials in Python, filled from the descriptions of their models: energy, parameters, errors,
+//! fields. By hand are the headline of a class, its examples and the name of its model.
 
 use emmy::internals::body::{MODELS, RegionModel};
 use emmy::internals::material::{IfAbsent, Parameter, ParameterKind};

@@ -45,6 +45,11 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// Where its impulse counts.
     fn side(&self) -> Side;
 
+    /// Whether it depends on the place of the body, not only on its shape, as a potential from outside does.
+    fn depends_on_place(&self) -> bool {
+        self.book() == Book::Stored && self.side() == Side::Outside
+    }
+
     /// Nodes and quadrature points of a cell, for the memory of an assembly.
     fn scratch_size(&self) -> [usize; 2] {
         [0; 2]
