@@ -65,7 +65,7 @@ def test_values_out_of_range(make, place):
 
 
 def test_a_tolerance_out_of_range():
-    with pytest.raises(emmy.InputError, match="tolerance must be between 0 and 1, not 2"):
+    with pytest.raises(emmy.InputError, match="`tolerance` must be between 0 and 1, not 2"):
         emmy.Adaptive(2.0)
 
 
