@@ -282,7 +282,7 @@ MESSAGES = [
     (
         lambda: emmy.Motion(free_block(), steps=[(1.0, 0.1), (0.5, 0.1)]),
         emmy.InputError,
-        "steps[1]: phase 2 of `steps`: it ends at 0.5, but begins at 1: time goes forward",
+        "steps[1]: phase 2 of `steps`: it ends at 0.5, but begins at 1; `until` must increase",
     ),
     (
         lambda: emmy.Motion(free_block(), adaptive=1e-3),
@@ -503,7 +503,7 @@ FLAGS = [
     (
         lambda: emmy.run(block(), until=-1),
         emmy.InputError,
-        "until: -1: it ends at -1, but begins at 0: time goes forward",
+        "until: -1: it ends at -1, but begins at 0; `until` must increase",
     ),
     (
         lambda: emmy.resume(emmy.run(block(), until=0.1, set={"output.every": 0}, output="o").directory, until=0.1),

@@ -1,5 +1,5 @@
-//! Parts of the implementation for the programs, tests and benches of this repository. No promise of stability: any of these
-//! names may change in any release.
+//! Parts of the implementation for the programs, tests and benches of this repository. No promise of stability: any of
+//! these names may change in any release.
 
 /// Averaging rules at a material point.
 pub mod average {

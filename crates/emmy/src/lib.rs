@@ -1,8 +1,8 @@
 //! Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
 //!
-//! The method is described in P. Betsch and P. Steinmann, *Conservation properties of a time FE method. Part II: Time-stepping
-//! schemes for non-linear elastodynamics*, Int. J. Numer. Meth. Engng 50, 1931-1955 (2001). Emmy implements it for any degree
-//! in time.
+//! The method is described in P. Betsch and P. Steinmann, *Conservation properties of a time FE method. Part II:
+//! Time-stepping schemes for non-linear elastodynamics*, Int. J. Numer. Meth. Engng 50, 1931-1955 (2001). Emmy
+//! implements it for any degree in time.
 //!
 //! Two cells of rubber, held on the left, are pulled and released:
 //!
@@ -32,9 +32,10 @@
 //! }
 //! ```
 //!
-//! A [`body::Body`] has a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`] advances its
-//! [`motion::State`] by a [`time::Scheme`] and returns a [`motion::Record`] of each step: energies, momenta and the residuals of
-//! their balances. [`prelude`] has the names of most programs. [`internals`] has the parts that may change in any release.
+//! A [`body::Body`] has a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`] advances
+//! its [`motion::State`] by a [`time::Scheme`] and returns a [`motion::Record`] of each step: energies, momenta and the
+//! residuals of their balances. [`prelude`] has the names of most programs. [`internals`] has the parts that may change
+//! in any release.
 
 pub mod adjoint;
 mod average;

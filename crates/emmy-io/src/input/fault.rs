@@ -108,7 +108,7 @@ pub struct Fault {
 pub struct MissingGroup {
     /// Its name.
     pub name: String,
-    /// Names of the groups that could stand there.
+    /// Group names that would be valid here.
     pub available: Vec<String>,
 }
 

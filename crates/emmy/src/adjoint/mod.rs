@@ -25,8 +25,8 @@
 //! to the discrete motion, to the tolerance of Newton's iteration: an optimiser gets the gradient of the function that
 //! it evaluates.
 //!
-//! *A start from an equilibrium* solves `f(u_0) = F`, which depends on the parameters too. With the multipliers of these
-//! equations it adds
+//! *A start from an equilibrium* solves `f(u_0) = F`, which depends on the parameters too. With the multipliers of
+//! these equations it adds
 //!
 //! ```math
 //! K^T mu = ubar_0,      dJ/dtheta -= mu . d(f - F)/dtheta

@@ -20,11 +20,11 @@ use crate::time::State;
 /// mu . dR/dtheta = sum_m c_m mu . [R(theta + m d) - R(theta - m d)] / (2 m d)
 /// ```
 ///
-/// For any parameter, three of them (c = 3/2, -3/5, 1/10) have an error of order d^6, with d a 200th of the scale on which
-/// the equations change: relative 1e-12 ([`Parameter::smooth`]). Energies are linear in many parameters of materials
-/// (Lame's parameters, stiffnesses, the parameters of Mooney and Rivlin), and densities and dead loads enter linearly as
-/// well. Then one difference is exact up to rounding, and it may be wide ([`Parameter::linear`]). No difference of motions
-/// is taken; it would lose digits to Newton's tolerance.
+/// For any parameter, three of them (c = 3/2, -3/5, 1/10) have an error of order d^6, with d a 200th of the scale on
+/// which the equations change: relative 1e-12 ([`Parameter::smooth`]). Energies are linear in many parameters of
+/// materials (Lame's parameters, stiffnesses, the parameters of Mooney and Rivlin), and densities and dead loads enter
+/// linearly as well. Then one difference is exact up to rounding, and it may be wide ([`Parameter::linear`]). No
+/// difference of motions is taken; it would lose digits to Newton's tolerance.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -48,8 +48,8 @@ const SMOOTH: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
 
 impl Parameter {
     /// A parameter in which the equations of a step are linear; `scale`: a positive size of it, such as its value. The
-    /// values of the bodies are half of the scale away. An exponent, a power, Poisson's ratio or the place of a node are not
-    /// linear: with them the derivative is wrong, and nothing tells.
+    /// values of the bodies are half of the scale away. An exponent, a power, Poisson's ratio or the place of a node
+    /// are not linear: with them the derivative is wrong, and nothing tells.
     ///
     /// # Errors
     /// As `body`; [`Error::NotPositive`] for the scale.

@@ -216,8 +216,8 @@ fn rest_and_rigid_motion_are_free_of_stress() {
     assert!(average.tangent[0].iter().flatten().all(|t| t.abs() < 1e4));
 }
 
-/// Relative rounding of the derivatives of stresses. The correction of the discrete gradient is a difference of energies
-/// over `|E'|^2 = sum_i b_i E'_i : E'_i`, and its derivative divides by `|E'|` once more.
+/// Relative rounding of the derivatives of stresses. The correction of the discrete gradient is a difference of
+/// energies over `|E'|^2 = sum_i b_i E'_i : E'_i`, and its derivative divides by `|E'|` once more.
 fn rounding(rule: &Rule, step: &Step) -> f64 {
     let k = rule.degree();
     let square = |i: usize| {

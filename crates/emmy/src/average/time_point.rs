@@ -39,9 +39,9 @@ pub(super) fn time_points(c: &[f64], b: &[f64], quadrature: &Quadrature<1>) -> V
 /// a_ij = b_j (1/2 + sigma_ij),      sigma_ij = sum_(n=1)^(k-1) [p_n(c_i) p_(n-1)(c_j) - p_(n-1)(c_i) p_n(c_j)] / (2 sqrt(4 n^2 - 1))
 /// ```
 ///
-/// All conservation rests on `b_i a_ij + b_j a_ji = b_i b_j`. An error of these sums acts in every step with the same sign
-/// (Hairer, McLachlan and Razakarivony 2008). So sigma is antisymmetric to the last bit, and among its neighbours in
-/// rounding it is one whose products with b happen to keep the sum.
+/// All conservation rests on `b_i a_ij + b_j a_ji = b_i b_j`. An error of these sums acts in every step with the same
+/// sign (Hairer, McLachlan and Razakarivony 2008). So sigma is antisymmetric to the last bit, and among its neighbours
+/// in rounding it is one whose products with b happen to keep the sum.
 pub(super) fn coefficients(c: &[f64], b: &[f64]) -> Vec<f64> {
     let k = c.len();
     let mut a: Vec<f64> = (0..k * k).map(|at| 0.5 * b[at % k]).collect();
@@ -65,8 +65,8 @@ pub(super) fn coefficients(c: &[f64], b: &[f64]) -> Vec<f64> {
     a
 }
 
-/// Neighbours of a coefficient on each side. Their distance of 1e-13 moves a stage by as small a part of the step; the sums
-/// are taken to the inverse of a, which magnifies their defect a hundredfold.
+/// Neighbours of a coefficient on each side. Their distance of 1e-13 moves a stage by as small a part of the step; the
+/// sums are taken to the inverse of a, which magnifies their defect a hundredfold.
 const NEIGHBOURS: i32 = 1024;
 
 /// `b_i a_ij + b_j a_ji - b_i b_j` in twice the precision.
@@ -89,8 +89,9 @@ mod tests {
                 assert!((a[i * k + j] - lagrange_integral(&c, j, c[i])).abs() < 2e-13, "{k}");
                 let b = [rule.weights[i], rule.weights[j]];
                 let defect = identity_defect(b, [a[i * k + j], a[j * k + i]]);
-                // Of 2049 neighbours, some have a defect below 1/500 of the rounding; rounded coefficients have all of it. The
-                // weights of three points are ninths: after nine neighbours the defects repeat, and the least is 1/27.
+                // Of 2049 neighbours, some have a defect below 1/500 of the rounding; rounded coefficients have all of
+                // it. The weights of three points are ninths: after nine neighbours the defects repeat, and the least
+                // is 1/27.
                 let part = if k == 3 { 25.0 } else { 500.0 };
                 assert!(defect.abs() < f64::EPSILON / part * b[0] * b[1], "{k}: {defect:e}");
             }

@@ -7,9 +7,9 @@
 //! C -> det C -> J -> theta -> U(theta),      theta'_i = B_i : E'_i,      sum_i b_i theta'_i = theta_2 - theta_1
 //! ```
 //!
-//! With the projection of theta, which is linear, and mean pressures p_i, `S_i = p_i B_i` conserves the energy U; B_i is
-//! symmetric, so `P_i = F(c_i) S_i` has no moment. The first steps are in `path`, the last is in `pressure`. A standard
-//! rule takes theta, B and p at its time points.
+//! With the projection of theta, which is linear, and mean pressures p_i, `S_i = p_i B_i` conserves the energy U; B_i
+//! is symmetric, so `P_i = F(c_i) S_i` has no moment. The first steps are in `path`, the last is in `pressure`. A
+//! standard rule takes theta, B and p at its time points.
 
 mod damping;
 mod path;
@@ -71,7 +71,8 @@ impl<L: Lane> VolumeAverage<L> {
         }
     }
 
-    /// Keeps what [`Rule::add_pressure`] takes with [`Request::Stress`]: displacement gradients and B_l. `[n_pressures]`
+    /// Keeps what [`Rule::add_pressure`] takes with [`Request::Stress`]: displacement gradients and B_l.
+    /// `[n_pressures]`
     #[inline(always)]
     pub(crate) fn keep_unit_stresses(&self, kept: &mut [(Mat3<L>, Sym<L>)]) {
         for (kept, parts) in kept.iter_mut().zip(self.gradients.iter().zip(&self.direction)) {
@@ -88,8 +89,8 @@ impl<L: Lane> VolumeAverage<L> {
         }
     }
 
-    /// Sets point l to a static state: displacement gradient and strain there. `factor`: derivative of the strain by its
-    /// rate.
+    /// Sets point l to a static state: displacement gradient and strain there. `factor`: derivative of the strain by
+    /// its rate.
     #[inline(always)]
     fn set_static(
         &mut self,

@@ -132,9 +132,9 @@ impl BodyBuilder {
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
-    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
-    /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
-    /// [`crate::Error::OnRank`] for an error of one rank.
+    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without
+    /// mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team
+    /// [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
@@ -149,8 +149,8 @@ impl BodyBuilder {
     }
 }
 
-/// Sizes of groups on all ranks, which divide what is given for a whole group. Zeros where a group or a region is invalid,
-/// which [`Body::from_parts`] reports.
+/// Sizes of groups on all ranks, which divide what is given for a whole group. Zeros where a group or a region is
+/// invalid, which [`Body::from_parts`] reports.
 struct GroupSizes {
     /// Of each mass that is spread, in two parts.
     masses: Vec<f64>,
@@ -179,14 +179,14 @@ impl Body {
         BodyBuilder::new(Share::whole(mesh), Arc::new(Alone))
     }
 
-    /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
-    /// regions, supports and loads; an error of one is an error of all.
+    /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the
+    /// same regions, supports and loads; an error of one is an error of all.
     ///
     /// Teams compute motions and equilibria; modes and adjoints are rejected. A factorisation is one of the team
-    /// ([`Team::engine`]); a team without one rejects [`Solver::Direct`], and steps in which projected volumes are so stiff
-    /// that they need one. All ranks must call a method together if it sums over the body, such as
-    /// [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only displacements and velocities
-    /// are defined.
+    /// ([`Team::engine`]); a team without one rejects [`Solver::Direct`], and steps in which projected volumes are so
+    /// stiff that they need one. All ranks must call a method together if it sums over the body, such as
+    /// [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only displacements and
+    /// velocities are defined.
     ///
     /// [`Solver::Direct`]: crate::motion::Solver::Direct
     /// [`Team::engine`]: crate::team::Team::engine

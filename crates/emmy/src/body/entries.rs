@@ -21,9 +21,9 @@ const MAX_MODES: u64 = 3;
 const MAX_FUNCTIONS: u64 = 4;
 
 impl Body {
-    /// The entries of lists of this rank, in their order: the number of each in the whole body, and whether it counts here.
-    /// Nodes of the mesh have their number in the whole mesh; an internal node and a function of the pressure have one by
-    /// their cell. Guests and entries of cells that count elsewhere do not count.
+    /// The entries of lists of this rank, in their order: the number of each in the whole body, and whether it counts
+    /// here. Nodes of the mesh have their number in the whole mesh; an internal node and a function of the pressure
+    /// have one by their cell. Guests and entries of cells that count elsewhere do not count.
     #[doc(hidden)]
     pub fn entries(&self, entries: Entries) -> Box<dyn Iterator<Item = (u64, bool)> + '_> {
         match entries {

@@ -31,8 +31,8 @@ struct Part {
     outcome: Result<()>,
 }
 
-/// The forces other than those of cells in the steps of one stepper: their memory, and the stage averages of those that act
-/// from outside.
+/// The forces other than those of cells in the steps of one stepper: their memory, and the stage averages of those that
+/// act from outside.
 #[derive(Debug, Default)]
 struct Acting {
     /// Points at which the rule of the stepper takes loads, once a step has begun.
@@ -241,8 +241,8 @@ impl Body {
         Ok(())
     }
 
-    /// Adds the derivatives of these forces to the stage matrix, times `-tangent_factor`: they have the opposite sign in the
-    /// equations.
+    /// Adds the derivatives of these forces to the stage matrix, times `-tangent_factor`: they have the opposite sign
+    /// in the equations.
     ///
     /// # Errors
     /// As [`Body::evaluate_external`].
@@ -255,8 +255,8 @@ impl Body {
         self.assemble_those(is_wanted, (step, Request::Tangent), None, assembly)
     }
 
-    /// Stage averages of the force of the body on the ground through potentials, `force: [k][n_nodes][3]`. Its negative is
-    /// an external force in the momentum balances.
+    /// Stage averages of the force of the body on the ground through potentials, `force: [k][n_nodes][3]`. Its negative
+    /// is an external force in the momentum balances.
     ///
     /// # Errors
     /// As [`Body::assemble`].
@@ -487,8 +487,9 @@ impl Body {
         Ok(acts)
     }
 
-    /// The first load by a field that is not a finite number at one of its points between two times: its number, the point
-    /// and the time. 1000 times are tried at a few points, fewer at all of them; a costly field is tried at the start only.
+    /// The first load by a field that is not a finite number at one of its points between two times: its number, the
+    /// point and the time. 1000 times are tried at a few points, fewer at all of them; a costly field is tried at the
+    /// start only.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -552,8 +553,8 @@ mod tests {
     use crate::newton::NewtonSettings;
     use crate::time::{State, Stepper, TimeElement, TimeElementStepper};
 
-    /// A force that is zero up to a displacement of the first node along x, and refuses what is beyond; it admits a part of
-    /// each correction, and counts steps.
+    /// A force that is zero up to a displacement of the first node along x, and refuses what is beyond; it admits a
+    /// part of each correction, and counts steps.
     #[derive(Debug, Clone)]
     struct Wall {
         limit: f64,

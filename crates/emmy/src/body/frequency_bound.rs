@@ -9,8 +9,8 @@ use crate::sparse::largest_eigenvalue;
 use crate::tensor::{Mat3, det};
 
 impl Body {
-    /// Upper bound of `omega_max^2`, the largest eigenvalue of `M^-1 K` with the lumped mass M and the stiffness K at rest
-    /// \[1/time^2\]; `None` if the body has links, incompatible modes, or springs and attractions to the ground.
+    /// Upper bound of `omega_max^2`, the largest eigenvalue of `M^-1 K` with the lumped mass M and the stiffness K at
+    /// rest \[1/time^2\]; `None` if the body has links, incompatible modes, or springs and attractions to the ground.
     ///
     /// The largest eigenvalue of a body is at most that of one of its cells (Fried 1972), and that of a cell at most
     ///
@@ -18,9 +18,9 @@ impl Body {
     /// (c / rho) L max_q(|J_q^-1|^2 det J_q) / j
     /// ```
     ///
-    /// with the largest eigenvalue c of the elasticity at rest, the spectral norm of the inverse Jacobians at the points q of
-    /// the strain energy, the largest eigenvalue L of the Laplacian in the reference cell with its lumped mass, and the least
-    /// factor j from a lumped mass there to one here. It is exact for a single cube.
+    /// with the largest eigenvalue c of the elasticity at rest, the spectral norm of the inverse Jacobians at the
+    /// points q of the strain energy, the largest eigenvalue L of the Laplacian in the reference cell with its lumped
+    /// mass, and the least factor j from a lumped mass there to one here. It is exact for a single cube.
     ///
     /// ```
     /// use emmy::prelude::*;

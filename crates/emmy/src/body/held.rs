@@ -180,8 +180,8 @@ impl<'a> Part<'a> {
         Ok(free.iter().map(|twist| self.name(twist)).collect())
     }
 
-    /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are seen
-    /// from the body: a motion around a centre of attraction does not change them.
+    /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are
+    /// seen from the body: a motion around a centre of attraction does not change them.
     fn ground(&self, body: &Body, assembly: &mut Assembly) -> Result<Gram> {
         let mut gram = Gram::default();
         let mut displacement = vec![0.0; body.n_dofs()];

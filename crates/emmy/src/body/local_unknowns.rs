@@ -1,7 +1,7 @@
 //! Pressures of cells with a projected volume: unknowns of each cell, eliminated cell by cell.
 //!
-//! The stage forces are linear in the pressures pi_l. The pressures p_l that belong to a deformation are functions of its
-//! rates. With the forces g_l of unit pressures, a correction of both unknowns is
+//! The stage forces are linear in the pressures pi_l. The pressures p_l that belong to a deformation are functions of
+//! its rates. With the forces g_l of unit pressures, a correction of both unknowns is
 //!
 //! ```math
 //! K_0 dx_j + g_l dpi_l = -R(x, pi),      dpi_l = p_l(x) - pi_l + W_lj dx_j

@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::nodal;
 use crate::sparse::BlockCholesky;
 
-/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom with mass, with v_c given for the
-/// fixed ones. Nodes without mass get the velocity 0.
+/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom with mass, with v_c given for
+/// the fixed ones. Nodes without mass get the velocity 0.
 #[derive(Debug)]
 pub(crate) struct MassSolver {
     /// Factorisations with the directions that share them (directions with the same fixed nodes).
@@ -89,8 +89,8 @@ impl MassSolver {
     }
 }
 
-/// Conjugate gradients with the diagonal of the mass matrix: then its condition depends on the kinds of cells alone, 27 for
-/// hexahedra (Wathen 1987), not on densities or sizes.
+/// Conjugate gradients with the diagonal of the mass matrix: then its condition depends on the kinds of cells alone, 27
+/// for hexahedra (Wathen 1987), not on densities or sizes.
 #[derive(Debug)]
 struct MassIteration {
     /// One over the diagonal at the free degrees of freedom, zero elsewhere.

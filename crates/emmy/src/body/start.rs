@@ -51,8 +51,8 @@ impl Body {
         Ok(momentum)
     }
 
-    /// Checks that the motion at a start belongs to the body: p = M v, and nodes that a support holds are at rest. Momenta of
-    /// the lumped mass, which central differences have, become M v.
+    /// Checks that the motion at a start belongs to the body: p = M v, and nodes that a support holds are at rest.
+    /// Momenta of the lumped mass, which central differences have, become M v.
     ///
     /// # Errors
     /// [`Error::StartMomentum`], [`Error::StartHeld`].

@@ -160,8 +160,9 @@ impl Body {
         &self.lumped_mass
     }
 
-    /// The body as central differences move it: accelerations, body forces and attractions act on the lumped mass, like the
-    /// inertia. It is the same body unless it has such loads on quadratic cells, whose row sums are no lumped masses.
+    /// The body as central differences move it: accelerations, body forces and attractions act on the lumped mass, like
+    /// the inertia. It is the same body unless it has such loads on quadratic cells, whose row sums are no lumped
+    /// masses.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -178,7 +179,8 @@ impl Body {
         self.lumped.as_deref().unwrap_or(self)
     }
 
-    /// Memory for the condensation of the internal nodes of cells, with a mass of each coupling; `None` if there are none.
+    /// Memory for the condensation of the internal nodes of cells, with a mass of each coupling; `None` if there are
+    /// none.
     pub(crate) fn condensation(&self, mass: &[f64]) -> Option<Condensation> {
         let condensation = || Condensation::new(&self.pattern, mass).on(self.space.shared().cloned());
         self.space.has_internal_nodes().then(condensation)

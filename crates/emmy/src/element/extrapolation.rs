@@ -13,9 +13,10 @@ use super::{CellKind, CellShape, element};
 ///
 /// The polynomials belong to the linear element with the same corners: products of linear functions of each coordinate
 /// of hexahedra and quadrilaterals, linear functions on simplices, and on a pyramid functions of the ray from the apex,
-/// on which alone the gradients of the linear pyramid depend, and linear functions. Polynomials that the points of a cell cannot distinguish are left out: one
-/// point gives a constant. Constants are exact, and with enough points also linear functions, even in quadratic cells,
-/// whose own gradients oscillate about them. Source: Hinton and Campbell (1974), IJNME 8, 461-480.
+/// on which alone the gradients of the linear pyramid depend, and linear functions. Polynomials that the points of a
+/// cell cannot distinguish are left out: one point gives a constant. Constants are exact, and with enough points also
+/// linear functions, even in quadratic cells, whose own gradients oscillate about them. Source: Hinton and Campbell
+/// (1974), IJNME 8, 461-480.
 ///
 /// ```
 /// use emmy::internals::element::extrapolation;

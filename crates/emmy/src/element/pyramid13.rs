@@ -5,8 +5,8 @@ use super::pyramid5::ray;
 use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, pyramid};
 
-/// Serendipity pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 13 nodes, 3x3x2 points for
-/// the internal force, 3x3x3 for the mass.
+/// Serendipity pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 13 nodes, 3x3x2
+/// points for the internal force, 3x3x3 for the mass.
 ///
 /// ```math
 /// corner of the base:   N_A = (a_1 x_1 + a_2 x_2 - 1) (w + a_1 x_1) (w + a_2 x_2) / (4 w),      w = 1 - x_3
@@ -15,14 +15,14 @@ use crate::quadrature::{Quadrature, pyramid};
 /// apex:                 N_4 = x_3 (2 x_3 - 1)
 /// ```
 ///
-/// They reproduce all polynomials of degree 2 in the reference coordinates, that is in space where the base is a parallelogram
-/// and edges are straight with their nodes in the middle. On the faces they are the functions of `tri6` and `quad8`, so these
-/// pyramids join `hex20` to `tet10`.
+/// They reproduce all polynomials of degree 2 in the reference coordinates, that is in space where the base is a
+/// parallelogram and edges are straight with their nodes in the middle. On the faces they are the functions of `tri6`
+/// and `quad8`, so these pyramids join `hex20` to `tet10`.
 ///
-/// With `u = x_1/w, v = x_2/w` gradients are polynomials in u, v and w, of degree 1 in w. The products of two in an undistorted
-/// pyramid have the degrees 4, 4 and 2, the volume of any pyramid, also a curved one, 5, 5 and 3: the quadrature is exact for
-/// both. At the apex the gradient has no value of its own; the value along the axis is returned. Source: Bedrosian (1992),
-/// IJNME 35, 95-108.
+/// With `u = x_1/w, v = x_2/w` gradients are polynomials in u, v and w, of degree 1 in w. The products of two in an
+/// undistorted pyramid have the degrees 4, 4 and 2, the volume of any pyramid, also a curved one, 5, 5 and 3: the
+/// quadrature is exact for both. At the apex the gradient has no value of its own; the value along the axis is
+/// returned. Source: Bedrosian (1992), IJNME 35, 95-108.
 ///
 /// ```
 /// use emmy::internals::element::{Pyramid13, ReferenceElement};

@@ -10,9 +10,9 @@ use crate::time::classic::{Forces, solve_stiffness};
 
 /// The static equilibrium `f(u) = F(u, t)` of a body under the loads, local unknowns and driven supports of a time t.
 ///
-/// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut by
-/// two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for stability
-/// under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction.
+/// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut
+/// by two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for
+/// stability under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction.
 ///
 /// A bar under its own weight:
 ///
@@ -106,8 +106,8 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
     StepPlan::new(0.0, vec![Phase { until: 1.0, size: 1.0 / load_steps as f64 }])
 }
 
-/// Internal force less loads, `f(u) - F(u, t)`, of a displacement `[n_nodes][3]` at a time: in equilibrium the reaction at
-/// fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\].
+/// Internal force less loads, `f(u) - F(u, t)`, of a displacement `[n_nodes][3]` at a time: in equilibrium the reaction
+/// at fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\].
 ///
 /// ```
 /// use emmy::prelude::*;

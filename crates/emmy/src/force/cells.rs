@@ -14,8 +14,8 @@ use crate::space::geometry::{ReferenceTable, positions, reserved};
 use crate::space::{CellTable, InternalNodes};
 use crate::tensor::{LANES, det};
 
-/// Checks all that the forces of the cells need, but makes none: formulations, Jacobians, room for the geometry. Returns
-/// whether some cells have pressures.
+/// Checks all that the forces of the cells need, but makes none: formulations, Jacobians, room for the geometry.
+/// Returns whether some cells have pressures.
 ///
 /// # Errors
 /// [`Error::Formulation`], [`Error::InvertedCell`], [`Error::OutOfMemory`].

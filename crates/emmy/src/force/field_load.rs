@@ -104,8 +104,8 @@ impl FieldLoad {
         Ok(table)
     }
 
-    /// Its components over time at some points, with the factor: how many they are, and a function that sets them for each
-    /// time, `[n_times][n]`.
+    /// Its components over time at some points, with the factor: how many they are, and a function that sets them for
+    /// each time, `[n_times][n]`.
     fn components(
         &self,
         points: Vec<[f64; 3]>,
@@ -125,8 +125,8 @@ impl FieldLoad {
         (n, move |times: &[f64], values: &mut [f64]| set(&points, times, values))
     }
 
-    /// A point and a time of a span at which the load is not a finite number; of a costly field, at the start of the span
-    /// only, because a step names a value that is not finite.
+    /// A point and a time of a span at which the load is not a finite number; of a costly field, at the start of the
+    /// span only, because a step names a value that is not finite.
     fn first_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
         if self.field.is_costly() {
             return self.not_finite_among(1, 0, span);

@@ -36,8 +36,8 @@ pub enum Side {
 
 /// A force on the nodes of a body: stage averages f_i, their derivatives, energy and dissipation.
 ///
-/// A stored force is on the left of the equations of motion, `M a + f = F`, like that of a spring; other forces are on the
-/// right. The step knows of a force only what is here; one that does not answer a question has no part in it.
+/// A stored force is on the left of the equations of motion, `M a + f = F`, like that of a spring; other forces are on
+/// the right. The step knows of a force only what is here; one that does not answer a question has no part in it.
 pub trait Force: fmt::Debug + Send + Sync {
     /// Where its energy counts.
     fn book(&self) -> Book;
@@ -60,8 +60,8 @@ pub trait Force: fmt::Debug + Send + Sync {
         ForceMemory::default()
     }
 
-    /// Begins a step. Adds the stage averages that do not depend on the motion to `steady: [k][n_nodes][3]`, and returns
-    /// whether the force acts in the step; one that does not is not assembled.
+    /// Begins a step. Adds the stage averages that do not depend on the motion to `steady: [k][n_nodes][3]`, and
+    /// returns whether the force acts in the step; one that does not is not assembled.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].

@@ -13,8 +13,8 @@ use crate::tensor::{LANES, Packed};
 /// theta_q = sum_a psi_a(X_q) sum_p w_p psi_a(X_p) (J_p - 1),      sum_q w_q psi_a psi_b = delta_ab
 /// ```
 ///
-/// The functions are linear in the reference position: functions of the reference coordinates lose the order of accuracy
-/// on general quadrilaterals and hexahedra (Arnold, Boffi and Falk 2002).
+/// The functions are linear in the reference position: functions of the reference coordinates lose the order of
+/// accuracy on general quadrilaterals and hexahedra (Arnold, Boffi and Falk 2002).
 #[derive(Debug)]
 pub(crate) struct Projection {
     /// The energy of the projected volume.

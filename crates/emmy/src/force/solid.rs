@@ -353,7 +353,8 @@ impl WithSimd for Dissipated<'_> {
 }
 
 impl SolidForce {
-    /// Looks up the positions of the nodes of its cells in the pattern, and the batches that touch the rows of each part.
+    /// Looks up the positions of the nodes of its cells in the pattern, and the batches that touch the rows of each
+    /// part.
     pub(crate) fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]) {
         let n = self.cells.n_nodes;
         self.positions = Vec::with_capacity(self.cells.nodes.len() * n);

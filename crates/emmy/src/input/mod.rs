@@ -1,5 +1,5 @@
-//! What a body is made of besides its mesh: regions, masses and springs at nodes, supports, loads, initial velocity, and the
-//! functions of time and place in them. Plain data.
+//! What a body is made of besides its mesh: regions, masses and springs at nodes, supports, loads, initial velocity,
+//! and the functions of time and place in them. Plain data.
 
 #![allow(non_snake_case)]
 

@@ -44,16 +44,16 @@ pub struct PointMass {
     pub mass: f64,
 }
 
-/// A mass spread evenly over a group: by area over facets, by volume over cells, by length over links, and in equal parts
-/// over nodes; of the first of these kinds that the group has.
+/// A mass spread evenly over a group: by area over facets, by volume over cells, by length over links, and in equal
+/// parts over nodes; of the first of these kinds that the group has.
 ///
 /// ```math
 /// M_AB = rho integral N_A N_B dA,      rho = m / integral dA
 /// ```
 ///
-/// So its centre and its inertia are those of the area or volume, however uneven the mesh is, as if it were a density of the
-/// cells. With the thickness of plane cells; links count with their length alone, and cannot share a group with other
-/// cells.
+/// So its centre and its inertia are those of the area or volume, however uneven the mesh is, as if it were a density
+/// of the cells. With the thickness of plane cells; links count with their length alone, and cannot share a group with
+/// other cells.
 ///
 /// ```
 /// use emmy::body::{PointTerms, SpreadMass};
@@ -80,8 +80,8 @@ pub struct SpreadMass {
 /// nodes: V = k/2 sum_A |u_A|^2      facets: V = k/2 integral |u|^2 dA
 /// ```
 ///
-/// In a group of facets k is a stiffness per reference area \[force/length^3\], which couples their nodes; else k for each
-/// node \[force/length\].
+/// In a group of facets k is a stiffness per reference area \[force/length^3\], which couples their nodes; else k for
+/// each node \[force/length\].
 ///
 /// ```
 /// use emmy::body::GroundSpring;
@@ -102,8 +102,8 @@ pub struct GroundSpring {
 /// V = -sum_A g m_A / |q_A - c|
 /// ```
 ///
-/// with the row sums m_A of the consistent mass, so that a uniform attraction gives all nodes the same acceleration; they
-/// may be negative at corners of quadratic cells. With central differences m_A are the lumped masses
+/// with the row sums m_A of the consistent mass, so that a uniform attraction gives all nodes the same acceleration;
+/// they may be negative at corners of quadratic cells. With central differences m_A are the lumped masses
 /// ([`crate::body::Body::lumped`]).
 ///
 /// ```

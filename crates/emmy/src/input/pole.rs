@@ -6,8 +6,8 @@ const SAMPLES: usize = 1000;
 /// Distances from a pole at which the function is compared, each a tenth of the one before.
 const DISTANCES: usize = 5;
 
-/// Least growth from one to the next: 10 at a simple pole, 1 where the function is regular, in between where its integral
-/// exists.
+/// Least growth from one to the next: 10 at a simple pole, 1 where the function is regular, in between where its
+/// integral exists.
 const LEAST_GROWTH: f64 = 9.0;
 
 /// Parts of an interval around the largest value, in the search for it.

@@ -143,12 +143,12 @@ impl TimeFunction {
         TimeFunction { law: Law::Smooth(Smooth::of_derivatives(text, function)) }
     }
 
-    /// A smooth time function by its values at many times: `values` sets the factor for each time. A load calls it once in
-    /// a step, with all quadrature points; the check of a planned step calls it twice more. `text` as in
+    /// A smooth time function by its values at many times: `values` sets the factor for each time. A load calls it once
+    /// in a step, with all quadrature points; the check of a planned step calls it twice more. `text` as in
     /// [`TimeFunction::smooth`].
     ///
-    /// The check that the steps resolve a function compares it on two panels a step only, so that shorter features may be
-    /// missed: give these as a table.
+    /// The check that the steps resolve a function compares it on two panels a step only, so that shorter features may
+    /// be missed: give these as a table.
     ///
     /// Values suffice for a load and for [`TimeFunction::from_acceleration`]. A support that moves also needs the rate,
     /// for its velocity: [`TimeFunction::with_rate`]. A step in which a value is not a finite number fails with
@@ -336,8 +336,8 @@ impl TimeFunction {
         Ok(())
     }
 
-    /// Visits the points of a quadrature on a segment of a step: its position in the step, its weight on [0, 1], and the
-    /// factor there.
+    /// Visits the points of a quadrature on a segment of a step: its position in the step, its weight on [0, 1], and
+    /// the factor there.
     ///
     /// # Errors
     /// The first time at which the function is not a finite number.

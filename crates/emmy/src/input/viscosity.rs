@@ -12,8 +12,8 @@ use crate::tensor::Elasticity;
 /// with the elasticity D_0 of the material at rest. In a linear body `t_v` is stiffness-proportional (Rayleigh)
 /// damping: a mode of angular frequency omega has the damping ratio `t_v omega/2`. Rigid motions are not damped, and
 /// both momenta are conserved, because the stress is internal. The power dissipated per volume is `S : E'`. Fibres that
-/// bear tension only have no stiffness at rest and no part in D_0: `t_v` damps only the matrix around them. In a cell with a
-/// projected volume theta, the part of D_0 that belongs to its energy U is the pressure `t_v U''(0) theta'`.
+/// bear tension only have no stiffness at rest and no part in D_0: `t_v` damps only the matrix around them. In a cell
+/// with a projected volume theta, the part of D_0 that belongs to its energy U is the pressure `t_v U''(0) theta'`.
 ///
 /// ```
 /// use emmy::body::Viscosity;

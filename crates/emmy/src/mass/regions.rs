@@ -187,8 +187,8 @@ pub(crate) fn mass(
     mass
 }
 
-/// Mass of every node in some cells: row sums of the consistent mass, or the lumped mass, which are scaled diagonals for
-/// quadratic cells.
+/// Mass of every node in some cells: row sums of the consistent mass, or the lumped mass, which are scaled diagonals
+/// for quadratic cells.
 pub(crate) fn nodal_masses(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,

@@ -44,8 +44,8 @@ impl Over {
         }
     }
 
-    /// Visits the points of all members. Weights are areas, volumes, lengths of links, or 1 at a node; `section`: thickness
-    /// of plane cells.
+    /// Visits the points of all members. Weights are areas, volumes, lengths of links, or 1 at a node; `section`:
+    /// thickness of plane cells.
     fn for_each_point(
         &self,
         mesh: &Mesh,
@@ -92,8 +92,8 @@ fn counts(ranks: &Subdomain, member: Member, nodes: &[u32]) -> bool {
     }
 }
 
-/// Sizes of the groups of some masses on this rank, each in two parts: total length of the links, area or volume of others or
-/// number of nodes. Zeros where a group or a region is invalid, which the builder reports.
+/// Sizes of the groups of some masses on this rank, each in two parts: total length of the links, area or volume of
+/// others or number of nodes. Zeros where a group or a region is invalid, which the builder reports.
 pub(crate) fn sizes(mesh: &Mesh, section: &[f64], masses: &[SpreadMass], ranks: &Subdomain) -> Vec<f64> {
     let mut sizes = vec![0.0; 2 * masses.len()];
     for (mass, size) in masses.iter().zip(sizes.chunks_exact_mut(2)) {

@@ -88,7 +88,8 @@ pub(crate) use each_material;
 /// ```
 ///
 /// `W` and `S` must be evaluated without cancellation: their relative error stays at round-off for strains from 1e-8 to 1.
-/// Textbook forms such as `mu/2 (tr C - 3)` cancel; write them in `C - I = 2E`. Components are ordered as in [`Sym`]; see [`Elasticity`] for the shears of `D`.
+/// Textbook forms such as `mu/2 (tr C - 3)` cancel; write them in `C - I = 2E`. Components are ordered as in [`Sym`];
+/// see [`Elasticity`] for the shears of `D`.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -136,15 +137,15 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// computation.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
 
-    /// Divides the energy into `W_p(C)`, as a material, and the law `U(theta)` of the volume, for cells that project the
-    /// volume. `None`, the default, if there is no such law, or nothing of it to project.
+    /// Divides the energy into `W_p(C)`, as a material, and the law `U(theta)` of the volume, for cells that project
+    /// the volume. `None`, the default, if there is no such law, or nothing of it to project.
     ///
     /// ```math
     /// W(C) = W_p(C) + U(theta),      theta = J - 1 or tr E
     /// ```
     ///
-    /// `share`: the bulk modulus to be left in W_p over the shear modulus at rest. An energy `mu/2 (tr C - 3) - mu ln J`
-    /// keeps 2/3 by itself and ignores it.
+    /// `share`: the bulk modulus to be left in W_p over the shear modulus at rest. An energy
+    /// `mu/2 (tr C - 3) - mu ln J` keeps 2/3 by itself and ignores it.
     fn split(&self, share: f64) -> Option<(Self, VolumeLaw)> {
         let _ = share;
         None

@@ -41,7 +41,7 @@ mod tests {
         builder.build().unwrap()
     }
 
-    /// By Gauss' theorem, over the triangles that each facet is a fan of.
+    /// Uses Gauss' theorem on a triangle fan of each facet.
     fn enclosed_volume(mesh: &Mesh, boundary: &[Vec<u32>]) -> f64 {
         let point = |node: u32| mesh.points()[node as usize];
         let fans = boundary.iter().flat_map(|f| (1..f.len() - 1).map(|i| [f[0], f[i], f[i + 1]].map(point)));

@@ -54,8 +54,8 @@ pub struct Mesh {
     whole: Option<Bounds>,
 }
 
-/// Smallest and largest coordinates of the nodes of a mesh, and of those of its facet groups, of which a part may have none;
-/// and what else a part cannot know.
+/// Smallest and largest coordinates of the nodes of a mesh, and of those of its facet groups, of which a part may have
+/// none; and what else a part cannot know.
 #[derive(Debug, Clone, PartialEq)]
 struct Bounds {
     mesh: [[f64; 3]; 2],
@@ -162,8 +162,8 @@ impl Mesh {
         cell.kind.facets()[facet.local as usize].nodes.iter().map(move |&local| cell.nodes[local])
     }
 
-    /// Nodes of a group, ascending, without repetition: of its facets; if it has none its nodes, else those of its cells.
-    /// `cells:NAME`, `facets:NAME` and `nodes:NAME` choose one of these ([`Groups`]).
+    /// Nodes of a group, ascending, without repetition: of its facets; if it has none its nodes, else those of its
+    /// cells. `cells:NAME`, `facets:NAME` and `nodes:NAME` choose one of these ([`Groups`]).
     ///
     /// ```
     /// let mesh = emmy::mesh::block([2.0, 1.0, 1.0], [2, 1, 1])?.with_node_group("x-min", [11])?;

@@ -85,7 +85,8 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
 /// ```
 ///
 /// # Errors
-/// [`Error::NotPositive`], [`Error::TooManyCells`], or [`Error::CellSize`] if the cell size is not 1/n for a whole number n.
+/// [`Error::NotPositive`], [`Error::TooManyCells`], or [`Error::CellSize`] if the cell size is not 1/n for a whole
+/// number n.
 pub fn l_block(cell_size: f64) -> Result<Mesh> {
     positive("cell size", cell_size)?;
     check_count(117.0 / cell_size.powi(3))?;

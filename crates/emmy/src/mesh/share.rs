@@ -33,8 +33,8 @@ pub fn owners(mesh: &Mesh, size: usize) -> Result<Vec<u32>> {
     partition(&Pattern::new(mesh.n_nodes(), cells.iter().copied()), size)
 }
 
-/// The part of a mesh for one rank: its own nodes, every cell that touches one of them, and the other nodes of those cells,
-/// its guests. Cells that count on the rank come first.
+/// The part of a mesh for one rank: its own nodes, every cell that touches one of them, and the other nodes of those
+/// cells, its guests. Cells that count on the rank come first.
 ///
 /// ```
 /// use emmy::mesh::{self, Share};
@@ -99,7 +99,8 @@ impl Share {
         self.rank
     }
 
-    /// The mesh of the share: own nodes first, then guests. Its groups have the names of the whole mesh, and may be empty.
+    /// The mesh of the share: own nodes first, then guests. Its groups have the names of the whole mesh, and may be
+    /// empty.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }

@@ -25,8 +25,8 @@ pub struct Mode {
     pub angular_frequency: f64,
     /// Shape v with `v^T M v = 1` and a positive largest component, `[n_nodes][3]` \[1/sqrt(mass)\].
     pub shape: Vec<f64>,
-    /// Effective mass of each direction, `(v^T M e_d)^2` with the rigid translation e_d \[mass\]. The sums over all modes
-    /// of a free body are its mass.
+    /// Effective mass of each direction, `(v^T M e_d)^2` with the rigid translation e_d \[mass\]. The sums over all
+    /// modes of a free body are its mass.
     pub effective_mass: [f64; 3],
     /// Relative residual `|r| / sqrt(omega^2 + s)` of the computed mode, `r = K v - omega^2 M v` in the norm of
     /// `(K + s M)^-1`, with a shift s up to about the lowest elastic omega^2; at most [`MAX_RESIDUAL`]. An exact
@@ -63,8 +63,8 @@ const SAME_SHIFT: f64 = 1e-3;
 /// Number of shifts that are tried.
 const MAX_SHIFTS: usize = 6;
 
-/// Least ratio of the shift to the lowest elastic omega^2 of a body with rigid modes, whose eigenvalues 1/s must not drown
-/// the others.
+/// Least ratio of the shift to the lowest elastic omega^2 of a body with rigid modes, whose eigenvalues 1/s must not
+/// drown the others.
 const LEAST_SHIFT: f64 = 1e-7;
 
 /// Number of modes from which the search for the lowest elastic one starts: one more than a solid has rigid ones.
@@ -80,8 +80,8 @@ const MAX_SEARCHED: usize = 56;
 /// ```
 ///
 /// with the consistent mass M and the stiffness K of cells, links and springs; fixed and driven degrees of freedom are
-/// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0: translations along x, y and z as far
-/// as the body has them, then rotations and mechanisms.
+/// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0: translations along x, y
+/// and z as far as the body has them, then rotations and mechanisms.
 ///
 /// # Errors
 /// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Modes`] if a residual exceeds [`MAX_RESIDUAL`].
@@ -100,10 +100,10 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
     solved(body, &mut Linearised::at_reference(body)?, count)
 }
 
-/// The modes about a state, such as an equilibrium, with the stiffness of its displacement and of its follower pressures
-/// (their symmetric part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is unstable if the
-/// equilibrium is. Velocities have no effect, nor have forces that are not balanced: the positions of a motion at an instant
-/// count as those of a body at rest.
+/// The modes about a state, such as an equilibrium, with the stiffness of its displacement and of its follower
+/// pressures (their symmetric part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is
+/// unstable if the equilibrium is. Velocities have no effect, nor have forces that are not balanced: the positions of a
+/// motion at an instant count as those of a body at rest.
 ///
 /// # Errors
 /// As [`modes`], and [`Error::Inverted`].
@@ -127,7 +127,8 @@ fn about(body: &Body, state: &State) -> Result<Linearised> {
     Linearised::at(body, &state.displacement, Some(state.time))
 }
 
-/// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not count.
+/// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not
+/// count.
 ///
 /// ```
 /// use emmy::modes::n_modes;
@@ -161,8 +162,8 @@ pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     lowest_elastic(body, &mut Linearised::at_reference(body)?)
 }
 
-/// The lowest elastic mode about a state, and the number of rigid ones, as [`modes_about`] has them; `None` if the 56 lowest
-/// modes are rigid or unstable.
+/// The lowest elastic mode about a state, and the number of rigid ones, as [`modes_about`] has them; `None` if the 56
+/// lowest modes are rigid or unstable.
 ///
 /// # Errors
 /// As [`modes_about`].

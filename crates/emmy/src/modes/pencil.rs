@@ -92,8 +92,8 @@ impl<'a> BodyPencil<'a> {
         ROUNDING * self.largest_quotient()
     }
 
-    /// Largest quotient of the diagonals of K and the lumped mass over the free degrees of freedom: close to the largest
-    /// eigenvalue.
+    /// Largest quotient of the diagonals of K and the lumped mass over the free degrees of freedom: close to the
+    /// largest eigenvalue.
     fn largest_quotient(&self) -> f64 {
         let with_mass = &self.body.fixed()[..self.body.mesh().n_dofs()];
         let free = with_mass.iter().enumerate().filter(|(_, fixed)| !**fixed);

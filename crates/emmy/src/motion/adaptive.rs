@@ -154,8 +154,8 @@ impl<'a> Motion<'a> {
         Ok((outcome, error))
     }
 
-    /// Returns to the start of the step; the next attempt is smaller. Returns why this one failed; `before`: why the last one
-    /// did, which counts once a step is lost in the rounding of the time.
+    /// Returns to the start of the step; the next attempt is smaller. Returns why this one failed; `before`: why the
+    /// last one did, which counts once a step is lost in the rounding of the time.
     fn reject(
         &mut self,
         control: &mut Control<'a>,

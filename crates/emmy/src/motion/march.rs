@@ -64,8 +64,8 @@ impl Motion<'_> {
         Ok(self.step_along(plan, observers)?.then_some(&self.record))
     }
 
-    /// Prepares the steps of a plan, unless the motion follows it already; every march does so first. Smooth functions of
-    /// time are evaluated over the whole plan, for their largest values.
+    /// Prepares the steps of a plan, unless the motion follows it already; every march does so first. Smooth functions
+    /// of time are evaluated over the whole plan, for their largest values.
     ///
     /// # Errors
     /// Those of the first size of adaptive steps; [`Error::Plan`] for a motion at a time before the plan begins.
@@ -154,8 +154,8 @@ impl Motion<'_> {
         Some(PlannedStep { start: time, size: step.end - time, ..step })
     }
 
-    /// Cuts a failed step by two. Returns its error; `before`: that of the last size, which counts once a step is lost in the
-    /// rounding of the time.
+    /// Cuts a failed step by two. Returns its error; `before`: that of the last size, which counts once a step is lost
+    /// in the rounding of the time.
     ///
     /// # Errors
     /// The error of the step, if it may not be cut; [`Error::SmallestStep`] if it has been cut before.

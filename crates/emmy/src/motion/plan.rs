@@ -89,7 +89,10 @@ impl StepPlan {
             }
             if !until.is_finite() || until <= begin {
                 let [until, begin] = [until, begin].map(short);
-                return fail(phase, format!("it ends at {until}, but begins at {begin}: time goes forward"));
+                return fail(
+                    phase,
+                    format!("it ends at {until}, but begins at {begin}; `until` must increase"),
+                );
             }
             if (until - begin) / size > 1e12 {
                 let [size, until] = [size, until].map(short);

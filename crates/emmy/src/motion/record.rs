@@ -56,8 +56,8 @@ pub struct Record {
     pub angular_momentum: [f64; 3],
     /// Norm of the residual of the linear momentum balance of the step.
     pub linear_momentum_residual: f64,
-    /// Norm of the residual of the angular momentum balance of the step; in plane strain of its z component, because the
-    /// planes that hold the cells exert couples about x and y.
+    /// Norm of the residual of the angular momentum balance of the step; in plane strain of its z component, because
+    /// the planes that hold the cells exert couples about x and y.
     pub angular_momentum_residual: f64,
     /// Smallest det F at the quadrature points; a cell is inverted at 0. Infinite for links.
     pub smallest_determinant: f64,

@@ -268,8 +268,8 @@ impl Resolution {
         seen
     }
 
-    /// Largest difference between a given motion (one component) and the polynomial of degree k + 1 through its values in
-    /// the step. The error estimate sees only this polynomial.
+    /// Largest difference between a given motion (one component) and the polynomial of degree k + 1 through its values
+    /// in the step. The error estimate sees only this polynomial.
     fn deviation(&self, signal: &Signal, time: f64, size: f64) -> f64 {
         let n = self.nodes.points.len();
         let mut places = [0.0; MAX_DEGREE + 2];

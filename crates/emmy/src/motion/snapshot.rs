@@ -44,7 +44,8 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The lists over nodes and cells, by their names. On a team they are those of a rank; all else is the same on all ranks.
+    /// The lists over nodes and cells, by their names. On a team they are those of a rank; all else is the same on all
+    /// ranks.
     #[doc(hidden)]
     pub fn lists_mut<'a>(&'a mut self) -> impl Iterator<Item = (String, Entries, &'a mut Vec<f64>)> {
         let State {

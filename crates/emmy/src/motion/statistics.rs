@@ -157,8 +157,8 @@ pub struct RunStatistics {
     pub step_limits: StepLimits,
 }
 
-/// An angular momentum residual below this part of its scale is round-off. Neither |L| nor T is a measure: a body at rest under
-/// loads has both only up to rounding.
+/// An angular momentum residual below this part of its scale is round-off. Neither |L| nor T is a measure: a body at
+/// rest under loads has both only up to rounding.
 const ROUND_OFF: f64 = 1e-13;
 
 /// A momentum below this part of its scale is round-off.
@@ -230,14 +230,14 @@ impl RunStatistics {
         ratio(self.accumulated_energy_residual.abs(), self.largest_energy)
     }
 
-    /// Accumulated angular momentum residual over the largest |L|, or over the largest possible one of a body that does not
-    /// turn.
+    /// Accumulated angular momentum residual over the largest |L|, or over the largest possible one of a body that does
+    /// not turn.
     pub fn angular_momentum_drift(&self) -> f64 {
         ratio(self.accumulated_angular_momentum_residual, self.angular_momentum_size().0)
     }
 
-    /// What residuals of the angular momentum are compared with, and its name: the largest |L|, or the largest possible one
-    /// where |L| is round-off.
+    /// What residuals of the angular momentum are compared with, and its name: the largest |L|, or the largest possible
+    /// one where |L| is round-off.
     ///
     /// ```
     /// use emmy::motion::RunStatistics;

@@ -51,8 +51,8 @@ impl Motion<'_> {
     /// Advances the state. A state that is not finite is rejected, even if its residual is small.
     ///
     /// # Errors
-    /// As [`Stepper::advance`](crate::time::Stepper::advance), [`Error::NoDuration`], [`Error::NotANumber`]; the state is
-    /// then unchanged.
+    /// As [`Stepper::advance`](crate::time::Stepper::advance), [`Error::NoDuration`], [`Error::NotANumber`]; the state
+    /// is then unchanged.
     pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
         let time = self.state.time;
         if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {

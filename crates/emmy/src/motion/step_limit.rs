@@ -18,8 +18,8 @@ pub enum StepLimit {
     Error,
     /// Newton's iteration took many corrections, or failed.
     Corrections,
-    /// A kink or a jump of a load or a driven support: the step ends there, or sizes still grow from the first one after
-    /// it.
+    /// A kink or a jump of a load or a driven support: the step ends there, or sizes still grow from the first one
+    /// after it.
     Kink,
     /// A smooth function of time that longer steps do not resolve.
     Load,

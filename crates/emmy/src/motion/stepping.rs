@@ -107,8 +107,9 @@ impl<'a> Motion<'a> {
         Motion::starting(self.body, self.scheme, settings, self.state)
     }
 
-    /// A motion that starts from a state, with all settings. Its momentum must be M v with the mass of the body, consistent or
-    /// lumped: a state whose velocity was changed, and one of a body with other masses, come from [`State::transferred`].
+    /// A motion that starts from a state, with all settings. Its momentum must be M v with the mass of the body,
+    /// consistent or lumped: a state whose velocity was changed, and one of a body with other masses, come from
+    /// [`State::transferred`].
     ///
     /// ```
     /// # use emmy::prelude::*;
@@ -124,8 +125,8 @@ impl<'a> Motion<'a> {
     /// ```
     ///
     /// # Errors
-    /// As [`Scheme::stepper`]; [`Error::Memory`], [`Error::StartMomentum`] or [`Error::StartHeld`] for a state of another
-    /// body.
+    /// As [`Scheme::stepper`]; [`Error::Memory`], [`Error::StartMomentum`] or [`Error::StartHeld`] for a state of
+    /// another body.
     pub fn starting(
         body: &'a Body,
         scheme: impl Into<Scheme>,
@@ -325,8 +326,8 @@ impl<'a> Motion<'a> {
         Ok(self)
     }
 
-    /// Reactions of the supports, in the order of [`Body::supported_groups`]: means over the last step. Empty before the
-    /// first step, also after the motion was resumed, except after [`Motion::with_static_reactions`].
+    /// Reactions of the supports, in the order of [`Body::supported_groups`]: means over the last step. Empty before
+    /// the first step, also after the motion was resumed, except after [`Motion::with_static_reactions`].
     pub fn reactions(&self) -> &[Reaction] {
         &self.reactions
     }

@@ -105,9 +105,9 @@ impl Newton {
     /// Corrections after convergence, until the observed contraction leaves nothing but rounding in the residual. The
     /// rounding of the internal forces hides the true residual: it is large, but has neither a resultant nor a moment.
     ///
-    /// The contraction is that of the error which dominated so far. Where the residual falls less, or rises, the best iterate
-    /// stays, and a new approximate tangent corrects it, or the exact one if that does not help either. Returns whether the
-    /// approximate tangent is new.
+    /// The contraction is that of the error which dominated so far. Where the residual falls less, or rises, the best
+    /// iterate stays, and a new approximate tangent corrects it, or the exact one if that does not help either. Returns
+    /// whether the approximate tangent is new.
     fn polish_approximately(
         &mut self,
         system: &mut impl System,
@@ -164,8 +164,8 @@ impl Newton {
         Ok(is_fresh)
     }
 
-    /// A correction after convergence with the exact tangent; false without a solution for it: the iterate stays, which is
-    /// within the tolerance.
+    /// A correction after convergence with the exact tangent; false without a solution for it: the iterate stays, which
+    /// is within the tolerance.
     fn polish_exactly(&mut self, system: &mut impl System, x: &mut [f64], run: &mut Run<'_>) -> bool {
         let is_solved = self.polish(system, x, run).is_ok();
         run.outcome.took_exact_tangent |= is_solved;

@@ -44,8 +44,9 @@ pub trait System {
         ROUND_OFF
     }
 
-    /// Part of the residual that a correction with a new approximate tangent may leave, after a number of slow ones in the
-    /// solution. Beyond it, the exact tangent follows; slow corrections below it let the approximate one follow again.
+    /// Part of the residual that a correction with a new approximate tangent may leave, after a number of slow ones in
+    /// the solution. Beyond it, the exact tangent follows; slow corrections below it let the approximate one follow
+    /// again.
     fn largest_contraction(&self, _slow_corrections: usize) -> f64 {
         0.0
     }

@@ -132,8 +132,8 @@ impl System for TwoModes {
     }
 }
 
-/// The error of the first equation hides that of the second until convergence; this one then grows fivefold, or falls by a
-/// tenth, in each correction.
+/// The error of the first equation hides that of the second until convergence; this one then grows fivefold, or falls
+/// by a tenth, in each correction.
 #[test]
 fn corrections_after_convergence_keep_the_best_iterate() {
     for (growth, hidden) in [(5.0, f64::EPSILON), (-5.0, f64::EPSILON), (0.9, 5e-12)] {
@@ -151,7 +151,8 @@ fn corrections_after_convergence_keep_the_best_iterate() {
     }
 }
 
-/// As [`TwoModes`]; the tangent of the start leaves 1/100 and 0.9 of the two errors, any later one a quarter of the second.
+/// As [`TwoModes`]; the tangent of the start leaves 1/100 and 0.9 of the two errors, any later one a quarter of the
+/// second.
 struct Renewed {
     factorizations: usize,
 }
@@ -179,7 +180,8 @@ impl System for Renewed {
     }
 }
 
-/// After convergence the contraction of the first error promises rounding in two corrections; the second error is then left.
+/// After convergence the contraction of the first error promises rounding in two corrections; the second error is then
+/// left.
 #[test]
 fn slow_corrections_after_convergence_renew_the_tangent() {
     let mut x = [1.5, 5e-12];

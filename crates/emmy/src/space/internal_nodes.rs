@@ -98,8 +98,9 @@ impl InternalNodes {
         }
     }
 
-    /// Adds the forces on the internal nodes, `[n_nodes][3]`, to the nodes of their cells in equal parts: the forces at fixed
-    /// modes a_m. With them the inertia and the reactions of a state whose modes are not in balance keep the momenta.
+    /// Adds the forces on the internal nodes, `[n_nodes][3]`, to the nodes of their cells in equal parts: the forces at
+    /// fixed modes a_m. With them the inertia and the reactions of a state whose modes are not in balance keep the
+    /// momenta.
     ///
     /// ```math
     /// f_A + sum_m f_m / n
@@ -140,8 +141,8 @@ impl ModeGradients {
         ModeGradients { n_modes: kind.info().n_modes, middle: inverse(&jacobian(kind, X, &dN), 1.0) }
     }
 
-    /// `J^T G_m` at a point with the Jacobian J, `[m]`: the gradients by the reference coordinates, as those of the shape
-    /// functions are stored.
+    /// `J^T G_m` at a point with the Jacobian J, `[m]`: the gradients by the reference coordinates, as those of the
+    /// shape functions are stored.
     pub(crate) fn at(&self, xi: [f64; 3], J: Mat3<f64>, det: f64) -> impl Iterator<Item = [f64; 3]> {
         (0..self.n_modes).map(move |m| {
             let G = self.middle[m].map(|component| xi[m] * component / det);

@@ -25,9 +25,9 @@ use crate::mesh::Mesh;
 use crate::nodal;
 use crate::team::Subdomain;
 
-/// The nodes of a body on one rank: own nodes, guests, and the internal nodes of cells; which of their components supports
-/// hold or drive. All sums and other decisions over nodes are made here, by all ranks together; a body alone is on a team of
-/// one.
+/// The nodes of a body on one rank: own nodes, guests, and the internal nodes of cells; which of their components
+/// supports hold or drive. All sums and other decisions over nodes are made here, by all ranks together; a body alone
+/// is on a team of one.
 ///
 /// Nodal vectors are `[n_nodes][3]`, those of several stages `[k][n_nodes][3]`. Own nodes come first, then guests, then
 /// internal nodes.
@@ -139,8 +139,8 @@ impl Space {
         self.internal.dofs()
     }
 
-    /// Nodes that count in sums, two ranges that ascend: own ones, and internal ones of cells that count here. Each node
-    /// counts on one rank.
+    /// Nodes that count in sums, two ranges that ascend: own ones, and internal ones of cells that count here. Each
+    /// node counts on one rank.
     pub(crate) fn counted_ranges(&self) -> [Range<usize>; 2] {
         match self.guests().is_empty() {
             // One sum over all nodes has the bits of the whole body.
@@ -227,9 +227,9 @@ impl Space {
         self.set_internal_means(field);
     }
 
-    /// Sets a velocity at the nodes without mass to the end of the polynomial of its rates, `sum_j weights_j x_j / h` with
-    /// the basis at the end of the step as weights; `rates: [k][n_nodes][3]`. No momentum determines it, and nothing but
-    /// predictions and estimates of errors depends on it.
+    /// Sets a velocity at the nodes without mass to the end of the polynomial of its rates, `sum_j weights_j x_j / h`
+    /// with the basis at the end of the step as weights; `rates: [k][n_nodes][3]`. No momentum determines it, and
+    /// nothing but predictions and estimates of errors depends on it.
     pub(crate) fn set_internal_velocity(
         &self,
         weights: &[f64],

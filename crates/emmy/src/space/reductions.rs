@@ -158,8 +158,8 @@ impl Space {
         vector
     }
 
-    /// Kind of a cell of the whole mesh and the mean of its nodes, with `of_node(node)` for each; `None` if there is no such
-    /// cell.
+    /// Kind of a cell of the whole mesh and the mean of its nodes, with `of_node(node)` for each; `None` if there is no
+    /// such cell.
     pub(crate) fn at_cell(
         &self,
         cell: usize,

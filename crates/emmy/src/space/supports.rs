@@ -27,8 +27,8 @@ pub(crate) struct Supports {
 }
 
 impl Supports {
-    /// The supports of a mesh that `hold`, and the places of all supports and springs among the supported groups; `guests`:
-    /// nodes that other ranks own.
+    /// The supports of a mesh that `hold`, and the places of all supports and springs among the supported groups;
+    /// `guests`: nodes that other ranks own.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
@@ -89,7 +89,7 @@ impl Supports {
     fn drive(&mut self, mesh: &Mesh, number: usize, support: &Support) -> Result<()> {
         let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
         if let Some(time) = support.time_functions().find_map(|time_function| time_function.first_jump()) {
-            return Err(fail(format!("its motion jumps at t = {}; nothing moves so fast", short(time))));
+            return Err(fail(format!("its motion jumps at t = {}; give the jump a duration", short(time))));
         }
         if let Some(unknown) = support.time_functions().find(|time_function| !time_function.has_rate()) {
             let text = unknown.text().unwrap_or_default();
@@ -128,8 +128,8 @@ pub(crate) struct SupportedGroup {
     pub springs: Vec<usize>,
 }
 
-/// The groups of all supports and springs, each once and in their order; supports that no longer hold have no degrees of
-/// freedom, and only those of the first `n_own` nodes count.
+/// The groups of all supports and springs, each once and in their order; supports that no longer hold have no degrees
+/// of freedom, and only those of the first `n_own` nodes count.
 fn supported_groups(
     mesh: &Mesh,
     n_own: usize,

@@ -8,8 +8,8 @@ use super::{Pattern, StageMatrix, eliminate};
 use crate::error::{Error, Result};
 use crate::team::Subdomain;
 
-/// Condensation of a symmetric K onto the outer rows of a pattern. Inner rows have no mass, so that the condensed system
-/// is of the same form, with one matrix for every lambda:
+/// Condensation of a symmetric K onto the outer rows of a pattern. Inner rows have no mass, so that the condensed
+/// system is of the same form, with one matrix for every lambda:
 ///
 /// ```math
 /// M + lambda K~,      K~ = K_oo - C^T K_io,      C = K_ii^-1 K_io
@@ -90,7 +90,8 @@ impl Condensation {
         }
     }
 
-    /// The same memory for the part of a team. It has the inner rows of all its groups, which depend on the rows of guests.
+    /// The same memory for the part of a team. It has the inner rows of all its groups, which depend on the rows of
+    /// guests.
     pub(crate) fn on(self, subdomain: Option<Arc<Subdomain>>) -> Self {
         Condensation { subdomain, ..self }
     }

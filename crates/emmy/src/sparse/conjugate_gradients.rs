@@ -63,8 +63,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         self.ranks.as_ref().map_or(own, |ranks| ranks.largest(own))
     }
 
-    /// Solves from zero until the residual is `tolerance` times the right-hand side after at least `least` iterations, or
-    /// the iterations are used up. On a team, an iteration is two sums.
+    /// Solves from zero until the residual is `tolerance` times the right-hand side after at least `least` iterations,
+    /// or the iterations are used up. On a team, an iteration is two sums.
     pub(crate) fn solve(
         &mut self,
         sweep: &SweepOrder,
@@ -145,8 +145,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         summed(&self.partial)[0]
     }
 
-    /// [`ConjugateGradients::advance`] with all products of the iteration in one sum; the square of the new r on all ranks
-    /// from that of the old one.
+    /// [`ConjugateGradients::advance`] with all products of the iteration in one sum; the square of the new r on all
+    /// ranks from that of the old one.
     ///
     /// ```math
     /// |r - alpha q|^2 = |r|^2 - 2 Re(alpha r* . q) + |alpha|^2 |q|^2

@@ -47,8 +47,8 @@ pub fn accurate_inverse(matrix: &[f64]) -> [Vec<f64>; 2] {
     [B, low]
 }
 
-/// Sum of products in twice the precision, as a number and its rounding error (Ogita, Rump and Oishi 2005, SIAM Journal on
-/// Scientific Computing 26).
+/// Sum of products in twice the precision, as a number and its rounding error (Ogita, Rump and Oishi 2005, SIAM Journal
+/// on Scientific Computing 26).
 ///
 /// ```
 /// let sum = emmy::internals::sparse::accurate_sum([[1.0, 1.0], [1e-17, 1.0]]);
@@ -67,8 +67,8 @@ pub fn accurate_sum(products: impl IntoIterator<Item = [f64; 2]>) -> [f64; 2] {
     [total, error - (total - sum)]
 }
 
-/// A number and its rounding error as two parts, of which the first has 26 bits (Dekker 1971): in products with both, rounded
-/// and added, nothing of the error is lost.
+/// A number and its rounding error as two parts, of which the first has 26 bits (Dekker 1971): in products with both,
+/// rounded and added, nothing of the error is lost.
 ///
 /// ```
 /// assert_eq!(emmy::internals::sparse::split([1.0 + 2f64.powi(-40), 1e-20]), [1.0, 2f64.powi(-40) + 1e-20]);
@@ -108,8 +108,8 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
     })
 }
 
-/// Orthonormal basis of the null space of a small symmetric matrix without negative eigenvalues, of a size about 1, given
-/// row by row.
+/// Orthonormal basis of the null space of a small symmetric matrix without negative eigenvalues, of a size about 1,
+/// given row by row.
 ///
 /// ```
 /// let basis = emmy::internals::sparse::null_space(&[1.0, -1.0, -1.0, 1.0])?;

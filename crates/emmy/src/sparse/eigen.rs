@@ -1,5 +1,5 @@
-//! Smallest eigenvalues of a symmetric pencil: of all eigenvalues of a small one, else by block Lanczos iteration with the
-//! shifted inverse.
+//! Smallest eigenvalues of a symmetric pencil: of all eigenvalues of a small one, else by block Lanczos iteration with
+//! the shifted inverse.
 
 #![allow(non_snake_case)]
 
@@ -50,9 +50,9 @@ pub(crate) struct Eigenmodes {
     pub values: Vec<f64>,
     /// Eigenvectors with `v^T M v = 1`, `[count][n]`.
     pub vectors: Vec<f64>,
-    /// Relative residuals `|r| / sqrt(|lambda| + s)`, with `r = K v - lambda M v` in the norm of `(K + s M)^-1`, in which the
-    /// rounding of high frequencies does not drown the others: some eigenvalue is as near, `|lambda_i - lambda|` relative to
-    /// `sqrt((lambda_i + s) (|lambda| + s))`.
+    /// Relative residuals `|r| / sqrt(|lambda| + s)`, with `r = K v - lambda M v` in the norm of `(K + s M)^-1`, in
+    /// which the rounding of high frequencies does not drown the others: some eigenvalue is as near,
+    /// `|lambda_i - lambda|` relative to `sqrt((lambda_i + s) (|lambda| + s))`.
     pub residuals: Vec<f64>,
     /// Whether no smaller eigenvalue can be missing: the iteration did not end for want of vectors.
     pub is_complete: bool,
@@ -69,9 +69,9 @@ impl Eigenmodes {
 
 /// The `count` smallest eigenvalues of a pencil with their vectors. The caller judges the residuals.
 ///
-/// All eigenvalues of a small pencil are computed, and of one of which at least half are wanted: the basis of an iteration
-/// would fill the space, where new directions are rounding. Otherwise a block Lanczos iteration is used. A last step of
-/// inverse iteration removes the remaining high frequencies.
+/// All eigenvalues of a small pencil are computed, and of one of which at least half are wanted: the basis of an
+/// iteration would fill the space, where new directions are rounding. Otherwise a block Lanczos iteration is used. A
+/// last step of inverse iteration removes the remaining high frequencies.
 pub(crate) fn smallest(
     pencil: &mut impl Pencil,
     count: usize,
@@ -121,16 +121,16 @@ fn dense(pencil: &mut impl Pencil, free: &[usize], count: usize) -> Vec<f64> {
     vectors
 }
 
-/// The vectors of the `count` smallest eigenvalues by a block Lanczos iteration, and whether it ended in time; `None` if its
-/// basis would fill the space.
+/// The vectors of the `count` smallest eigenvalues by a block Lanczos iteration, and whether it ended in time; `None`
+/// if its basis would fill the space.
 ///
-/// The iteration is one with `(K + s M)^-1 M`, whose largest eigenvalues 1/(lambda + s) belong to the smallest lambda, in
-/// the inner product of M with full orthogonalisation (Grimes, Lewis and Simon 1994). It ends when the residuals of all Ritz
-/// vectors are below `tolerance`, and a block of new random vectors has not changed the Ritz values: eigenvalues whose
-/// multiplicity exceeds the block are found by that. The basis has at most `max_vectors` vectors.
+/// The iteration is one with `(K + s M)^-1 M`, whose largest eigenvalues 1/(lambda + s) belong to the smallest lambda,
+/// in the inner product of M with full orthogonalisation (Grimes, Lewis and Simon 1994). It ends when the residuals of
+/// all Ritz vectors are below `tolerance`, and a block of new random vectors has not changed the Ritz values. This also
+/// finds eigenvalues of a multiplicity above the block size. The basis has at most `max_vectors` vectors.
 ///
-/// faer's matrix-free solver iterates with single vectors, and misses repeated eigenvalues: it found four of seven equal
-/// ones among 3000, another one twice, and with other settings it did not end.
+/// faer's matrix-free solver iterates with single vectors, and misses repeated eigenvalues: it found four of seven
+/// equal ones among 3000, another one twice, and with other settings it did not end.
 fn iterated(
     pencil: &mut impl Pencil,
     dimension: usize,

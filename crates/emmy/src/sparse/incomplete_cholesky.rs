@@ -137,7 +137,8 @@ impl IncompleteCholesky {
     }
 }
 
-/// Start of a row of the factor while it is computed: of each previous row, the blocks left of its diagonal and one more.
+/// Start of a row of the factor while it is computed: of each previous row, the blocks left of its diagonal and one
+/// more.
 fn lower_begin(sweep: &SweepOrder, row: usize) -> usize {
     9 * (sweep.left_begin[row] + row)
 }

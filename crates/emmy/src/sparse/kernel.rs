@@ -50,8 +50,8 @@ impl Entry for f64 {
     }
 }
 
-/// Single precision for entries, double precision for vectors: the rounding of entries costs a preconditioned iteration
-/// nothing up to Courant numbers of 1e4, that of vectors would.
+/// Single precision for entries, double precision for vectors. Up to Courant numbers of 1e4, single-precision entries
+/// add no iterations; single-precision vectors would.
 impl Entry for f32 {
     type Number = f64;
     #[inline(always)]

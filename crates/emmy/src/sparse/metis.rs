@@ -53,8 +53,8 @@ impl Graph {
         let n = self.begin.len() - 1;
         let (mut order, mut inverse) = (vec![0i32; n], vec![0i32; n]);
         let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: `begin` has n + 1 ascending entries that end at `neighbours.len()`, every neighbour is below n (both by
-        // construction of `Pattern`), the two results have n entries, and METIS takes null for weights and options.
+        // SAFETY: `begin` has n + 1 ascending entries that end at `neighbours.len()`, every neighbour is below n (both
+        // by construction of `Pattern`), the two results have n entries, and METIS takes null for weights and options.
         let status = unsafe {
             metis_sys::METIS_NodeND(
                 &mut (n as i32),
@@ -69,7 +69,8 @@ impl Graph {
         checked(status, order)
     }
 
-    /// The part of each row, below `n_parts`; parts have about equal numbers of couplings and few couplings with others.
+    /// The part of each row, below `n_parts`; parts have about equal numbers of couplings and few couplings with
+    /// others.
     ///
     /// # Errors
     /// [`Error::Linear`].
@@ -82,8 +83,8 @@ impl Graph {
         let divide =
             if n_parts <= 8 { metis_sys::METIS_PartGraphRecursive } else { metis_sys::METIS_PartGraphKway };
         let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: as in `dissect`; `weights` and `parts` have n entries, there is one constraint, and METIS takes null for
-        // the other weights, targets and options.
+        // SAFETY: as in `dissect`; `weights` and `parts` have n entries, there is one constraint, and METIS takes null
+        // for the other weights, targets and options.
         let status = unsafe {
             divide(
                 &mut (n as i32),

@@ -6,9 +6,9 @@ use crate::error::Result;
 
 /// Nested-dissection ordering of a pattern: `order[new] = old`.
 ///
-/// METIS (Karypis and Kumar 1998) finds separators of the coupling graph of the outer rows; inner rows come before their
-/// neighbours. The Cholesky factor of a 3D mesh is then two
-/// to three times cheaper than with a minimum-degree ordering.
+/// METIS (Karypis and Kumar 1998) finds separators of the coupling graph of the outer rows; inner rows come before
+/// their neighbours. The Cholesky factor of a 3D mesh is then two to three times cheaper than with a minimum-degree
+/// ordering.
 ///
 /// # Errors
 /// [`crate::Error::Linear`] if METIS runs out of memory or the pattern is too large for its 32-bit indices.
@@ -29,8 +29,8 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     Ok(pattern.with_inner_rows(order.into_iter().map(|node| node as usize).collect()))
 }
 
-/// The part of each row of a pattern without inner rows, below `n_parts`: about equal numbers of couplings in each part,
-/// few couplings between parts, and no part without a row if there are as many rows as parts.
+/// The part of each row of a pattern without inner rows, below `n_parts`: about equal numbers of couplings in each
+/// part, few couplings between parts, and no part without a row if there are as many rows as parts.
 ///
 /// # Errors
 /// As [`nested_dissection`].

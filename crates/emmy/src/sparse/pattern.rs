@@ -52,7 +52,7 @@ impl Pattern {
         Pattern { inner_from: row, ..self }
     }
 
-    /// Number of rows that are not inner ones; they come first.
+    /// Number of outer rows, which come first.
     pub(super) fn n_outer(&self) -> usize {
         self.inner_from
     }

@@ -7,8 +7,8 @@ use super::real::Real;
 use super::sweep::SweepOrder;
 use crate::team::Subdomain;
 
-/// The other ranks of a team, as conjugate gradients see them. Rows of guests are fixed in matrix and preconditioner; their
-/// entries in a direction come from their owners, and in a residual they are zero.
+/// The other ranks of a team, as conjugate gradients see them. Rows of guests are fixed in matrix and preconditioner;
+/// their entries in a direction come from their owners, and in a residual they are zero.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedRows {
     subdomain: Arc<Subdomain>,

@@ -168,8 +168,8 @@ impl ShiftedSolver for Direct {
 /// |e_n| <= tan(phi/4)^n |e_0|
 /// ```
 ///
-/// in the norm of `M + |lambda| K`. For stiff projected volumes, the Euclidean norm of the residual alone would leave the
-/// soft modes.
+/// in the norm of `M + |lambda| K`. For stiff projected volumes, the Euclidean norm of the residual alone would leave
+/// the soft modes.
 #[derive(Debug)]
 pub(crate) struct DirectPair {
     sweep: Arc<SweepOrder>,

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The requested linear solver. On a team of ranks, its engines factorise and do the cycles ([`crate::team::Engine`]); without
-/// one, each rank does cycles for its own rows, and factorisations are rejected.
+/// The requested linear solver. A team's engine ([`crate::team::Engine`]) factorises and runs multigrid. Without an
+/// engine, each rank runs multigrid on its own rows, and factorisations are rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// The cheaper one: see [`SolverChoice`].
@@ -13,8 +13,8 @@ pub enum Solver {
     Auto,
     /// Sparse Cholesky factorisation.
     Direct,
-    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor; stiff projected volumes are factorised in any
-    /// case.
+    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor; stiff projected volumes are factorised in
+    /// any case.
     Iterative,
     /// Conjugate gradients, preconditioned by multigrid; stiff projected volumes are factorised in any case.
     Multigrid,

@@ -28,8 +28,8 @@ impl EngineKind {
 }
 
 /// An approximate inverse of symmetric matrices whose rows are divided among the ranks of a team, from a library for
-/// many processes. Conjugate gradients of this library use it as a preconditioner, so that its accuracy decides only the
-/// number of their iterations.
+/// many processes. Conjugate gradients of this library use it as a preconditioner, so that its accuracy decides only
+/// the number of their iterations.
 ///
 /// Every method is a call of all ranks.
 pub trait Engine: fmt::Debug + Send {
@@ -42,13 +42,13 @@ pub trait Engine: fmt::Debug + Send {
     /// A text, on all ranks, if it has no inverse of this matrix or not enough memory for it.
     fn set(&mut self, rows: &OwnRows<'_>) -> Result<(), String>;
 
-    /// Replaces the right-hand side of the own rows by their solution, `[row][3]`: always the same symmetric linear map.
-    /// An inverse that fails fills them with NaN.
+    /// Replaces the right-hand side of the own rows by their solution, `[row][3]`: always the same symmetric linear
+    /// map. An inverse that fails fills them with NaN.
     fn apply(&mut self, x: &mut [f64]);
 }
 
-/// The rows of a symmetric matrix in 3 x 3 blocks that a rank owns. All ranks number their rows one after the other, rank
-/// by rank.
+/// The rows of a symmetric matrix in 3 x 3 blocks that a rank owns. All ranks number their rows one after the other,
+/// rank by rank.
 #[derive(Debug, Clone, Copy)]
 pub struct OwnRows<'a> {
     /// Number of the first own row.

@@ -15,8 +15,8 @@ use std::fmt;
 
 /// The ranks that compute a body together, as one of them sees them.
 ///
-/// All ranks make the same calls in the same order. Every call has a name, which tells mismatching calls apart, and numbers
-/// of the same length on all ranks, except in [`Team::exchange`].
+/// All ranks make the same calls in the same order. Every call has a name, which tells mismatching calls apart, and
+/// numbers of the same length on all ranks, except in [`Team::exchange`].
 ///
 /// ```
 /// use emmy::team::{Team, Threads};
@@ -34,15 +34,15 @@ pub trait Team: fmt::Debug + Send + Sync {
     /// Number of this rank, below [`Team::size`].
     fn rank(&self) -> usize;
 
-    /// Replaces each number by its sum over all ranks, added in the order of the ranks (see [`GROUP`]): the same bits on all
-    /// of them, and in every run.
+    /// Replaces each number by its sum over all ranks, added in the order of the ranks (see [`GROUP`]): the same bits
+    /// on all of them, and in every run.
     fn sum(&self, name: &'static str, values: &mut [f64]);
 
     /// Replaces each number by the largest of all ranks; NaN exceeds every number.
     fn largest(&self, name: &'static str, values: &mut [f64]);
 
-    /// Sends every parcel to the rank that it names, and receives what that rank sends here. Both have a parcel for each
-    /// other.
+    /// Sends every parcel to the rank that it names, and receives what that rank sends here. Both have a parcel for
+    /// each other.
     fn exchange(&self, name: &'static str, parcels: &mut [Parcel]);
 
     /// A linear solver for the rows of all ranks; `None`: the team has none of this kind. A call of all ranks.
@@ -55,8 +55,8 @@ pub trait Team: fmt::Debug + Send + Sync {
 /// combined, and then those of the groups.
 pub const GROUP: usize = 64;
 
-/// Replaces numbers by the combination of several lists, one after the other. Teams combine by this function alone, so that
-/// all have the same bits.
+/// Replaces numbers by the combination of several lists, one after the other. Teams combine by this function alone, so
+/// that all have the same bits.
 ///
 /// ```
 /// let lists = [[1.0, 5.0], [2.0, 6.0]];
@@ -125,8 +125,8 @@ impl Team for Alone {
     fn exchange(&self, _: &'static str, _: &mut [Parcel]) {}
 }
 
-/// The same outcome on all ranks: the error of the lowest rank that has one. `other` turns its message into an error of the
-/// ranks that have none.
+/// The same outcome on all ranks: the error of the lowest rank that has one. `other` turns its message into an error of
+/// the ranks that have none.
 ///
 /// ```
 /// use emmy::team::{Team, Threads, agree};

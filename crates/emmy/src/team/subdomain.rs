@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::{Neighbour, Parcel, Team, text_of};
 use crate::error::{Error, Result};
 
-/// The part of a body that a rank computes: its numbers in the whole mesh, and calls of all ranks. Own nodes come first, then
-/// guests. [`crate::body::Body::ranks`] has it.
+/// The part of a body that a rank computes: its numbers in the whole mesh, and calls of all ranks. Own nodes come
+/// first, then guests. [`crate::body::Body::ranks`] has it.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -87,7 +87,8 @@ impl Subdomain {
         self.nodes[..self.n_own].binary_search_by(|&node| (node as usize).cmp(&whole)).ok()
     }
 
-    /// Number in the whole mesh of each cell; ascending among those that count here, which come first, and among the others.
+    /// Number in the whole mesh of each cell; ascending among those that count here, which come first, and among the
+    /// others.
     pub fn cells(&self) -> &[u32] {
         &self.cells
     }
@@ -152,8 +153,8 @@ impl Subdomain {
         all
     }
 
-    /// Replaces the values of guests by those of their owners. `read` and `write` pass the numbers of a node, `width` of
-    /// them, in the same order.
+    /// Replaces the values of guests by those of their owners. `read` and `write` pass the numbers of a node, `width`
+    /// of them, in the same order.
     pub fn exchange<V: ?Sized>(
         &self,
         name: &'static str,
@@ -192,7 +193,8 @@ impl Subdomain {
         }
     }
 
-    /// The same outcome on all ranks: the error of the lowest rank that has one, with cells and nodes of the whole mesh.
+    /// The same outcome on all ranks: the error of the lowest rank that has one, with cells and nodes of the whole
+    /// mesh.
     pub(crate) fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
         let own = outcome.as_ref().err().map(|_| self.rank());
         let Some(rank) = self.lowest("outcome", own) else { return outcome };

@@ -9,7 +9,8 @@ use super::{GROUP, Parcel, Team, combine, larger};
 
 /// A team whose ranks are threads of this process.
 ///
-/// Calls that do not match are found: the ranks end with a message that names both calls instead of waiting for each other.
+/// Calls that do not match are found: the ranks end with a message that names both calls instead of waiting for each
+/// other.
 #[derive(Debug)]
 pub struct Threads {
     rank: usize,

@@ -37,7 +37,8 @@ pub fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
     ([a[0][0], a[1][1], a[2][2]], Q)
 }
 
-/// The rotation in the plane of p and q that makes a_pq zero. Inlined with its constants, so that the tensors stay in registers.
+/// The rotation in the plane of p and q that makes a_pq zero. Inlined with its constants, so that the tensors stay in
+/// registers.
 #[inline(always)]
 fn rotate<const P: usize, const Q: usize>(a: &mut Mat3<f64>, vectors: &mut Mat3<f64>) {
     let p = P;

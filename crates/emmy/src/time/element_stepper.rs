@@ -96,8 +96,8 @@ impl<'a> TimeElementStepper<'a> {
         Ok(())
     }
 
-    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. Forces from
-    /// outside that have a potential contribute to the impulses; their work is a change of the body's own energy.
+    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. Forces
+    /// from outside that have a potential contribute to the impulses; their work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
         let unknowns = &self.step.iteration.unknowns;
         let rates = self.step.iteration.rates();

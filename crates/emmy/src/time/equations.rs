@@ -79,8 +79,8 @@ impl<'a> Equations<'a> {
         self.time_scale = time_scale;
     }
 
-    /// Evaluates what is given over time in the step; `momentum`: at its start. Returns whether some force does work from
-    /// outside.
+    /// Evaluates what is given over time in the step; `momentum`: at its start. Returns whether some force does work
+    /// from outside.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
@@ -155,8 +155,8 @@ impl<'a> Equations<'a> {
         Ok(())
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the local unknowns of
-    /// the step less those of its rates; and the squares of the three parts of the first over the free ones of this rank.
+    /// Residual on all degrees of freedom (on fixed ones it is s^2 times the reaction), then the residuals of the local
+    /// unknowns. Returns this rank's squared norms of inertia, internal and external force on free degrees of freedom.
     pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(unknowns, Request::Stress)?;
         let [x, multipliers, local] = self.split(unknowns);
@@ -202,7 +202,8 @@ impl<'a> Equations<'a> {
         Ok([inertia, internal + of_joints, external])
     }
 
-    /// Adds the forces of constraints to the residual of the rates, and sets their own. Returns the square of the forces.
+    /// Adds the forces of constraints to the residual of the rates, and sets their own. Returns the square of the
+    /// forces.
     fn add_constraints(
         &mut self,
         x: &[f64],
@@ -297,8 +298,8 @@ impl<'a> Equations<'a> {
         self.body.ground_force(&step, &mut self.assembly, &mut self.on_ground)
     }
 
-    /// Whether some force from outside has an impulse, but no work in the energy balance: of a potential, of constraints, of
-    /// the surrounding medium.
+    /// Whether some force from outside has an impulse, but no work in the energy balance: of a potential, of
+    /// constraints, of the surrounding medium.
     pub(super) fn has_outside(&self) -> bool {
         !self.on_ground.is_empty() || self.body.constraints().is_grounded() || self.body.drag() > 0.0
     }

@@ -11,7 +11,8 @@ use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
 pub(super) struct Iteration {
     settings: NewtonSettings,
     newton: Newton,
-    /// The unknowns: rates x_i, `[k][n_nodes][3]`, multipliers of constraints, `[k][n]`, and local unknowns, `[function][n]`.
+    /// The unknowns: rates x_i, `[k][n_nodes][3]`, multipliers of constraints, `[k][n]`, and local unknowns,
+    /// `[function][n]`.
     pub unknowns: Vec<f64>,
     n_rates: usize,
     n_multipliers: usize,
@@ -78,8 +79,8 @@ impl Iteration {
         &mut self.unknowns[..self.n_rates]
     }
 
-    /// Sets the unknowns beside the rates: multipliers to those of the last step for the same forces, after a failure to
-    /// zero; local unknowns to those of the last step, or of the configuration at the start of the step.
+    /// Sets the unknowns beside the rates: multipliers to those of the last step for the same forces, after a failure
+    /// to zero; local unknowns to those of the last step, or of the configuration at the start of the step.
     fn set_others(&mut self, system: &mut StageSystem<'_>, step_size: f64, has_failed: bool) -> Result<()> {
         let (multipliers, local) = self.unknowns[self.n_rates..].split_at_mut(self.n_multipliers);
         let ratio = self.prediction.last_size().filter(|_| !has_failed).map(|last| step_size / last);

@@ -8,8 +8,8 @@ use crate::body::Entries;
 use crate::error::{Error, Result};
 
 /// State of a stepper between two steps: everything that the next steps depend on besides the [`super::State`] itself.
-/// Derived data, such as a factorisation, is not kept. On a team a rank keeps the numbers of its nodes and cells; all else is
-/// the same on all ranks.
+/// Derived data, such as a factorisation, is not kept. On a team a rank keeps the numbers of its nodes and cells; all
+/// else is the same on all ranks.
 ///
 /// ```
 /// let mut memory = emmy::time::Memory::default();

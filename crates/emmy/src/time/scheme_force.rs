@@ -148,8 +148,8 @@ impl SchemeForce {
         }
     }
 
-    /// Completes the new velocity by that of the force at the rates x, with M x, and returns the energy dissipated through
-    /// velocities; `velocity`: at the start of the step.
+    /// Completes the new velocity by that of the force at the rates x, with M x, and returns the energy dissipated
+    /// through velocities; `velocity`: at the start of the step.
     pub(super) fn complete_end_velocity(
         &mut self,
         body: &Body,

@@ -37,8 +37,8 @@ impl StageCoefficients {
         self.damping.as_ref().map_or(0.0, |damping| damping.excess)
     }
 
-    /// A coefficient with its rounding error, as the two parts that products take: what a scheme of a degree above 1 conserves
-    /// does not depend on rounded coefficients. At degree 1 they are 1/2, 1 and 2.
+    /// A coefficient with its rounding error, as the two parts that products take: what a scheme of a degree above 1
+    /// conserves does not depend on rounded coefficients. At degree 1 they are 1/2, 1 and 2.
     pub(crate) fn parts(&self, coefficient: [f64; 2]) -> [f64; 2] {
         if self.rule.degree() == 1 { [coefficient[0], 0.0] } else { split(coefficient) }
     }

@@ -46,8 +46,8 @@ impl State {
         State::displaced(body, time, vec![0.0; body.n_dofs()], fields)
     }
 
-    /// The body at a displacement `[n_nodes][3]` with an initial velocity field. A displacement of the nodes of the mesh
-    /// alone has incompatible modes of zero.
+    /// The body at a displacement `[n_nodes][3]` with an initial velocity field. A displacement of the nodes of the
+    /// mesh alone has incompatible modes of zero.
     ///
     /// # Errors
     /// As [`State::initial`]; [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
@@ -124,7 +124,8 @@ impl State {
         body.space.position(&self.displacement, node)
     }
 
-    /// Displacement of the first node of a free body (on a team, of the first rank), zero for any other body: strains and forces do not depend on it.
+    /// Displacement of the first node of a free body (on a team, of the first rank), zero for any other body: strains
+    /// and forces do not depend on it.
     pub fn origin(&self, body: &Body) -> [f64; 3] {
         if body.is_free() { body.space.first_displacement(&self.displacement) } else { [0.0; 3] }
     }

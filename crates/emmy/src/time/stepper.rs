@@ -131,8 +131,8 @@ pub trait Stepper: fmt::Debug + Send {
         &[]
     }
 
-    /// Reactions in the last step, in the order of [`Body::supported_groups`]. With the loads, the springs among them,
-    /// their impulses are those of [`Impulses`]. Empty if the stepper does not compute them.
+    /// Reactions in the last step, in the order of [`Body::supported_groups`]. Reactions and loads,
+    /// springs included, add up to [`Impulses`]. Empty if the stepper does not compute them.
     fn reactions(&self) -> &[Reaction] {
         &[]
     }

@@ -1,8 +1,8 @@
 //! Points and vectors of a body.
 
 use crate::nodal;
-/// An affine combination of nodes, `A = A_0 + sum_a w_a u_a`: a point if the weights sum to 1, a vector that turns with the
-/// body if they sum to 0. Without nodes it is a point or a vector of the ground.
+/// An affine combination of nodes, `A = A_0 + sum_a w_a u_a`: a point if the weights sum to 1, a vector that turns with
+/// the body if they sum to 0. Without nodes it is a point or a vector of the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
     pub nodes: Vec<u32>,

@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::nodal;
 
-/// A constraint `Phi(q) = sum_r c_r A_r . B_r - s = 0` on points and vectors of the body: it is quadratic in the positions
-/// and does not change with the frame (Betsch and Steinmann, Part III, Int. J. Numer. Meth. Engng 53, 2002).
+/// A constraint `Phi(q) = sum_r c_r A_r . B_r - s = 0` on points and vectors of the body: it is quadratic in the
+/// positions and does not change with the frame (Betsch and Steinmann, Part III, Int. J. Numer. Meth. Engng 53, 2002).
 ///
-/// In a step of a time element the rates obey it at the Gauss points. They integrate the rate of Phi, a polynomial of degree
-/// 2k - 1, exactly, so the constraint holds at the end:
+/// In a step of a time element the rates obey it at the Gauss points. They integrate the rate of Phi, a polynomial of
+/// degree 2k - 1, exactly, so the constraint holds at the end:
 ///
 /// ```math
 /// C_i = G(q_i) x_i + Phi(q_1) = 0,    R_i + G(q_i)^T Lambda_i = 0,    G = dPhi/dq

@@ -33,8 +33,8 @@ impl BorderStep<'_> {
     }
 }
 
-/// Derivatives of the equations of a step by the rates of the joint nodes, `n = 3 k n_nodes` of them, and by the multipliers,
-/// m of them; dense, row by row.
+/// Derivatives of the equations of a step by the rates of the joint nodes, `n = 3 k n_nodes` of them, and by the
+/// multipliers, m of them; dense, row by row.
 #[derive(Debug, Default)]
 pub(crate) struct Derivatives {
     /// Of the constraints by the rates, `[m][n]`.

@@ -1,7 +1,7 @@
 //! Unknowns of a step beside the rates that belong to the whole body: the multipliers of constraints.
 //!
-//! Unknowns of one cell are eliminated in it: the pressures of projected volumes by [`crate::body`], incompatible modes, which
-//! are nodes without mass, by [`crate::sparse::Condensation`].
+//! Unknowns of one cell are eliminated in it: the pressures of projected volumes by [`crate::body`], incompatible
+//! modes, which are nodes without mass, by [`crate::sparse::Condensation`].
 
 #![allow(non_snake_case)]
 

@@ -5,7 +5,8 @@ use super::constraint::{Constraint, ConstraintSource};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
-/// A rigid link without mass, as long as it is in the mesh: between two nodes, or between a node and a point of the ground.
+/// A rigid link without mass, as long as it is in the mesh: between two nodes, or between a node and a point of the
+/// ground.
 ///
 /// ```math
 /// (|p - r|^2 - L^2) / 2 = 0

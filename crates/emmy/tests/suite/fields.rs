@@ -436,8 +436,8 @@ fn inverted_cells_have_no_values() {
     assert!((ratio[0] + 1.0).abs() < 1e-14, "{ratio:?}");
 }
 
-/// A deformation that leaves the surface of the cube in place leaves its volume, whatever becomes of the cells. The quadrature of
-/// these kinds is exact for the volume of any cell.
+/// A deformation that leaves the surface of the cube in place leaves its volume, whatever becomes of the cells. The
+/// quadrature of these kinds is exact for the volume of any cell.
 #[test]
 fn volume_ratios_add_up_to_the_volume_that_the_surface_encloses() {
     let kinds = [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Wedge15];
@@ -494,8 +494,8 @@ fn fields_of_a_selection_are_those_of_the_whole_body() {
     }
 }
 
-/// Where regions meet, fields recovered from the cells of one of them are those of its material; all cells give the mean by
-/// volume.
+/// Where regions meet, fields recovered from the cells of one of them are those of its material; all cells give the
+/// mean by volume.
 #[test]
 fn each_side_of_an_interface_has_its_own_fields() {
     let (body, _, _) = two_regions();

@@ -93,8 +93,8 @@ fn five_hundred_steps() {
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_dgm() {
-    // Rounding makes a random walk of 4e-15 in 500 steps, so 2e-14 here: the bound has five standard deviations. Work of
-    // one sign, left by the iteration, would exceed it with 1e-17 a step.
+    // Rounding makes a random walk of 4e-15 in 500 steps, so 2e-14 here: the bound has five standard deviations. Work
+    // of one sign, left by the iteration, would exceed it with 1e-17 a step.
     assert_drift("DGM", 10_000, 0.0, 1e-13);
 }
 
@@ -169,8 +169,8 @@ fn drift_of_degree(degree: usize, steps: usize) -> (f64, f64) {
     drift(&scheme.to_string(), &mut motion, 0.05, steps)
 }
 
-/// Rounding without a preferred sign drifts with the root of the number of steps; rounded coefficients of the time element
-/// would act with the same sign in each step, in proportion to their number.
+/// Rounding without a preferred sign drifts with the root of the number of steps; rounded coefficients of the time
+/// element would act with the same sign in each step, in proportion to their number.
 fn assert_random(degree: usize, steps: usize) {
     let (energy, momentum) = drift_of_degree(degree, steps);
     let bound = 1e-14 * (steps as f64).sqrt();

@@ -119,8 +119,8 @@ fn a_cantilever_has_the_modes_of_beam_theory() {
     }
 }
 
-/// u = (cos kx sin ky, -sin kx cos ky, 0), k = pi/a, leaves all faces of a cube free: omega = sqrt(2) pi c_t / a for every
-/// Poisson's ratio, three times (Lame 1852; Demarest 1971).
+/// u = (cos kx sin ky, -sin kx cos ky, 0), k = pi/a, leaves all faces of a cube free: omega = sqrt(2) pi c_t / a for
+/// every Poisson's ratio, three times (Lame 1852; Demarest 1971).
 #[test]
 fn a_free_cube_has_lames_modes() {
     let shear_speed = (100.0 / (2.0 * 1.3) / 2.0f64).sqrt();
@@ -196,8 +196,9 @@ fn a_chain_under_tension_vibrates_like_a_string() {
     close(lowest.angular_frequency, found[2 * n].angular_frequency, 1e-12);
 }
 
-/// Beam between walls that its ends slide along, under an axial force N: omega^2 = k^2 (E I k^2 + N)/(rho A), k = pi/L, in both
-/// directions. Beyond Euler's load, N < -E I k^2, both modes are unstable. Shear and rotary inertia take 0.7 % of E I k^2.
+/// Beam between walls that its ends slide along, under an axial force N: omega^2 = k^2 (E I k^2 + N)/(rho A), k = pi/L,
+/// in both directions. Beyond Euler's load, N < -E I k^2, both modes are unstable. Shear and rotary inertia take 0.7 %
+/// of E I k^2.
 #[test]
 fn axial_force_changes_the_bending_of_a_beam() {
     let (length, rigidity, stiffness) = (20.0, 100.0, 1200.0);
@@ -219,8 +220,8 @@ fn axial_force_changes_the_bending_of_a_beam() {
     }
 }
 
-/// A body that is set in motion with the velocity of a mode returns to it after the period, as far as an amplitude of 1e-7
-/// is linear and steps of order 6 are accurate.
+/// A body that is set in motion with the velocity of a mode returns to it after the period, as far as an amplitude of
+/// 1e-7 is linear and steps of order 6 are accurate.
 #[test]
 fn the_motion_of_a_mode_has_its_period() {
     let beam =
@@ -289,8 +290,8 @@ fn rigid_modes_are_counted() {
     assert_eq!(rigid(&body(brick(CellKind::Hex8, [2.0, 1.0, 1.0], [4, 2, 2]), 10.0, 0.2, &[rollers])), 3);
 }
 
-/// A cube of St. Venant-Kirchhoff material in a fluid, at the stretch l with pressure p = -(3 lambda + 2 mu)(l^2 - 1)/(2 l):
-/// its rigid modes need no force, because the stiffness of the pressure balances the stiffness of the stress.
+/// A cube of St. Venant-Kirchhoff material in a fluid, at the stretch l with pressure p = -(3 lambda + 2 mu)(l^2 -
+/// 1)/(2 l): its rigid modes need no force, because the stiffness of the pressure balances the stiffness of the stress.
 #[test]
 fn a_body_under_pressure_keeps_its_rigid_modes() {
     let (lambda, mu, l) = (20.0, 10.0, 0.95);

@@ -100,8 +100,8 @@ fn every_kind_flies_free_with_three_materials() {
     every_kind_flies(&CellKind::PLANES, |kind| plane_patch(kind, 3), &field);
 }
 
-/// Fibres that lean out of the plane make shears xz and yz, whose couples about x and y the planes bear: the balance of the
-/// angular momentum is that of its z component.
+/// Fibres that lean out of the plane make shears xz and yz, whose couples about x and y the planes bear: the balance of
+/// the angular momentum is that of its z component.
 #[test]
 fn fibres_out_of_the_plane_keep_the_balances() {
     let fibre = [1.0, 0.3, 1.0];

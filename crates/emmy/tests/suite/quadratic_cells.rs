@@ -155,8 +155,8 @@ fn beds_of_springs_have_the_energy_of_their_area() {
     }
 }
 
-/// A stiff unit cube on a bed of springs: it heaves and turns about the vertical with sqrt(k/m), and rocks while it sways
-/// with the roots of a 2 x 2 problem.
+/// A stiff unit cube on a bed of springs: it heaves and turns about the vertical with sqrt(k/m), and rocks while it
+/// sways with the roots of a 2 x 2 problem.
 #[test]
 fn a_stiff_cube_heaves_and_rocks_on_its_bed() {
     let k = 1000.0;

@@ -307,8 +307,8 @@ fn of_degrees(names: &[&str]) -> Vec<Scheme> {
     parsed.flat_map(|scheme| (1..=3).filter_map(move |degree| scheme.with_degree(degree).ok())).collect()
 }
 
-/// Whether a scheme integrates a pressure over its steps as exactly as it is here. Standard rules take their own points,
-/// and `l_i F` has degree 3k - 1.
+/// Whether a scheme integrates a pressure over its steps as exactly as it is here. Standard rules take their own
+/// points, and `l_i F` has degree 3k - 1.
 fn is_exact(scheme: Scheme, case: Case) -> bool {
     let rule = scheme.time_element().map(|element| element.rule);
     let is_coarse = matches!(rule, Some(AveragingRule::Standard(2) | AveragingRule::Trapezoidal));

@@ -10,8 +10,8 @@ use emmy::prelude::*;
 
 const GRAVITY: f64 = 9.81;
 
-/// A mass of 2 on a rigid link of length 1 to the origin, 2.5 rad from the downward vertical, in the plane of x and z. Its cell
-/// is a spring so soft that its force is rounding.
+/// A mass of 2 on a rigid link of length 1 to the origin, 2.5 rad from the downward vertical, in the plane of x and z.
+/// Its cell is a spring so soft that its force is rounding.
 fn pendulum() -> Body {
     let mut mesh = MeshBuilder::new();
     let pivot = mesh.point([0.0; 3]);
@@ -62,8 +62,8 @@ fn a_pendulum_on_a_rigid_link_has_the_errors_of_the_method() {
     }
 }
 
-/// A soft block tumbles with a rigid link between two opposite corners: the link has neither a resultant nor a moment and
-/// does no work.
+/// A soft block tumbles with a rigid link between two opposite corners: the link has neither a resultant nor a moment
+/// and does no work.
 #[test]
 fn a_link_between_two_nodes_keeps_energy_and_momenta() {
     let mesh = mesh::block([1.0; 3], [2; 3]).unwrap();

@@ -102,8 +102,8 @@ fn square(mode: &Mode) -> f64 {
     mode.angular_frequency * mode.angular_frequency.abs()
 }
 
-/// Compares the modes of every count with the eigenvalues of the matrices, and the lowest elastic mode with the first one
-/// above zero. Both have the rounding of the largest eigenvalue.
+/// Compares the modes of every count with the eigenvalues of the matrices, and the lowest elastic mode with the first
+/// one above zero. Both have the rounding of the largest eigenvalue.
 fn compare(name: &str, body: &Body) {
     let expected = eigenvalues(body, &vec![0.0; body.n_dofs()]);
     assert_eq!(expected.len(), n_modes(body));

@@ -129,8 +129,8 @@ fn a_mass_over_cells_is_a_density() {
     }
 }
 
-/// Over bars by length: the mass is that of a density m/(A sum L), whatever their lengths; over springs too, whose nodes have
-/// no other mass.
+/// Over bars by length: the mass is that of a density m/(A sum L), whatever their lengths; over springs too, whose
+/// nodes have no other mass.
 #[test]
 fn a_mass_over_links_goes_by_their_length() {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]];
@@ -203,9 +203,9 @@ fn a_body_with_a_plate_falls_as_if_rigid() {
     }
 }
 
-/// A layer of one cell under a heavy plate, without Poisson's effect: the uniform axial motion is a mode, whatever the cells of
-/// the face are: omega^2 = (E A / h) / (m + rho A h / 3), with the effective mass (m + rho A h / 2)^2 / (m + rho A h / 3) along
-/// the axis and none across.
+/// A layer of one cell under a heavy plate, without Poisson's effect: the uniform axial motion is a mode, whatever the
+/// cells of the face are: omega^2 = (E A / h) / (m + rho A h / 3), with the effective mass (m + rho A h / 2)^2 / (m +
+/// rho A h / 3) along the axis and none across.
 #[test]
 fn a_plate_on_an_uneven_layer_has_one_axial_mode() {
     let (E, density, h, total) = (100.0, 2.0, 0.2, 7.0);

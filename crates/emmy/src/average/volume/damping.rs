@@ -13,9 +13,9 @@ use crate::tensor::{Lane, Mat3, add_scaled, double_dot, identity_plus_times_sym,
 /// p_i = V theta'_i + D p_i sum_j b_j p_j theta'_j
 /// ```
 ///
-/// with the Legendre polynomial p of [`crate::average::Damping`], whose stress belongs to the rest of the material. V is
-/// the stiffness U''(0) times the time of the viscosity over the step size, D the stiffness times a number. A standard rule
-/// has V alone, with the rates at its time points l. The dissipated energy per volume is
+/// with the Legendre polynomial p of [`crate::average::Damping`], whose stress belongs to the rest of the material. V
+/// is the stiffness U''(0) times the time of the viscosity over the step size, D the stiffness times a number. A
+/// standard rule has V alone, with the rates at its time points l. The dissipated energy per volume is
 ///
 /// ```math
 /// sum_i b_i p_i theta'_i >= 0,      FE: sum_l w_l p_l theta'_l >= 0
@@ -75,8 +75,8 @@ impl Rule {
         }
     }
 
-    /// Derivatives of these rates by the rates of the deformation gradient, dtheta'_l/dF'_j, after [`Rule::set_volume`] with
-    /// the request of a tangent. `[l k + j]`
+    /// Derivatives of these rates by the rates of the deformation gradient, dtheta'_l/dF'_j, after [`Rule::set_volume`]
+    /// with the request of a tangent. `[l k + j]`
     ///
     /// ```math
     /// dtheta'_l/dF'_j = l_j F_l B_l + L_j [F'_l B_l + F_l (dB_l/dE : E'_l)]

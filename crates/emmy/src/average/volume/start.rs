@@ -1,4 +1,5 @@
-//! Derivatives of the volume and of its pressures by the deformation gradient at the start of the step, for the adjoint.
+//! Derivatives of the volume and of its pressures by the deformation gradient at the start of the step, for the
+//! adjoint.
 
 #![allow(non_snake_case)]
 
@@ -190,8 +191,8 @@ impl Rule {
         }
     }
 
-    /// Adds the derivatives of the stress of fixed pressures by F_1 to the result of [`Rule::start_tangent`], which takes
-    /// the same `start` and `rates`.
+    /// Adds the derivatives of the stress of fixed pressures by F_1 to the result of [`Rule::start_tangent`], which
+    /// takes the same `start` and `rates`.
     pub fn add_pressure_start(
         &self,
         pressure: &[f64],

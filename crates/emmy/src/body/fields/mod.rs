@@ -42,9 +42,9 @@ pub use selection::Selection;
 /// So all fields at a node belong to one strain, energies are positive if the material's are, a rigid rotation rotates
 /// the stresses and changes nothing else, and homogeneous deformations are exact. Where regions meet, the values of
 /// both sides are averaged by volume; the true stress jumps. Each side by itself is [`Fields::on`] a selection of its
-/// cells ([`Fields::select_nodes_in`]), and cell fields are means over the quadrature points of a cell. A node is NaN if
-/// its recovered deformation gradient has no positive determinant: the mesh is too coarse there. A node without solid
-/// or plane cells has no stress and stretches of 1.
+/// cells ([`Fields::select_nodes_in`]), and cell fields are means over the quadrature points of a cell. A node is NaN
+/// if its recovered deformation gradient has no positive determinant: the mesh is too coarse there. A node without
+/// solid or plane cells has no stress and stretches of 1.
 ///
 /// On a team the fields are those of the nodes and cells of the share.
 ///
@@ -137,8 +137,8 @@ impl Fields {
         has_field(&self.regions[region], name)
     }
 
-    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are those
-    /// of the nodes and cells of the mesh.
+    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are
+    /// those of the nodes and cells of the mesh.
     ///
     /// On a team a call of all ranks: fields at guests come from their owners.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
@@ -244,8 +244,8 @@ impl Fields {
     }
 
     /// Reference volume by which a field's mean in a cell becomes its total: that of the points over which the mean is
-    /// taken. These are the points of the mass for kinetic energies, and those of the stresses ([`Fields::cell_volume`])
-    /// for all others; in cells with curved edges the two volumes differ \[length^3\].
+    /// taken. These are the points of the mass for kinetic energies, and those of the stresses
+    /// ([`Fields::cell_volume`]) for all others; in cells with curved edges the two volumes differ \[length^3\].
     pub fn volume_for(&self, name: FieldName, cell: usize) -> f64 {
         let Formula::OfMass(_) = name.info().formula else { return self.cell_volume(cell) };
         let mut measure = 0.0;

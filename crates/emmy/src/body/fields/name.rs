@@ -228,8 +228,8 @@ fields! {
         needs: Needs::Volume,
         formula: Formula::Number(|state| state.energy),
     }
-    /// Mean of det F in a cell, its current volume over its reference volume; 1 in springs and attractions. It is a number even in
-    /// an inverted cell.
+    /// Mean of det F in a cell, its current volume over its reference volume; 1 in springs and attractions. It is a
+    /// number even in an inverted cell.
     CellVolumeRatio {
         name: "cell_volume_ratio",
         description: "mean of J = det F in each cell: current volume over reference volume",
@@ -249,8 +249,8 @@ fields! {
         needs: Needs::Links,
         formula: Formula::OfCell(|fields, [displacement, _], cell| fields.axial_force(displacement, cell)),
     }
-    /// Mean of `rho_0 v^2/2` in a cell; times its [`Fields::volume_for`], the kinetic energy of the cell. Point masses are
-    /// not in it.
+    /// Mean of `rho_0 v^2/2` in a cell; times its [`Fields::volume_for`], the kinetic energy of the cell. Point masses
+    /// are not in it.
     CellKineticEnergyDensity {
         name: "cell_kinetic_energy_density",
         description: "mean of density times v^2/2 in each cell, per reference volume",

@@ -142,8 +142,8 @@ impl PointState {
     }
 }
 
-/// A strain with another volume, and the factor s of its deformation gradient: `C' = s^2 C`; without cancellation at small
-/// strain.
+/// A strain with another volume, and the factor s of its deformation gradient: `C' = s^2 C`; without cancellation at
+/// small strain.
 fn with_volume(measure: VolumeMeasure, strain: &Sym<f64>, theta: f64) -> (Sym<f64>, f64) {
     let diagonal = |component: usize| if component < 3 { 1.0 } else { 0.0 };
     let change = measure.change(strain);

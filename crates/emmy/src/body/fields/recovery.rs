@@ -137,8 +137,8 @@ impl Recovery {
         }
     }
 
-    /// Passes the displacement gradients of some cells at their nodes, weighted by cell volume, one cell after the other.
-    /// `section`: factor from the measure of a cell of a kind to its volume.
+    /// Passes the displacement gradients of some cells at their nodes, weighted by cell volume, one cell after the
+    /// other. `section`: factor from the measure of a cell of a kind to its volume.
     ///
     /// The gradients are computed in parallel.
     pub(super) fn for_each_gradient(

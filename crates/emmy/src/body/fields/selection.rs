@@ -104,9 +104,9 @@ impl Fields {
         Selection { place: Place::Cells, members: cells.to_vec(), densities, around, slots }
     }
 
-    /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`] if all cells
-    /// around them are selected: `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a team no call of all ranks: nodes are own
-    /// ones, because the cells around guests are not all here.
+    /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`] if all
+    /// cells around them are selected: `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a
+    /// team no call of all ranks: nodes are own ones, because the cells around guests are not all here.
     ///
     /// # Panics
     /// If the field and the selection have different places.

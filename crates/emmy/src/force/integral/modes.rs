@@ -20,7 +20,8 @@ impl<R: Register> RegisterCells<'_, R> {
     }
 }
 
-/// Forces of the internal nodes of one stage, `sum_points (w P J^-T) J^T G_m`, and their shares in those of the corners.
+/// Forces of the internal nodes of one stage, `sum_points (w P J^-T) J^T G_m`, and their shares in those of the
+/// corners.
 #[inline(always)]
 pub(super) fn set_forces<R: Register>(
     cells: RegisterCells<'_, R>,

@@ -271,7 +271,8 @@ fn set_pressures<R: Register>(
     }
 }
 
-/// Adds the pressures of a damping, and their derivatives by the rates of the volume if these are the changes of volume.
+/// Adds the pressures of a damping, and their derivatives by the rates of the volume if these are the changes of
+/// volume.
 #[inline(always)]
 fn add_damping<R: Register>(
     cells: RegisterCells<'_, R>,

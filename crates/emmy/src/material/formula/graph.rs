@@ -1,4 +1,5 @@
-//! Energies as graphs over four variables that vanish at rest, in which equal parts are one node, and their derivatives.
+//! Energies as graphs over four variables that vanish at rest, in which equal parts are one node, and their
+//! derivatives.
 //!
 //! With `A = C - I` and the fibre a, the variables are
 //!
@@ -6,8 +7,8 @@
 //! z = det C - 1,      w = II_A + det A,      u = II_A + 2 det A,      f = a . A a
 //! ```
 //!
-//! so that `I1 = 3 + z - w`, `I2 = 3 + 2 z - u`, `I3 = 1 + z`, `I4 = 1 + f`. At small strain z and f are of first order,
-//! w and u of second: what is linear in an energy without stress at rest then cancels before it is computed.
+//! so that `I1 = 3 + z - w`, `I2 = 3 + 2 z - u`, `I3 = 1 + z`, `I4 = 1 + f`. At small strain z and f are of first
+//! order, w and u of second: linear terms of an energy that is stress-free at rest then cancel symbolically.
 
 mod reading;
 

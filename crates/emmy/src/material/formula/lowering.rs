@@ -7,9 +7,9 @@
 //! x = x_0 + x_z z + x_f f + bend
 //! ```
 //!
-//! No rule of a product, power or function cancels; a sum may, but the linear parts are gone from a bend. The same holds
-//! for differences over a step ([`difference`]). The energy is the bend of its formula, because
-//! the linear part vanishes with the stress at rest; the stress comes from changes of derivatives.
+//! No rule of a product, power or function cancels; a sum may, but the linear parts are gone from a bend. The same
+//! holds for differences over a step ([`difference`]). The energy is the bend of its formula, because the linear part
+//! vanishes with the stress at rest; the stress comes from changes of derivatives.
 
 mod difference;
 

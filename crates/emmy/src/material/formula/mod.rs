@@ -30,10 +30,10 @@ use program::{PAIRS, Program, TANGENT, VolumeFunction};
 /// W = W(I1, I2, I3, J, I1bar, I2bar, I4, I4bar),      S = sum_i dW/dI_i dI_i/dE
 /// ```
 ///
-/// `I4 = a . C a` belongs to a fibre of direction a. W and S keep all their digits at strains from 1e-8 on, as those of the
-/// other materials do: the program that evaluates the formula works with changes from the reference configuration, in
-/// which the linear terms of the energy, such as those of `mu/2 (I1 - 3) - mu ln J`, cancel before they are computed. A
-/// constant in the formula has no effect: W = 0 at rest.
+/// `I4 = a . C a` belongs to a fibre of direction a. W and S keep all their digits at strains from 1e-8 on, as those of
+/// the other materials do: the program that evaluates the formula works with changes from the reference configuration,
+/// in which the linear terms of the energy, such as those of `mu/2 (I1 - 3) - mu ln J`, cancel before they are
+/// computed. A constant in the formula has no effect: W = 0 at rest.
 ///
 /// A step of a body costs little more than with a built-in material of the same functions, and allocates nothing.
 ///

@@ -6,7 +6,8 @@ use super::Share;
 use crate::mesh::{Bounds, Facet, Groups, Mesh};
 use crate::team::Neighbour;
 
-/// The shares of all ranks of a mesh, made one after another. All of them take a time in proportion to the mesh and its groups.
+/// The shares of all ranks of a mesh, made one after another. All of them take a time in proportion to the mesh and its
+/// groups.
 ///
 /// ```
 /// use emmy::mesh::{self, Shares};
@@ -225,8 +226,8 @@ impl<'a> Shares<'a> {
         }
     }
 
-    /// Own nodes that are guests of each neighbour, and guests that it owns, both in the order of the whole mesh: a node of a
-    /// cell is a guest of every rank that owns another node of it.
+    /// Own nodes that are guests of each neighbour, and guests that it owns, both in the order of the whole mesh: a
+    /// node of a cell is a guest of every rank that owns another node of it.
     fn neighbours(&self, rank: usize, nodes: &Nodes<'_>) -> Vec<Neighbour> {
         let mut shared: BTreeMap<u32, [Vec<u32>; 2]> = BTreeMap::new();
         let owner = |node: u32| self.owners[node as usize];

@@ -18,8 +18,8 @@ pub(super) struct Aggregates {
 const NONE: u32 = u32::MAX;
 
 impl Aggregates {
-    /// Aggregates of a pattern (Vanek, Mandel and Brezina 1996): a node whose neighbours are all free takes them; what is
-    /// left joins the aggregate with most of its neighbours, or is an aggregate of its own.
+    /// Aggregates of a pattern (Vanek, Mandel and Brezina 1996): a node whose neighbours are all free takes them; what
+    /// is left joins the aggregate with most of its neighbours, or is an aggregate of its own.
     pub(super) fn new(pattern: &Pattern) -> Self {
         let n = pattern.n_rows();
         let mut of_node = vec![NONE; n];

@@ -11,7 +11,8 @@ use super::galerkin::Galerkin;
 use super::prolongation::{Block, COARSE, Nodes, Prolongation, inverse_of_free};
 use super::smoother::{Smoother, Transfer, Vector};
 
-/// A level with nodes of M components: rows of three in the order of a sweep, its smoother, and the way to the next level.
+/// A level with nodes of M components: rows of three in the order of a sweep, its smoother, and the way to the next
+/// level.
 #[derive(Debug)]
 pub(super) struct Level<const M: usize> {
     pub smoother: Smoother,

@@ -34,9 +34,9 @@ pub(crate) struct Multigrid<const C: usize> {
     krylov: ConjugateGradients<f64, C>,
 }
 
-/// Hierarchy of smoothed aggregation (Vanek, Mandel and Brezina 1996). The near-null space is the six rigid modes at the
-/// present positions: each level has a node of six components for an aggregate of nodes of the previous level. The last
-/// level is factorised. A V-cycle smooths by a Gauss-Seidel sweep before and after the coarser levels.
+/// Hierarchy of smoothed aggregation (Vanek, Mandel and Brezina 1996). The near-null space is the six rigid modes at
+/// the present positions: each level has a node of six components for an aggregate of nodes of the previous level. The
+/// last level is factorised. A V-cycle smooths by a Gauss-Seidel sweep before and after the coarser levels.
 #[derive(Debug)]
 struct Hierarchy<const C: usize> {
     first: Level<3>,

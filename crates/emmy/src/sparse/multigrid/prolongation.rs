@@ -32,7 +32,8 @@ pub(super) trait Nodes<const M: usize>: Sync {
     fn modes(&self, node: usize) -> Block<f64, M>;
 }
 
-/// Smoothed prolongation (Vanek, Mandel and Brezina 1996): the rigid modes of the aggregates, after a block Jacobi step.
+/// Smoothed prolongation (Vanek, Mandel and Brezina 1996): the rigid modes of the aggregates, after a block Jacobi
+/// step.
 ///
 /// ```math
 /// P = (1 - omega D^-1 A) T,    omega = 4/3 / rho(D^-1 A)

@@ -12,8 +12,8 @@ use super::super::sweep::{SweepOrder, side_by_side};
 /// A vector.
 pub(super) type Vector<const C: usize> = Vec<Row<f64, C>>;
 
-/// Gauss-Seidel sweeps in 3 x 3 blocks: forward before the coarser levels and backward after them, so that the V-cycle is
-/// symmetric.
+/// Gauss-Seidel sweeps in 3 x 3 blocks: forward before the coarser levels and backward after them, so that the V-cycle
+/// is symmetric.
 #[derive(Debug)]
 pub(super) struct Smoother {
     /// Inverses of the diagonal blocks, by columns.

@@ -43,7 +43,8 @@ impl<'a> Forces<'a> {
         self.assemble_with((displacement, &[]), request)
     }
 
-    /// Sets the force of the body at a displacement with given local unknowns, `[function]`, and its derivative if wanted.
+    /// Sets the force of the body at a displacement with given local unknowns, `[function]`, and its derivative if
+    /// wanted.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
@@ -250,8 +251,8 @@ impl TimePoint {
         forces.outside(&self.displacement, &mut self.outside, &mut self.reactions)
     }
 
-    /// Sets the reactions of all ranks, and the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
-    /// `inertia`: M a.
+    /// Sets the reactions of all ranks, and the force to the sum of loads, reactions and ground,
+    /// `lambda = M a + f(u) - F` at fixed degrees of freedom; `inertia`: M a.
     pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         let reaction = |dof: usize| inertia[dof] - self.force[dof];
         body.space.add_reactions(&self.displacement, reaction, &mut self.reactions);

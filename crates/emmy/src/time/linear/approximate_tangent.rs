@@ -105,9 +105,9 @@ impl ApproximateTangent {
         self.made_for.is_some()
     }
 
-    /// Takes the stiffness in the middle of a step from a displacement with rates x and local unknowns, `[function][n]`; at its
-    /// start, if the middle is inverted. The local unknowns of K are means over the step: those of a predicted configuration would contain the error of
-    /// the prediction times the bulk modulus.
+    /// Takes the stiffness in the middle of a step from a displacement with rates x and local unknowns,
+    /// `[function][n]`; at its start, if the middle is inverted. The local unknowns of K are means over the step: those
+    /// of a predicted configuration would contain the error of the prediction times the bulk modulus.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -220,8 +220,8 @@ impl ApproximateTangent {
         body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
     }
 
-    /// Factor on derivatives by a rate in K: dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate
-    /// t_v)/2`, if the modes contain them.
+    /// Factor on derivatives by a rate in K: dP/dF' is half of dP/dF in the middle; with viscosities it is
+    /// `K (1 + 2 rate t_v)/2`, if the modes contain them.
     fn rate_factor(&self, body: &Body) -> f64 {
         2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time())
     }
@@ -257,8 +257,8 @@ impl ApproximateTangent {
         self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);
     }
 
-    /// Part of M + s^2 K that is not the stiffness of the projected volumes. An error of a pressure moves the body by this
-    /// part of what the same force would do elsewhere, and changes the energy of the step by as little.
+    /// Part of M + s^2 K that is not the stiffness of the projected volumes. A pressure error moves the body,
+    /// and changes the energy, by this fraction of an equal force error.
     pub(crate) fn soft_part(&self) -> f64 {
         self.soft_part
     }
@@ -271,8 +271,8 @@ impl ApproximateTangent {
     /// Solves the linearised stage equations to a relative tolerance. Returns the number of iterations, `None` if a
     /// solver missed the tolerance.
     ///
-    /// `r`: negative residual, `[k][n_nodes][3]`, and on input the local unknowns of the rates less those of the step; `z`:
-    /// corrections of the rates and of these local unknowns.
+    /// `r`: negative residual, `[k][n_nodes][3]`, and on input the local unknowns of the rates less those of the step;
+    /// `z`: corrections of the rates and of these local unknowns.
     pub(crate) fn solve(
         &mut self,
         (body, rule): (&Body, &Rule),

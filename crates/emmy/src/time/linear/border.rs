@@ -1,7 +1,8 @@
 //! Corrections of the rates together with the multipliers of constraints.
 //!
-//! Constraints act on a few joint nodes B. Their derivatives at the iterate are exact, those of the rest of the body are kept:
-//! with the approximate inverse `P^-1` of the stage equations and its part F at the joint nodes, a correction is
+//! Constraints act on a few joint nodes B. Their derivatives at the iterate are exact, those of the rest of the body
+//! are kept: with the approximate inverse `P^-1` of the stage equations and its part F at the joint nodes, a correction
+//! is
 //!
 //! ```math
 //! z = P^-1 (-R),    x_B + F (Q x_B + G^T dLambda) = z_B,    J x_B = -C,    dx = z - P^-1 (Q x_B + G^T dLambda)
@@ -76,8 +77,8 @@ impl Border {
     }
 
     /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
-    /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`; its last
-    /// call is for the forces of the constraints. Returns the number of iterations.
+    /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`; its
+    /// last call is for the forces of the constraints. Returns the number of iterations.
     ///
     /// # Errors
     /// Those of `solve`; [`Error::Linear`] if the system is singular.

@@ -178,7 +178,7 @@ impl ModeSolvers {
             return Ok(());
         }
         if is_stiff && !self.kinds.contains(&SolverKind::Direct) {
-            body.space.check_whole("a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)")?;
+            body.space.check_whole("a factorisation, which these stiff projected volumes need, without MUMPS (feature `petsc` of emmy-mpi)")?;
         }
         let failed: &[SolverKind] = if is_stiff { &SolverKind::ALL } else { &self.failed };
         let choice = match kind {
@@ -327,7 +327,8 @@ impl ModeSolvers {
         }
         self.solvers.clear();
         let is_ready = memory.flag("solver.is_ready")?;
-        // The run may come from another number of ranks, which had other solvers: the next stiffness has one of its own.
+        // The run may come from another number of ranks, which had other solvers: the next stiffness has one of its
+        // own.
         let has_direct = self.kinds.contains(&SolverKind::Direct);
         self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || has_direct);
         let created = self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice));

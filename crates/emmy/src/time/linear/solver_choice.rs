@@ -3,18 +3,19 @@
 use crate::body::Body;
 use crate::sparse::{SolverChoice, SolverKind};
 
-/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of `benches`
-/// at r = 2 to 8. Internal nodes are condensed.
+/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of
+/// `benches` at r = 2 to 8. Internal nodes are condensed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Costs {
     /// An iteration of conjugate gradients with an incomplete factor: 2 ns for each coupling of nodes. A step takes 12
     /// sqrt(c) of them.
     iteration: f64,
-    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom,
-    /// as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197 thousand.
+    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of
+    /// freedom, as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197
+    /// thousand.
     direct: f64,
-    /// Six solutions at 16 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and a
-    /// tenth of the setup, 800 ns for each coupling.
+    /// Six solutions at 16 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and
+    /// a tenth of the setup, 800 ns for each coupling.
     multigrid: f64,
 }
 
@@ -52,8 +53,8 @@ impl Costs {
         if kind == SolverKind::Multigrid { self.multigrid } else { self.direct }
     }
 
-    /// The cheapest of some kinds that have not failed, for a stiffness number; if all have, the last resort: a factorisation,
-    /// or what there is. The present kind stays unless another one is clearly cheaper.
+    /// The cheapest kind that has not failed, for a stiffness number; if all have, a factorisation. The present kind
+    /// stays unless another one is clearly cheaper.
     ///
     /// The measured times of factorisations and of conjugate gradients with an incomplete factor cross at c = 170
     /// (r = 2) and above 600 (r = 4).
@@ -77,9 +78,9 @@ impl Costs {
     }
 }
 
-/// Cost of a factorisation by MUMPS in those of [`Costs`]. It and cycles of GAMG, which cost about as much as ours, took on
-/// two ranks: 0.20 and 0.31 s (7 thousand degrees of freedom, tet10), 0.42 and 0.29 s (4 thousand, hex8), 3.7 and 1.1 s (27
-/// thousand, hex8).
+/// Cost of a factorisation by MUMPS in those of [`Costs`]. It and cycles of GAMG, which cost about as much as ours,
+/// took on two ranks: 0.20 and 0.31 s (7 thousand degrees of freedom, tet10), 0.42 and 0.29 s (4 thousand, hex8), 3.7
+/// and 1.1 s (27 thousand, hex8).
 const MUMPS: f64 = 2.5;
 
 /// Factor on the limit of the stiffness number, so that the present kind stays near it.

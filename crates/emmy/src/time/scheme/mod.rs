@@ -48,8 +48,8 @@ pub enum Scheme {
     Bathe,
     /// `central-differences`: explicit, lumped mass; steps beyond the critical one are rejected.
     CentralDifferences,
-    /// `static`: no scheme in time, but the equilibrium under the loads at the end of each step, without inertia. No input
-    /// names it; [`crate::equilibrium`] uses it with the load fraction as time.
+    /// `static`: no scheme in time, but the equilibrium under the loads at the end of each step, without inertia. No
+    /// input names it; [`crate::equilibrium`] uses it with the load fraction as time.
     Static,
     /// The scheme of a stepper from outside, with its name
     /// ([`Motion::with_stepper`](crate::motion::Motion::with_stepper)).
@@ -361,7 +361,7 @@ impl FromStr for Scheme {
 }
 
 impl SchemeRow {
-    /// The scheme of a text with the row's word and as many arguments.
+    /// Parses a scheme of this row from its name and arguments.
     fn parse(&self, text: &str) -> Option<Scheme> {
         let (word, parameters) = word_and_arguments(self.form)?;
         let (own_word, arguments) = word_and_arguments(text)?;

@@ -98,8 +98,9 @@ impl StageSystem<'_> {
         })
     }
 
-    /// This rank's square of the residual with the local unknowns eliminated by the approximate tangent. Their residuals are
-    /// scaled by their effect. Unscaled, a second-order error of the rates times the bulk modulus would mask convergence.
+    /// This rank's square of the residual with the local unknowns eliminated by the approximate tangent. Their
+    /// residuals are scaled by their effect. Unscaled, a second-order error of the rates times the bulk modulus would
+    /// mask convergence.
     fn condensed_square(&mut self, residual: &[f64], of_local: &[f64]) -> f64 {
         if of_local.is_empty() {
             return self.equations.body.space.own_dot(residual, residual);
@@ -113,7 +114,8 @@ impl StageSystem<'_> {
         self.equations.body.space.own_dot(&self.condensed, &self.condensed)
     }
 
-    /// Square of the residual of the rates that would mend the residuals of the constraints, for the mean mass of a node.
+    /// Square of the residual of the rates that would mend the residuals of the constraints, for the mean mass of a
+    /// node.
     fn square_of_constraints(&mut self, x: &[f64], of_constraints: &[f64]) -> f64 {
         let constraints = self.equations.body.constraints();
         if constraints.is_empty() {
@@ -203,8 +205,8 @@ impl System for StageSystem<'_> {
         self.approximate_tangent.refactorization_cost()
     }
 
-    /// The inertia of a stage is the difference of terms that grow with the degree like m_ij, and what a residual leaves has
-    /// the same sign in every step.
+    /// The inertia of a stage is the difference of terms that grow with the degree like m_ij, and what a residual
+    /// leaves has the same sign in every step.
     fn rounding(&self) -> f64 {
         match &self.equations.coefficients.mass[..] {
             [_] => ROUND_OFF,
@@ -212,9 +214,9 @@ impl System for StageSystem<'_> {
         }
     }
 
-    /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or the
-    /// last K contracted too little. With local unknowns the exact tangent differs from K by directions that the bulk modulus
-    /// makes stiff, and GMRES may not converge.
+    /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or
+    /// the last K contracted too little. With local unknowns the exact tangent differs from K by directions that the
+    /// bulk modulus makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
         match (self.equations.body.has_local(), self.equations.body.n_dofs_of_ranks()) {
             (false, SMALL..) if slow_corrections == 0 => 0.4,

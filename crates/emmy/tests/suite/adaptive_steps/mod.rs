@@ -348,8 +348,8 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
     assert_eq!(*motion.state(), before);
 }
 
-/// A cube of unit density whose nodes move inwards at the same rate keeps its shape, and this material lets it shrink to a
-/// point. The steps end there, with the cell as the reason rather than the rounding of the time.
+/// A cube of unit density whose nodes move inwards at the same rate keeps its shape, and this material lets it shrink
+/// to a point. The steps end there, with the cell as the reason rather than the rounding of the time.
 #[test]
 fn a_cell_that_is_turned_inside_out_is_named_by_steps_of_every_size() {
     let soft = Region::new(SaintVenantKirchhoff::new(1.0, 1.0).unwrap(), 1.0);

@@ -32,8 +32,8 @@ fn cooks_membrane() {
     assert!((tip - 23.96).abs() < 0.02, "{tip}");
 }
 
-/// The elastica: K. E. Bisshopp and D. C. Drucker, *Large deflection of cantilever beams*, Quart. Appl. Math. 3, 272-275
-/// (1945); numbers by elliptic integrals from K. Mattiasson, Int. J. Numer. Meth. Engng 17, 145-153 (1981).
+/// The elastica: K. E. Bisshopp and D. C. Drucker, *Large deflection of cantilever beams*, Quart. Appl. Math. 3,
+/// 272-275 (1945); numbers by elliptic integrals from K. Mattiasson, Int. J. Numer. Meth. Engng 17, 145-153 (1981).
 ///
 /// The beam has a slenderness of 100: its tip moves by shear and extension as well, about 1e-4 of its length.
 #[test]
@@ -151,8 +151,8 @@ fn balloon(pressure: f64) -> Body {
         .unwrap()
 }
 
-/// The inner radius of an inflated sphere, and the pressure beyond which there is no equilibrium: for a thin sphere of an
-/// incompressible material `2 mu (t/R) (l^-1 - l^-7)`, largest at l = 7^(1/6).
+/// The inner radius of an inflated sphere, and the pressure beyond which there is no equilibrium: for a thin sphere of
+/// an incompressible material `2 mu (t/R) (l^-1 - l^-7)`, largest at l = 7^(1/6).
 #[test]
 fn inflated_balloon() {
     let [radius, pressure] = inflated(1.45);

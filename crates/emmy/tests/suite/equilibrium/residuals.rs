@@ -103,8 +103,8 @@ impl Observer for Rows {
     }
 }
 
-/// Energies of the increments: loads that grow with the fraction s do the work `integral F . u' ds` along the path, which
-/// the strain energy stores (Simpson's rule over the increments of a dead load).
+/// Energies of the increments: loads that grow with the fraction s do the work `integral F . u' ds` along the path,
+/// which the strain energy stores (Simpson's rule over the increments of a dead load).
 #[test]
 fn increments_store_the_work_of_the_loads() {
     struct Path(Vec<[f64; 2]>, Vec<f64>);

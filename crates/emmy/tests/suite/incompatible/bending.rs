@@ -104,8 +104,8 @@ fn stresses_include_the_modes() {
     assert!((modes - 1.0).abs() < 0.01 && (0.6..0.9).contains(&standard), "{modes} {standard}");
 }
 
-/// A square of nearly incompressible rubber between smooth plates, in plane strain, at a stretch: whether its equilibrium
-/// is stable.
+/// A square of nearly incompressible rubber between smooth plates, in plane strain, at a stretch: whether its
+/// equilibrium is stable.
 fn is_stable(stretch: f64) -> bool {
     let (mu, bulk_modulus) = (80.1938, 400_942.0);
     let material = NeoHookeIsochoric::new(mu, bulk_modulus, Volumetric::Quadratic).unwrap();
@@ -128,8 +128,8 @@ fn is_stable(stretch: f64) -> bool {
     modes_about(&body, &state, 1).unwrap()[0].angular_frequency > 0.0
 }
 
-/// Cells with modes hourglass under compression; the limit is that of a dense NumPy program of the linearised element, and
-/// close to 0.68 of `formulation-mixed.md`, section 8.
+/// Cells with modes hourglass under compression; the limit is that of a dense NumPy program of the linearised element,
+/// and close to 0.68 of `formulation-mixed.md`, section 8.
 #[test]
 fn compression_has_a_limit() {
     assert!(is_stable(0.8) && is_stable(0.70) && !is_stable(0.69) && !is_stable(0.6));

@@ -78,8 +78,8 @@ fn elements_of_degree_k_have_the_order_2k() {
     }
 }
 
-/// The modes that a time element leaves are in balance over its last step, not at its end. The schemes that weight forces and
-/// accelerations at single times keep the linear momentum of a free body all the same.
+/// The modes that a time element leaves are in balance over its last step, not at its end. The schemes that weight
+/// forces and accelerations at single times keep the linear momentum of a free body all the same.
 #[test]
 fn modes_out_of_balance_at_the_start_keep_the_momentum() {
     let body = pair();

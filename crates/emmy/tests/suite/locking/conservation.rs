@@ -167,8 +167,8 @@ fn corrections_do_not_grow_with_the_bulk_modulus() {
     }
 }
 
-/// Two tumbling cells whose strains of a third are so fast that an error which the approximate tangent contracts hides one
-/// which it increases.
+/// Two tumbling cells whose strains of a third are so fast that an error which the approximate tangent contracts hides
+/// one which it increases.
 fn largest_changes(steps: usize) -> [f64; 2] {
     let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap())
         .region(rubber(20.0, 1e3, 1.2))
@@ -197,15 +197,15 @@ fn largest_changes(steps: usize) -> [f64; 2] {
     largest
 }
 
-/// Rounding of a step with K = 1e3 mu is a few times 1e-15; corrections that were taken although the residual grew, or that
-/// stopped before it had fallen, changed the angular momentum by 7e-12 in step 300.
+/// Rounding of a step with K = 1e3 mu is a few times 1e-15; corrections that were taken although the residual grew, or
+/// that stopped before it had fallen, changed the angular momentum by 7e-12 in step 300.
 #[test]
 fn no_step_is_left_with_more_than_rounding() {
     assert!(largest_changes(310).into_iter().all(|change| change < 2e-14));
 }
 
-/// Some steps of this flight need the exact tangent after convergence. Left to the approximate one, two of them changed energy
-/// and angular momentum by 2e-8 and 9e-8.
+/// Some steps of this flight need the exact tangent after convergence. Left to the approximate one, two of them changed
+/// energy and angular momentum by 2e-8 and 9e-8.
 #[test]
 #[ignore = "ten seconds; `.ci/run` and `just validate` run it"]
 fn no_step_of_a_long_flight_is_left_with_more_than_rounding() {

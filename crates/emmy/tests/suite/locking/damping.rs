@@ -65,8 +65,8 @@ fn the_motion_of_a_volume_decays_as_in_theory() {
     }
 }
 
-/// A stretch 1 + a t in uniaxial strain has E' = (1 + a t) a and theta' = a: by the elasticity at rest, 2 mu dev and K, the
-/// loss is `t_v a^2 integral 4/3 mu (1 + a t)^2 + K dt`.
+/// A stretch 1 + a t in uniaxial strain has E' = (1 + a t) a and theta' = a: by the elasticity at rest, 2 mu dev and K,
+/// the loss is `t_v a^2 integral 4/3 mu (1 + a t)^2 + K dt`.
 #[test]
 fn the_loss_of_a_given_deformation_matches_its_formula() {
     let (bulk, time, a, t) = (50.0, 0.03, 0.6, 0.5);

@@ -93,8 +93,8 @@ fn energies_of_projected_cells_add_up_to_the_energy_of_the_body() {
     }
 }
 
-/// With W_p isochoric and U = K/2 (J - 1)^2, the pressure of a cell is -K times its relative change of volume, and that of an
-/// inner node of equal cells the mean of the eight around it.
+/// With W_p isochoric and U = K/2 (J - 1)^2, the pressure of a cell is -K times its relative change of volume, and that
+/// of an inner node of equal cells the mean of the eight around it.
 #[test]
 fn pressures_of_nodes_are_means_of_the_pressures_of_cells() {
     let mesh = block([1.0; 3], [2; 3]).unwrap();

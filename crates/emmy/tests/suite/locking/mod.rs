@@ -16,7 +16,8 @@ use std::collections::HashMap;
 use emmy::internals::element::element;
 use emmy::mesh::{CellKind, MeshBuilder};
 
-/// Places of the nodes of the cells of a kind, in a square or cube that is cut into cells; simplices along its diagonals.
+/// Places of the nodes of the cells of a kind, in a square or cube that is cut into cells; simplices along its
+/// diagonals.
 pub(crate) fn places(kind: CellKind, cells: [usize; 3]) -> Vec<Vec<[f64; 3]>> {
     let boxes = (0..cells.iter().product())
         .map(|cell: usize| [cell % cells[0], cell / cells[0] % cells[1], cell / cells[0] / cells[1]]);

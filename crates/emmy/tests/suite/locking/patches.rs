@@ -149,8 +149,8 @@ fn n_without_energy(kind: CellKind, region: Region) -> usize {
     null_space(&stiffness(kind, region).concat()).unwrap().len()
 }
 
-/// Nothing but rigid motions (and a translation out of the plane) is without energy, even where the projection leaves no
-/// volumetric energy at the points; conformal maps would be, with constants on complete quadratics.
+/// Nothing but rigid motions (and a translation out of the plane) is without energy, even where the projection leaves
+/// no volumetric energy at the points; conformal maps would be, with constants on complete quadratics.
 #[test]
 fn no_cell_deforms_without_energy() {
     for kind in CellKind::ALL {

@@ -222,7 +222,8 @@ fn the_number_of_threads_does_not_change_a_bit() {
     assert!([2, 3, 5].into_iter().all(|threads| on(threads) == one));
 }
 
-/// A clamped block: the forces of changes of the pressures, in corrections with a kept stiffness, do not move the support.
+/// A clamped block: the forces of changes of the pressures, in corrections with a kept stiffness, do not move the
+/// support.
 #[test]
 fn supports_do_not_move() {
     let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();

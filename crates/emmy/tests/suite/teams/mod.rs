@@ -582,7 +582,8 @@ fn adaptive_steps_are_those_of_the_whole_body() {
             let ranks: Vec<End> = case.shared(size).into_iter().collect::<Result<_>>().unwrap();
             assert!(ranks.iter().all(|end| *end == ranks[0]), "{size} ranks differ from each other");
             assert_eq!((ranks[0].records.len(), &ranks[0].events), (whole.records.len(), &whole.events));
-            // Estimates are solved to 1e-4, so sizes differ by some of it, and the motions by the errors of their steps.
+            // Estimates are solved to 1e-4, so sizes differ by some of it, and the motions by the errors of their
+            // steps.
             let [own, other] = [&ranks[0], &whole].map(|end| &end.records[end.records.len() - 1]);
             assert!((own.total_energy / other.total_energy - 1.0).abs() < 1e-4, "{own:?}");
             for record in &ranks[0].records {
@@ -649,7 +650,8 @@ fn a_plate_in_plane_strain_is_that_of_the_whole_body() {
     case.assert_equal([2, 4], 1e-12);
 }
 
-/// A corner of the block is pushed through its cell: the step is cut on all ranks, and fails in the end with the same error.
+/// A corner of the block is pushed through its cell: the step is cut on all ranks, and fails in the end with the same
+/// error.
 #[test]
 fn failures_are_those_of_the_whole_body() {
     const HAT: [(f64, f64); 2] = [(0.0, 1.0), (0.1, 0.0)];
@@ -808,7 +810,7 @@ fn what_a_team_does_not_compute_is_rejected() {
             .support(Support::fixed("x-min"))
             .load(Load::acceleration([0.0, 0.0, 1.0]))
     };
-    let stiff = "a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)";
+    let stiff = "a factorisation, which these stiff projected volumes need, without MUMPS (feature `petsc` of emmy-mpi)";
     let step = |body: &Body| match Motion::new(body, DGM)?.step(0.1) {
         Err(Error::StepFailed { cause, .. }) => Err(*cause),
         outcome => outcome.map(|_| ()),

@@ -1,7 +1,7 @@
 //! Differences of a node between a start and an end, from the values at the start and the differences of the variables.
 //!
-//! The difference of a bend has the accuracy of the work along the step: terms that are linear in the strain at rest do not
-//! occur in it. For the differences of functions, with `zeta = (x_2 - x_1) / x_1` and `t = x_1/x_0 - 1`,
+//! The difference of a bend has the accuracy of the work along the step: terms that are linear in the strain at rest do
+//! not occur in it. For the differences of functions, with `zeta = (x_2 - x_1) / x_1` and `t = x_1/x_0 - 1`,
 //!
 //! ```math
 //! ln x_2 - ln x_1 = ln(1 + zeta),      [t - ln(1 + t)]_1^2 = t zeta + zeta - ln(1 + zeta)

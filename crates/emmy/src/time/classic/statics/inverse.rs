@@ -1,4 +1,5 @@
-//! Inverse of the stiffness without follower loads: a factorisation, or on a team an approximation and conjugate gradients.
+//! Inverse of the stiffness without follower loads: a factorisation, or on a team an approximation and conjugate
+//! gradients.
 
 use std::sync::Arc;
 
@@ -15,7 +16,8 @@ pub(super) enum Inverse {
     OfRanks(Box<InverseOfRanks>),
 }
 
-/// Incomplete factors of the rows of each rank, with the internal nodes condensed, and the memory of conjugate gradients.
+/// Incomplete factors of the rows of each rank, with the internal nodes condensed, and the memory of conjugate
+/// gradients.
 #[derive(Debug)]
 pub(super) struct InverseOfRanks {
     solver: Box<dyn ShiftedSolver>,
@@ -133,7 +135,8 @@ impl InverseOfRanks {
         condensation.expand([1.0, 0.0], y, 1);
     }
 
-    /// Solves `K x = b` with a symmetric stiffness to a relative tolerance; `b` is zero at the fixed degrees of freedom.
+    /// Solves `K x = b` with a symmetric stiffness to a relative tolerance; `b` is zero at the fixed degrees of
+    /// freedom.
     pub(super) fn solve(
         &mut self,
         body: &Body,

@@ -12,8 +12,8 @@ use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 use inverse::Inverse;
 use system::{StaticSystem, largest_node};
 
-/// An equilibrium farther away than this multiple of the step linearised at its start belongs to another path: near a limit
-/// of the loads, where the path is a parabola, the multiple is at most 2.
+/// An equilibrium farther away than this multiple of the step linearised at its start belongs to another path: near a
+/// limit of the loads, where the path is a parabola, the multiple is at most 2.
 const FARTHEST: f64 = 3.0;
 
 /// The same multiple of the step linearised at its end; a path that stiffens with the power n has n.
@@ -26,7 +26,8 @@ const NO_DISTANCE: f64 = 1e-9;
 const REFINED: f64 = 1e-14;
 const UNSOLVED: f64 = 1e-9;
 
-/// Solution of `K x = b` at the free degrees of freedom with a symmetric stiffness, refined; x is zero at the fixed ones.
+/// Solution of `K x = b` at the free degrees of freedom with a symmetric stiffness, refined; x is zero at the fixed
+/// ones.
 ///
 /// # Errors
 /// [`Error::Linear`] for a stiffness that is singular but for rounding, [`Error::OutOfMemory`].
@@ -66,9 +67,9 @@ pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64
 ///
 /// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
 /// stiffness is positive definite, then with a line search. On a team, which does not factorise, it counts as positive
-/// definite until conjugate gradients find a direction in which it is not, and always under follower loads. In a record, the work of loads and supports is the change of
-/// the strain energy, as it is along a path of equilibria, and the residuals of the momentum balances are the resultant
-/// and the moment of loads, reactions and ground.
+/// definite until conjugate gradients find a direction in which it is not, and always under follower loads. In a
+/// record, the work of loads and supports is the change of the strain energy, as it is along a path of equilibria, and
+/// the residuals of the momentum balances are the resultant and the moment of loads, reactions and ground.
 #[derive(Debug)]
 pub struct StaticStepper<'a> {
     newton: Newton,

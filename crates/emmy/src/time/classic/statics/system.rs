@@ -168,8 +168,8 @@ impl<'a> StaticSystem<'a> {
         iterations.ok_or_else(|| self.singular(x, dx))
     }
 
-    /// Solves with GMRES, on a team without follower loads with conjugate gradients as long as the stiffness is positive;
-    /// `None` if it misses the tolerance.
+    /// Solves with GMRES, on a team without follower loads with conjugate gradients as long as the stiffness is
+    /// positive; `None` if it misses the tolerance.
     ///
     /// # Errors
     /// [`Error::Linear`] if the stiffness must be positive definite and is not.
