@@ -116,7 +116,7 @@ impl Accuracy {
 const STRAIN_PART: f64 = 1e-2;
 
 /// Size up to which the lowest period of a body takes some hundredths of a second.
-const SMALL: usize = 3_000;
+const DOFS_OF_SMALL_BODY: usize = 3_000;
 
 /// For larger bodies it takes about as long as two steps, which is little in a run of many steps.
 const LARGEST: usize = 30_000;
@@ -125,7 +125,7 @@ const MANY_STEPS: usize = 20;
 /// Whether the lowest elastic period of a body says something about its motion, and is cheap.
 fn is_period_wanted(problem: &Problem, statistics: &RunStatistics) -> bool {
     let n_dofs = problem.body.n_dofs();
-    let is_cheap = n_dofs <= SMALL || n_dofs <= LARGEST && statistics.steps >= MANY_STEPS;
+    let is_cheap = n_dofs <= DOFS_OF_SMALL_BODY || n_dofs <= LARGEST && statistics.steps >= MANY_STEPS;
     let is_strained = statistics.largest_strain_energy > STRAIN_PART * statistics.largest_kinetic_energy;
     // The potential of an attraction is no strain energy, but counts among it.
     let is_known = problem.body.ranks().size() == 1 && problem.nodal.attractions.is_empty();

@@ -24,7 +24,7 @@ const MIDDLE: RGBColor = RGBColor(0x70, 0x70, 0x70);
 // Sizes in points.
 const TITLE: f64 = 13.0;
 const LABEL: f64 = 11.5;
-const SMALL: f64 = 10.5;
+const SMALL_TEXT: f64 = 10.5;
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
 /// Length of the line before a name in the legend.
@@ -46,7 +46,7 @@ impl<'a> Legend<'a> {
         let mut rows: Vec<Vec<(&Series, i32)>> = Vec::new();
         let mut used = 0;
         for series in series.iter().filter(|series| !series.label.is_empty()) {
-            let own = units(SAMPLE + 28.0) + width(&series.label, &writing(SMALL));
+            let own = units(SAMPLE + 28.0) + width(&series.label, &writing(SMALL_TEXT));
             used += own;
             if rows.is_empty() || used > units(most) {
                 rows.push(Vec::new());
@@ -72,7 +72,7 @@ impl<'a> Legend<'a> {
             let y = units(8.0 + ROW * (i as f64 + 0.5));
             for (series, own) in row {
                 draw_series(area, series, 2.0, &[vec![(x, y), (x + sample, y)]], &[(x + sample / 2, y)])?;
-                text(area, &series.label, &writing(SMALL), HPos::Left, (x + sample + gap, y))?;
+                text(area, &series.label, &writing(SMALL_TEXT), HPos::Left, (x + sample + gap, y))?;
                 x += own;
             }
         }
@@ -138,7 +138,7 @@ pub(super) fn draw(area: &Area<'_>, chart: &Chart) -> Drawn {
         .light_line_style(stroke(FAINT, 0.8))
         .axis_style(stroke(INK, 1.0))
         .set_all_tick_mark_size(units(3.0))
-        .label_style(writing(SMALL))
+        .label_style(writing(SMALL_TEXT))
         .axis_desc_style(writing(LABEL))
         .x_desc(with_power(&chart.x, x.power))
         .y_desc(with_power(&chart.y, y.power))
@@ -187,7 +187,7 @@ fn draw_guide(area: &Area<'_>, guide: &Guide, ends: [Option<CanvasPoint>; 2]) ->
     area.draw(&DashedPathElement::new([from, to], units(6.0), units(4.0), pen))?;
     let at = |a: i32, b: i32| a + (0.56 * f64::from(b - a)) as i32;
     let at = (at(from.0, to.0) + units(8.0), at(from.1, to.1) + units(9.0));
-    text(area, &guide.label, &writing(SMALL).color(&MIDDLE), HPos::Left, at)
+    text(area, &guide.label, &writing(SMALL_TEXT).color(&MIDDLE), HPos::Left, at)
 }
 
 fn with_power(axis: &Axis, power: i32) -> String {

@@ -275,9 +275,9 @@ mod tests {
         snapshot.record.linear_momentum = [0.1 + 0.2, -f64::MIN_POSITIVE, 5e-324];
         snapshot.statistics.worst_energy_residual = Extreme { value: f64::NAN, step: 7 };
         let mut memory = Memory::default();
-        memory.keep_word("solver", "direct");
-        memory.keep_number("step", 0.1);
-        memory.keep_nodal("rates", &[0.5; 48]);
+        memory.save_word("solver", "direct");
+        memory.save_number("step", 0.1);
+        memory.save_nodal("rates", &[0.5; 48]);
         snapshot.memory = Some(memory);
         let frames = vec![FrameTime { step: 3, time: 0.5 }];
         Checkpoint { snapshot, frames, history_checksum: 0xdead_beef, wall_seconds: 1.0, ..whole }

@@ -254,7 +254,7 @@ impl Body {
         let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let pattern = couplings(&mesh, &internal).with_inner_from(mesh.n_nodes());
+        let pattern = couplings(&mesh, &internal).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.

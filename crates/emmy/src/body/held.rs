@@ -19,7 +19,7 @@ const MOTIONS: usize = 6;
 const ROUNDING: f64 = 1e-6;
 
 /// Angle, or distance over the radius of a part, of a motion that tests the force of the ground.
-const SMALL: f64 = 1e-4;
+const DIFFERENCE_STEP: f64 = 1e-4;
 
 /// A rigid motion, by its components; rotations are distances at the radius of the part.
 type Twist = [f64; MOTIONS];
@@ -187,14 +187,15 @@ impl<'a> Part<'a> {
         let mut displacement = vec![0.0; body.n_dofs()];
         let mut force = displacement.clone();
         for (motion, sign) in (0..MOTIONS).flat_map(|motion| [(motion, 1.0), (motion, -1.0)]) {
-            let angle = if motion < 3 { sign * SMALL } else { 0.0 };
+            let angle = if motion < 3 { sign * DIFFERENCE_STEP } else { 0.0 };
             for &node in &self.nodes {
                 let X = self.mesh.points()[node as usize];
                 let r = [0, 1, 2].map(|d| X[d] - self.centre[d]);
                 let turned = turned(r, motion % 3, angle);
                 *nodal::at_mut(&mut displacement, node as usize) = [0, 1, 2].map(|d| turned[d] - r[d]);
                 if motion >= 3 {
-                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] = sign * SMALL * self.radius;
+                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] =
+                        sign * DIFFERENCE_STEP * self.radius;
                 }
             }
             body.ground_force_at(&displacement, assembly, &mut force)?;

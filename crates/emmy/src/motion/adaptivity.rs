@@ -286,13 +286,13 @@ impl Controller {
     }
 
     /// Keeps everything that the next sizes depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep_number("controller.size", self.size);
-        memory.keep_option("controller.last_error", self.last.map(|(error, _)| error));
-        memory.keep_option("controller.last_size", self.last.map(|(_, size)| size));
-        memory.keep_flag("controller.was_rejected", self.was_rejected);
-        memory.keep_number("controller.order", self.order);
-        memory.keep_word("controller.limit", self.limit.name());
+    pub(super) fn save(&self, memory: &mut Memory) {
+        memory.save_number("controller.size", self.size);
+        memory.save_option("controller.last_error", self.last.map(|(error, _)| error));
+        memory.save_option("controller.last_size", self.last.map(|(_, size)| size));
+        memory.save_flag("controller.was_rejected", self.was_rejected);
+        memory.save_number("controller.order", self.order);
+        memory.save_word("controller.limit", self.limit.name());
     }
 
     /// Restores the data of [`Controller::keep`].
@@ -427,7 +427,7 @@ mod tests {
         first.reject(0.1, 3e-4);
         let mut second = controller();
         let mut memory = Memory::default();
-        first.keep(&mut memory);
+        first.save(&mut memory);
         second.restore(&memory).unwrap();
         assert_eq!(first, second);
     }

@@ -31,9 +31,9 @@ impl<'a> Control<'a> {
     /// Memory that the next size depends on.
     pub(super) fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
-        self.controller.keep(&mut memory);
+        self.controller.save(&mut memory);
         if let Some(choice) = &self.degrees {
-            choice.keep(degree, &mut memory);
+            choice.save(degree, &mut memory);
         }
         memory
     }

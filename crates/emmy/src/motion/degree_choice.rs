@@ -63,10 +63,10 @@ impl DegreeChoice {
     }
 
     /// Keeps the memory that later choices depend on.
-    pub(super) fn keep(&self, degree: usize, memory: &mut Memory) {
-        memory.keep_number("degree", degree as f64);
-        memory.keep_number("degree.left", self.left as f64);
-        memory.keep_number("degree.pause", self.pause as f64);
+    pub(super) fn save(&self, degree: usize, memory: &mut Memory) {
+        memory.save_number("degree", degree as f64);
+        memory.save_number("degree.left", self.left as f64);
+        memory.save_number("degree.pause", self.pause as f64);
     }
 
     /// Restores the data of [`DegreeChoice::keep`].

@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn a_condensed_system_has_the_solution_of_the_complete_one() {
         let lists: [&[u32]; 2] = [&[0, 1, 3], &[1, 2, 4]];
-        let pattern = Pattern::new(5, lists.into_iter()).with_inner_from(3);
+        let pattern = Pattern::new(5, lists.into_iter()).with_inner_rows_from(3);
         let mut stiffness = StageMatrix::new(&pattern, &pattern.divided(1), 1);
         let entry = |a: usize, b: usize| {
             let (low, high) = (a.min(b) as f64, a.max(b) as f64);

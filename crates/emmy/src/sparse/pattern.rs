@@ -48,7 +48,7 @@ impl Pattern {
 
     /// The pattern with the rows from a number on as *inner* rows: each is coupled within one list alone, so that the
     /// elimination of the inner rows before the others has no fill. The orders of factorisations heed it.
-    pub fn with_inner_from(self, row: usize) -> Self {
+    pub fn with_inner_rows_from(self, row: usize) -> Self {
         Pattern { inner_from: row, ..self }
     }
 

@@ -67,8 +67,8 @@ impl<'a> ImplicitStep<'a> {
     /// The memory that the next steps depend on.
     pub(super) fn memory(&self) -> Memory {
         let mut memory = Memory::default();
-        self.iteration.keep(&mut memory);
-        self.system.keep(&mut memory);
+        self.iteration.save(&mut memory);
+        self.system.save(&mut memory);
         memory
     }
 

@@ -99,16 +99,16 @@ impl Iteration {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        self.prediction.keep(memory);
-        memory.keep_local("pressures", &self.local);
+    pub(super) fn save(&self, memory: &mut Memory) {
+        self.prediction.save(memory);
+        memory.save_local("pressures", &self.local);
         if self.n_multipliers > 0 {
-            memory.keep("multipliers", &self.multipliers);
+            memory.save("multipliers", &self.multipliers);
         }
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
-        memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
-        memory.keep_number("newton.excess", excess as f64);
-        memory.keep_number("newton.forcing", forcing);
+        memory.save_option("newton.fresh", fresh.map(|corrections| corrections as f64));
+        memory.save_number("newton.excess", excess as f64);
+        memory.save_number("newton.forcing", forcing);
     }
 
     /// Restores the data of [`Iteration::keep`].

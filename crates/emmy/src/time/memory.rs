@@ -13,9 +13,9 @@ use crate::error::{Error, Result};
 ///
 /// ```
 /// let mut memory = emmy::time::Memory::default();
-/// memory.keep_nodal("acceleration", &[0.5, -0.5, 0.0]);
-/// memory.keep_number("step_size", 0.1);
-/// memory.keep_word("solver", "direct");
+/// memory.save_nodal("acceleration", &[0.5, -0.5, 0.0]);
+/// memory.save_number("step_size", 0.1);
+/// memory.save_word("solver", "direct");
 /// assert_eq!(memory.list("acceleration")?, [0.5, -0.5, 0.0]);
 /// assert_eq!((memory.number("step_size")?, memory.word("solver")?), (0.1, "direct"));
 /// assert!(memory.list("velocity").is_err());
@@ -31,19 +31,19 @@ pub struct Memory {
 
 impl Memory {
     /// Keeps a list that is the same on all ranks.
-    pub fn keep(&mut self, name: &str, list: &[f64]) {
+    pub fn save(&mut self, name: &str, list: &[f64]) {
         self.lists.insert(name.to_string(), list.to_vec());
     }
 
     /// Keeps nodal vectors, `[k][n_nodes][3]`.
-    pub fn keep_nodal(&mut self, name: &str, vectors: &[f64]) {
-        self.keep(name, vectors);
+    pub fn save_nodal(&mut self, name: &str, vectors: &[f64]) {
+        self.save(name, vectors);
         self.entries.insert(name.to_string(), Entries::Nodes);
     }
 
     /// Keeps local unknowns, `[function][n]`.
-    pub fn keep_local(&mut self, name: &str, local: &[f64]) {
-        self.keep(name, local);
+    pub fn save_local(&mut self, name: &str, local: &[f64]) {
+        self.save(name, local);
         self.entries.insert(name.to_string(), Entries::Local);
     }
 
@@ -54,22 +54,22 @@ impl Memory {
     }
 
     /// Keeps a number.
-    pub fn keep_number(&mut self, name: &str, number: f64) {
-        self.keep(name, &[number]);
+    pub fn save_number(&mut self, name: &str, number: f64) {
+        self.save(name, &[number]);
     }
 
     /// Keeps a number that may be missing.
-    pub fn keep_option(&mut self, name: &str, number: Option<f64>) {
-        self.keep(name, number.as_slice());
+    pub fn save_option(&mut self, name: &str, number: Option<f64>) {
+        self.save(name, number.as_slice());
     }
 
     /// Keeps a flag.
-    pub fn keep_flag(&mut self, name: &str, flag: bool) {
-        self.keep_word(name, if flag { YES } else { NO });
+    pub fn save_flag(&mut self, name: &str, flag: bool) {
+        self.save_word(name, if flag { YES } else { NO });
     }
 
     /// Keeps a word, such as the name of a variant.
-    pub fn keep_word(&mut self, name: &str, word: &str) {
+    pub fn save_word(&mut self, name: &str, word: &str) {
         self.words.insert(name.to_string(), word.to_string());
     }
 

@@ -66,7 +66,7 @@ impl Formula {
     }
 }
 
-const ONE: &[&str] = &[""];
+const SCALAR: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
 const ORDERED: &[&str] = &["1", "2", "3"];
@@ -154,7 +154,7 @@ fields! {
         description: "equivalent stress of the Cauchy stress",
         dimension: "stress",
         place: Place::Nodes,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Solids,
         formula: Formula::Number(|state| von_mises(&state.cauchy)),
     }
@@ -174,7 +174,7 @@ fields! {
         description: "stored energy W per reference volume",
         dimension: "energy/length³",
         place: Place::Nodes,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Solids,
         formula: Formula::Number(|state| state.energy),
     }
@@ -204,7 +204,7 @@ fields! {
         description: "equivalent stress of cell_cauchy_stress",
         dimension: "stress",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Volume,
         formula: Formula::Number(|state| von_mises(&state.cauchy)),
     }
@@ -214,7 +214,7 @@ fields! {
         description: "minus a third of the trace of cell_cauchy_stress, positive in compression",
         dimension: "stress",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Solids,
         formula: Formula::Number(|state| -(state.cauchy[0] + state.cauchy[1] + state.cauchy[2]) / 3.0),
     }
@@ -224,7 +224,7 @@ fields! {
         description: "mean of W in each cell",
         dimension: "energy/length³",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Volume,
         formula: Formula::Number(|state| state.energy),
     }
@@ -235,7 +235,7 @@ fields! {
         description: "mean of J = det F in each cell: current volume over reference volume",
         dimension: "",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Volume,
         formula: Formula::Number(|state| state.volume_ratio),
     }
@@ -245,7 +245,7 @@ fields! {
         description: "force in each link, positive in tension; 0 in other cells",
         dimension: "force",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Links,
         formula: Formula::OfCell(|fields, [displacement, _], cell| fields.axial_force(displacement, cell)),
     }
@@ -256,7 +256,7 @@ fields! {
         description: "mean of density times v^2/2 in each cell, per reference volume",
         dimension: "energy/length³",
         place: Place::Cells,
-        components: ONE,
+        components: SCALAR,
         needs: Needs::Volume,
         formula: Formula::OfMass(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
     }

@@ -187,7 +187,7 @@ impl Stepper for BatheStepper<'_> {
 
     fn memory(&self) -> Memory {
         let mut memory = self.step.memory();
-        self.start.keep(&mut memory);
+        self.start.save(&mut memory);
         memory
     }
 

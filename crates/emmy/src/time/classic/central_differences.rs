@@ -130,11 +130,11 @@ impl Stepper for CentralDifferences<'_> {
 
     fn memory(&self) -> Memory {
         let mut memory = Memory::default();
-        memory.keep_nodal("inertia", &self.inertia);
-        self.start.keep(&mut memory);
-        memory.keep_nodal("stability.mode", &self.limit.mode);
-        memory.keep_number("stability.critical_step", self.limit.critical_step);
-        memory.keep_number("stability.n_steps", self.limit.n_steps as f64);
+        memory.save_nodal("inertia", &self.inertia);
+        self.start.save(&mut memory);
+        memory.save_nodal("stability.mode", &self.limit.mode);
+        memory.save_number("stability.critical_step", self.limit.critical_step);
+        memory.save_number("stability.n_steps", self.limit.n_steps as f64);
         memory
     }
 

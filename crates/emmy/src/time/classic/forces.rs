@@ -204,12 +204,12 @@ impl TimePoint {
     }
 
     /// Keeps the forces of the point for the start of the next step.
-    pub(crate) fn keep(&self, memory: &mut Memory) {
-        memory.keep_nodal("start.displacement", &self.displacement);
-        memory.keep_nodal("start.external", &self.external);
-        memory.keep_nodal("start.force", &self.force);
+    pub(crate) fn save(&self, memory: &mut Memory) {
+        memory.save_nodal("start.displacement", &self.displacement);
+        memory.save_nodal("start.external", &self.external);
+        memory.save_nodal("start.force", &self.force);
         let reactions = self.reactions.iter().flat_map(|own| [own.force, own.moment]);
-        memory.keep("start.reactions", &reactions.flatten().collect::<Vec<f64>>());
+        memory.save("start.reactions", &reactions.flatten().collect::<Vec<f64>>());
     }
 
     /// Restores the data of [`TimePoint::keep`].
@@ -329,10 +329,10 @@ impl Start {
     }
 
     /// Keeps what the next step depends on.
-    pub(crate) fn keep(&self, memory: &mut Memory) {
-        memory.keep_nodal("acceleration", &self.acceleration);
-        memory.keep_nodal("inertia", &self.inertia);
-        self.point.keep(memory);
+    pub(crate) fn save(&self, memory: &mut Memory) {
+        memory.save_nodal("acceleration", &self.acceleration);
+        memory.save_nodal("inertia", &self.inertia);
+        self.point.save(memory);
     }
 
     /// Restores the data of [`Start::keep`].

@@ -249,7 +249,7 @@ impl Stepper for NewmarkStepper<'_> {
 
     fn memory(&self) -> Memory {
         let mut memory = self.step.memory();
-        self.start.keep(&mut memory);
+        self.start.save(&mut memory);
         memory
     }
 

@@ -112,8 +112,8 @@ impl DefectCorrection {
     }
 
     /// Keeps the memory that the next corrections depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
+    pub(super) fn save(&self, memory: &mut Memory) {
+        memory.save_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
     /// Restores the data of [`DefectCorrection::keep`].

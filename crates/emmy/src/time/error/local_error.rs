@@ -245,16 +245,16 @@ impl<'a> LocalError<'a> {
         match &self.kind {
             Kind::Difference(difference) => {
                 let mut memory = Memory::default();
-                memory.keep_nodal("acceleration", &difference.acceleration);
-                memory.keep_number("before", difference.before);
-                memory.keep_nodal("third", &difference.third);
-                memory.keep_option("third_before", difference.third_before);
+                memory.save_nodal("acceleration", &difference.acceleration);
+                memory.save_number("before", difference.before);
+                memory.save_nodal("third", &difference.third);
+                memory.save_option("third_before", difference.third_before);
                 memory
             }
             Kind::Element(next) => next.memory(),
             Kind::Sampled(next, sampling) => {
                 let mut memory = next.memory();
-                sampling.keep(&mut memory);
+                sampling.save(&mut memory);
                 memory
             }
         }
@@ -326,7 +326,7 @@ impl<'a> NextDegree<'a> {
     fn memory(&self) -> Memory {
         let mut memory = self.stepper.memory();
         if let Some((correction, _)) = &self.correction {
-            correction.keep(&mut memory);
+            correction.save(&mut memory);
         }
         memory
     }

@@ -162,15 +162,15 @@ impl Sampling {
     }
 
     /// Keeps the memory that the next errors depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep_nodal("sampling.derivative", &self.derivative);
-        memory.keep_option("sampling.last_size", self.last_size);
-        memory.keep_option("sampling.sample.size", self.sample.map(|[size, _]| size));
-        memory.keep_option("sampling.sample.derivative_norm", self.sample.map(|[_, norm]| norm));
-        memory.keep_nodal("sampling.displacement", &self.displacement);
-        memory.keep_nodal("sampling.velocity", &self.velocity);
-        memory.keep_number("sampling.pause", self.pause as f64);
-        memory.keep_number("sampling.left", self.left as f64);
+    pub(super) fn save(&self, memory: &mut Memory) {
+        memory.save_nodal("sampling.derivative", &self.derivative);
+        memory.save_option("sampling.last_size", self.last_size);
+        memory.save_option("sampling.sample.size", self.sample.map(|[size, _]| size));
+        memory.save_option("sampling.sample.derivative_norm", self.sample.map(|[_, norm]| norm));
+        memory.save_nodal("sampling.displacement", &self.displacement);
+        memory.save_nodal("sampling.velocity", &self.velocity);
+        memory.save_number("sampling.pause", self.pause as f64);
+        memory.save_number("sampling.left", self.left as f64);
     }
 
     /// Restores the data of [`Sampling::keep`].

@@ -40,7 +40,7 @@ pub(crate) struct ApproximateTangent {
     strain_rates: StrainRateTransform,
     turned: Vec<f64>,
     /// The time s of the stage equations in the present solvers.
-    made_for: Option<f64>,
+    time_scale_of_factors: Option<f64>,
     /// Factor on viscosities in K.
     viscous_rate: f64,
     /// Factor on the elasticity at rest, of a dissipative scheme.
@@ -89,7 +89,7 @@ impl ApproximateTangent {
             turns: false,
             strain_rates: StrainRateTransform::new(nodes.len(), n),
             turned: vec![0.0; n * nodes.len()],
-            made_for: None,
+            time_scale_of_factors: None,
             displacement: vec![0.0; n],
             rates: vec![0.0; n],
             positions: vec![0.0; body.mesh().n_dofs()],
@@ -101,8 +101,8 @@ impl ApproximateTangent {
     }
 
     /// Whether there is a stiffness.
-    pub(crate) fn is_made(&self) -> bool {
-        self.made_for.is_some()
+    pub(crate) fn is_factorised(&self) -> bool {
+        self.time_scale_of_factors.is_some()
     }
 
     /// Takes the stiffness in the middle of a step from a displacement with rates x and local unknowns,
@@ -119,7 +119,7 @@ impl ApproximateTangent {
         local: &[f64],
         time_scale: f64,
     ) -> Result<()> {
-        self.made_for = None;
+        self.time_scale_of_factors = None;
         self.orientation = IDENTITY;
         self.set_midpoint(displacement, rates);
         set_means(local, &mut self.local);
@@ -135,15 +135,15 @@ impl ApproximateTangent {
     }
 
     /// Keeps the data that the next steps depend on. The stiffness itself follows from displacement and rates.
-    pub(crate) fn keep(&self, memory: &mut Memory) {
-        memory.keep_nodal("tangent.displacement", &self.displacement);
-        memory.keep_nodal("tangent.rates", &self.rates);
-        memory.keep_local("tangent.pressures", &self.local);
-        memory.keep_number("tangent.viscous_rate", self.viscous_rate);
-        memory.keep("tangent.orientation", self.orientation.as_flattened());
-        memory.keep("tangent.rotation", &self.rotation);
-        memory.keep_option("tangent.made_for", self.made_for);
-        self.solvers.keep(memory);
+    pub(crate) fn save(&self, memory: &mut Memory) {
+        memory.save_nodal("tangent.displacement", &self.displacement);
+        memory.save_nodal("tangent.rates", &self.rates);
+        memory.save_local("tangent.pressures", &self.local);
+        memory.save_number("tangent.viscous_rate", self.viscous_rate);
+        memory.save("tangent.orientation", self.orientation.as_flattened());
+        memory.save("tangent.rotation", &self.rotation);
+        memory.save_option("tangent.made_for", self.time_scale_of_factors);
+        self.solvers.save(memory);
     }
 
     /// Restores the data of [`ApproximateTangent::keep`], and computes stiffness and factors again.
@@ -157,7 +157,7 @@ impl ApproximateTangent {
         self.viscous_rate = memory.number("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
-        self.made_for = None;
+        self.time_scale_of_factors = None;
         self.solvers.restore(body, memory)?;
         if let Some(time_scale) = memory.option("tangent.made_for")? {
             self.assemble(body)?;
@@ -204,7 +204,7 @@ impl ApproximateTangent {
     /// # Errors
     /// [`crate::Error::Linear`].
     pub(crate) fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<bool> {
-        if self.made_for == Some(time_scale) {
+        if self.time_scale_of_factors == Some(time_scale) {
             return Ok(false);
         }
         self.set(body, time_scale).map(|()| true)
@@ -227,11 +227,11 @@ impl ApproximateTangent {
     }
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
-        self.made_for = None;
+        self.time_scale_of_factors = None;
         self.set_soft_part(body, time_scale);
         self.set_positions(body);
         self.solvers.set(body, (&self.assembly.matrix, &self.positions), time_scale, self.soft_part)?;
-        self.made_for = Some(time_scale);
+        self.time_scale_of_factors = Some(time_scale);
         Ok(())
     }
 
@@ -282,14 +282,14 @@ impl ApproximateTangent {
     ) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);
-        if let Some(s) = self.made_for.filter(|_| !local.is_empty()) {
+        if let Some(s) = self.time_scale_of_factors.filter(|_| !local.is_empty()) {
             body.add_kept_local_force(rule, &self.assembly, -s * s, local, &mut self.turned);
             // Supports do not move under a change of local unknowns.
             body.space.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         let damping = VolumeDamping {
-            viscous: self.made_for.map_or(0.0, |s| body.viscous_time() / s),
+            viscous: self.time_scale_of_factors.map_or(0.0, |s| body.viscous_time() / s),
             dissipative: self.dissipation,
         };
         let factor = self.rate_factor(body);
@@ -297,7 +297,7 @@ impl ApproximateTangent {
         self.turn_forward(z);
         if iterations.is_none() {
             self.solvers.fall_back(body.space.is_shared());
-            self.made_for = None;
+            self.time_scale_of_factors = None;
         }
         iterations
     }
@@ -305,7 +305,7 @@ impl ApproximateTangent {
     /// Adds the stage forces of local unknowns in the present orientation, times the square of the time scale, with the
     /// forces of unit local unknowns in K.
     pub(crate) fn add_local_force(&mut self, (body, rule): (&Body, &Rule), local: &[f64], r: &mut [f64]) {
-        let Some(s) = self.made_for.filter(|_| !local.is_empty()) else { return };
+        let Some(s) = self.time_scale_of_factors.filter(|_| !local.is_empty()) else { return };
         let n = self.row_sums.len();
         let mut force = std::mem::take(&mut self.local_force);
         force.fill(0.0);

@@ -16,7 +16,7 @@ use crate::sparse::{Eigenpairs, eigenpairs};
 
 /// One eigenvalue of `m^-1 w`, or a conjugate pair, with its change of basis from and to the stages.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Mode {
+pub(super) struct StageMode {
     /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.
     pub eigenvalue: [f64; 2],
     /// From stages to right-hand sides, `[column][i]`: one column, or two for a pair.
@@ -34,7 +34,7 @@ const PAIRED: f64 = 1e-12;
 ///
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
-pub(super) fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
+pub(super) fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<StageMode>> {
     let k = response.len().isqrt();
     let a = inverse_mass;
     let w = response;
@@ -42,12 +42,12 @@ pub(super) fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>>
         (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
     let eigen = eigenpairs(&product)?;
     let first_of_pair = (0..k).filter(|&m| eigen.values[m].1 > -PAIRED);
-    let mut modes: Vec<Mode> = first_of_pair.map(|m| Mode::new(a, &eigen, m)).collect();
-    modes.sort_by_key(Mode::n_columns);
+    let mut modes: Vec<StageMode> = first_of_pair.map(|m| StageMode::new(a, &eigen, m)).collect();
+    modes.sort_by_key(StageMode::n_columns);
     Ok(modes)
 }
 
-impl Mode {
+impl StageMode {
     fn new(a: &[f64], eigen: &Eigenpairs, m: usize) -> Self {
         let k = eigen.values.len();
         let (re, im) = eigen.values[m];
@@ -58,7 +58,7 @@ impl Mode {
         let mut forward: Vec<f64> = (0..k).map(|i| row(i, |z| z.0)).collect();
         if im <= PAIRED {
             let backward: Vec<f64> = (0..k).map(|i| eigen.vectors[i * k + m].0).collect();
-            return Mode { eigenvalue: [re, 0.0], forward, turned: backward.clone(), backward };
+            return StageMode { eigenvalue: [re, 0.0], forward, turned: backward.clone(), backward };
         }
         forward.extend((0..k).map(|i| row(i, |z| z.1)));
         // 2 Re [ V_im exp(-i angle) (y_1 + i y_2) ]
@@ -67,7 +67,7 @@ impl Mode {
             let pairs = (0..k).map(|i| eigen.vectors[i * k + m]);
             pairs.flat_map(|(re, im)| [2.0 * (re * cos - im * sin), -2.0 * (re * sin + im * cos)]).collect()
         };
-        Mode {
+        StageMode {
             eigenvalue: [re, im],
             forward,
             backward: turned_by(0.0),
@@ -122,7 +122,7 @@ mod tests {
             let right: Vec<f64> = (0..k).map(|i| (i as f64 + 0.3).cos()).collect();
             let mut x = vec![0.0; k];
             let modes = modes(&stage.inverse_mass, &stage.response).unwrap();
-            assert_eq!(modes.iter().map(Mode::n_columns).sum::<usize>(), k);
+            assert_eq!(modes.iter().map(StageMode::n_columns).sum::<usize>(), k);
             for mode in &modes {
                 let mut columns = vec![0.0; mode.n_columns()];
                 mode.restrict(&right, &mut columns);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::decoupling::{Mode, modes};
+use super::decoupling::{StageMode, modes};
 use super::solver_choice::{Costs, factorization_cost};
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use crate::time::stage_coefficients::StageCoefficients;
 /// The modes of the stage equations with their solvers.
 #[derive(Debug)]
 pub(super) struct ModeSolvers {
-    modes: Vec<Mode>,
+    modes: Vec<StageMode>,
     /// Coefficients of the inertia without drag, and of the response, `[i k + j]`.
     mass: Vec<f64>,
     response: Vec<f64>,
@@ -74,7 +74,7 @@ impl ModeSolvers {
 
     /// Modulus of the largest eigenvalue of `m^-1 w`.
     pub(super) fn largest_modulus(&self) -> f64 {
-        self.modes.iter().map(Mode::modulus).fold(0.0, f64::max)
+        self.modes.iter().map(StageMode::modulus).fold(0.0, f64::max)
     }
 
     /// The solver, once there is one.
@@ -109,7 +109,7 @@ impl ModeSolvers {
             self.set_modes(body, time_scale)?;
         }
         // In 16 bits a stiffness of projected volumes is indefinite, and sweeps do not smooth its volumes.
-        let is_stiff = soft_part < LEAST_SOFT_PART;
+        let is_stiff = soft_part < MIN_SOFT_FRACTION;
         let scale = time_scale * time_scale * self.largest_modulus();
         let number = scale * stiffness_over_mass(body, stiffness);
         self.time_scale = time_scale;
@@ -286,16 +286,16 @@ impl ModeSolvers {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
+    pub(super) fn save(&self, memory: &mut Memory) {
         for (name, kind) in FAILED {
-            memory.keep_flag(name, self.failed.contains(&kind));
+            memory.save_flag(name, self.failed.contains(&kind));
         }
-        memory.keep_flag("solver.is_ready", !self.solvers.is_empty());
-        memory.keep_flag("solver.is_chosen", self.choice.is_some());
+        memory.save_flag("solver.is_ready", !self.solvers.is_empty());
+        memory.save_flag("solver.is_chosen", self.choice.is_some());
         if let Some(choice) = self.choice {
-            memory.keep_word("solver.kind", choice.kind.name());
-            memory.keep_number("solver.stiffness", choice.stiffness);
-            memory.keep_option("solver.limit", choice.limit);
+            memory.save_word("solver.kind", choice.kind.name());
+            memory.save_number("solver.stiffness", choice.stiffness);
+            memory.save_option("solver.limit", choice.limit);
         }
     }
 
@@ -374,7 +374,7 @@ fn condensed<T>(
 }
 
 /// lambda of a mode.
-fn shift(mode: &Mode, time_scale: f64) -> [f64; 2] {
+fn shift(mode: &StageMode, time_scale: f64) -> [f64; 2] {
     mode.eigenvalue.map(|part| time_scale * time_scale * part)
 }
 
@@ -407,4 +407,4 @@ const FAILED: [(&str, SolverKind); 3] = [
 ];
 
 /// Smallest part of M + s^2 K beside projected volumes for conjugate gradients without a factorisation.
-const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
+const MIN_SOFT_FRACTION: f64 = 1.0 / 30.0;

@@ -117,9 +117,9 @@ impl Prediction {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep_nodal("prediction.deviation", &self.deviation);
-        memory.keep_option("prediction.last_size", self.last_size);
+    pub(super) fn save(&self, memory: &mut Memory) {
+        memory.save_nodal("prediction.deviation", &self.deviation);
+        memory.save_option("prediction.last_size", self.last_size);
     }
 
     /// Restores the data of [`Prediction::keep`].

@@ -71,11 +71,11 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub(super) fn keep(&self, memory: &mut Memory) {
-        self.approximate_tangent.keep(memory);
+    pub(super) fn save(&self, memory: &mut Memory) {
+        self.approximate_tangent.save(memory);
         let of_forces = self.equations.body.saved_by_forces(&self.equations.assembly);
         if !of_forces.is_empty() {
-            memory.keep(FORCES, &of_forces);
+            memory.save(FORCES, &of_forces);
         }
     }
 

@@ -15,7 +15,7 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 const FLOOR: f64 = 0.25;
 
 /// Degrees of freedom below which the number of corrections is all that counts.
-const SMALL: usize = 500;
+const DOFS_OF_SMALL_BODY: usize = 500;
 
 impl StageSystem<'_> {
     /// Computes and factorises the approximate tangent at some unknowns.
@@ -173,7 +173,7 @@ impl System for StageSystem<'_> {
         let local = &mut dx[of_rates.len()..];
         local.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
         self.set_border(x);
-        if tangent == Tangent::Refactorized || !self.approximate_tangent.is_made() {
+        if tangent == Tangent::Refactorized || !self.approximate_tangent.is_factorised() {
             self.refactorize(x)?;
         }
         if self.approximate_tangent.rescale(self.equations.body, self.equations.time_scale)? {
@@ -219,7 +219,7 @@ impl System for StageSystem<'_> {
     /// bulk modulus makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
         match (self.equations.body.has_local(), self.equations.body.n_dofs_of_ranks()) {
-            (false, SMALL..) if slow_corrections == 0 => 0.4,
+            (false, DOFS_OF_SMALL_BODY..) if slow_corrections == 0 => 0.4,
             (false, _) => 0.0,
             _ => 0.9,
         }

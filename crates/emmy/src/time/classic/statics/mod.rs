@@ -14,10 +14,10 @@ use system::{StaticSystem, largest_node};
 
 /// An equilibrium farther away than this multiple of the step linearised at its start belongs to another path: near a
 /// limit of the loads, where the path is a parabola, the multiple is at most 2.
-const FARTHEST: f64 = 3.0;
+const MAX_STEPS_FROM_START: f64 = 3.0;
 
 /// The same multiple of the step linearised at its end; a path that stiffens with the power n has n.
-const FARTHEST_BACK: f64 = 10.0;
+const MAX_STEPS_FROM_END: f64 = 10.0;
 
 /// Distances below this part of the size of the body are rounding.
 const NO_DISTANCE: f64 = 1e-9;
@@ -137,7 +137,7 @@ impl<'a> StaticStepper<'a> {
         let displacement = &self.unknowns[..moved.len()];
         let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| body.space.norm(&step));
         let forth = self.system.predicted.unwrap_or(0.0);
-        if distance <= (FARTHEST * forth).min(FARTHEST_BACK * back) {
+        if distance <= (MAX_STEPS_FROM_START * forth).min(MAX_STEPS_FROM_END * back) {
             return Ok(());
         }
         let node = largest_node(body, &moved);
@@ -187,7 +187,7 @@ impl Stepper for StaticStepper<'_> {
 
     fn memory(&self) -> Memory {
         let mut memory = Memory::default();
-        memory.keep_number("energy", self.energy);
+        memory.save_number("energy", self.energy);
         memory
     }
 
