@@ -132,6 +132,9 @@ pub fn agrees_in(place: &Place, choice: &Choice, seed: u64) -> Result<(), String
     if has_collapsed {
         return compare_until_collapse(&case, &mut columns);
     }
+    if columns["time"].len() < MIN_ROWS {
+        return Err(format!("{} rows of a motion to its end", columns["time"].len()));
+    }
     let rows = reference_rows(&case, &columns["time"])?;
     compare_history(&case, &columns, &rows)?;
     compare_summary(&place.path("run/summary.json"), &rows)?;
@@ -142,6 +145,9 @@ pub fn agrees_in(place: &Place, choice: &Choice, seed: u64) -> Result<(), String
     let report = report.map_err(|(code, message)| format!("check ends with {code}: {message}"))?;
     compare_masses(&case, &report)
 }
+
+/// Rows of the history of a complete run, at the least: the start and three steps.
+const MIN_ROWS: usize = 4;
 
 /// Smallest det F from which on a material without resistance to compression is about to let a cell turn inside out.
 const COLLAPSE: f64 = 0.1;
@@ -195,9 +201,6 @@ fn reference_rows(case: &Case, times: &[f64]) -> Result<Vec<Row>, String> {
             });
         }
         return Ok(rows);
-    }
-    if times.len() < 4 {
-        return Err(format!("{} rows", times.len()));
     }
     let is_equilibrium = case.chosen("start") == "equilibrium";
     motion.rows(case.start().map_err(fault)?, times, is_equilibrium).map_err(fault)
