@@ -162,7 +162,8 @@ fn rectangles_and_boxes_have_the_modes_of_their_matrices() {
     }
 }
 
-/// Random networks of springs, most of them mechanisms, with masses and stiffnesses that differ by factors of up to 100.
+/// Random networks of springs, most of them mechanisms, with masses and stiffnesses that differ by factors of up
+/// to 100.
 #[test]
 fn networks_of_springs_have_the_modes_of_their_matrices() {
     let mut seed = 7u64;
