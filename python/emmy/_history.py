@@ -41,7 +41,7 @@ class Event(NamedTuple):
     message: str
 
 
-#: What sets the sizes of adaptive steps, in the column `limited_by`: words in the files of a run, else their places.
+#: Limits of adaptive step sizes, in the column `limited_by`: words in the files of a run, else their places.
 LIMITS = ("start", "error", "corrections", "kink", "load", "output", "phase", "max_size", "min_size")
 
 

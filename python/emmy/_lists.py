@@ -212,7 +212,7 @@ def set_threads(number: int) -> None:
 
 
 def threads() -> int:
-    """Number of threads; by default ``EMMY_NUM_THREADS``, or the number of cores, which is the most.
+    """Number of threads: ``EMMY_NUM_THREADS``, or by default the number of cores, which is also the limit.
 
     Returns
     -------

@@ -331,7 +331,7 @@ def _run(
 
 
 def _measured(results: Mapping[str, float], taken: set[str]) -> dict[str, float]:
-    """What a function has measured, under names that are not taken."""
+    """The measurements of a function, under names that are not taken."""
     for name in results:
         if not isinstance(name, str):
             raise TypeError(f"measure: the name {name!r} is not text")

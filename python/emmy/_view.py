@@ -130,7 +130,7 @@ class MotionView:
 
     @property
     def accuracy(self) -> str:
-        """What is known of the accuracy in time: "estimated ...", "not estimated ..." or "coarse ...".
+        """Accuracy in time, as far as it is known: "estimated ...", "not estimated ..." or "coarse ...".
 
         Balances close with steps of any size, so they say nothing about it. Empty before the first step, and in a
         static analysis.

@@ -21,7 +21,7 @@ pub(crate) type Cells<'py> = Vec<(String, PyReadonlyArray2<'py, i64>)>;
 /// Group of all links of a mesh.
 const LINKS: &str = "links";
 
-/// What a row of the arrays of cells is.
+/// The role of a row in the arrays of cells.
 enum Row {
     Cell(u32, CellKind),
     /// A surface beside solid cells, by its nodes: a face for groups.

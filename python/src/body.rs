@@ -258,7 +258,7 @@ impl Body {
         tuple(py, &self.problem.body, &state.map_err(|error| errors::start(py, error))?)
     }
 
-    /// What `emmy check` prints about the body.
+    /// The output of `emmy check` on the body.
     fn report(&self, py: Python<'_>) -> PyResult<String> {
         pool::work(py, || emmy_cli::report_on_body(&self.problem))
     }

@@ -51,7 +51,7 @@ impl Motion {
         Ok(work(self.lock()?.running.motion().state()))
     }
 
-    /// What the stage equations give at rates.
+    /// The result of the stage equations at rates.
     fn at_rates<T: Send>(
         &self,
         py: Python<'_>,

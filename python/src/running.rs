@@ -120,7 +120,7 @@ impl Running {
         &self.cell.borrow_dependent().motion
     }
 
-    /// What some work finds at the motion.
+    /// The result of some work at the motion.
     pub(crate) fn with_motion<T>(&mut self, work: impl FnOnce(&mut Motion<'_>) -> T) -> T {
         self.cell.with_dependent_mut(|_, Moving { motion, .. }| work(motion))
     }

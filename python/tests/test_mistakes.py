@@ -474,5 +474,5 @@ def test_random_settings_end_in_an_input_error_or_a_type_error():
     ],
 )
 def test_shapes_of_more_cells_than_memory_are_rejected_at_once(made, count):
-    with pytest.raises(emmy.InputError, match=f"this makes {count} cells; the most is 2e7"):
+    with pytest.raises(emmy.InputError, match=f"this makes {count} cells; the limit is 2e7"):
         made()

@@ -113,7 +113,7 @@ impl Energy {
         }
     }
 
-    /// What a projected volume measures.
+    /// The volume measure of a projected volume.
     pub fn measure(&self) -> Measure {
         match self {
             Energy::SaintVenantKirchhoff { .. } => Measure::Trace,

@@ -92,7 +92,7 @@ impl fmt::Debug for dyn Host + '_ {
 pub struct ProgressUpdate<'a> {
     /// The part of the work: empty for the run itself, or `equilibrium`, `start`, `reference`, `runs`.
     pub what: &'a str,
-    /// What is done, from 0 to `total`.
+    /// The finished part, from 0 to `total`.
     pub done: f64,
     /// The whole: planned steps, the duration of adaptive steps, or the number of runs.
     pub total: f64,

@@ -10,7 +10,7 @@ use emmy::time::{MAX_DEGREE, Scheme};
 use crate::input::{Problem, Start};
 use crate::units::Units;
 
-/// What is known about the accuracy of a run in time.
+/// The knowledge of the accuracy of a run in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AccuracyKind {
     /// Errors of its steps, or of its end, were estimated.

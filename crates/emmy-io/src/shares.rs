@@ -22,7 +22,7 @@ pub const INDEX: &str = "index.json";
 /// First line of the file of a share; its number is that of the format.
 const HEADER: &str = "emmy share 2\n";
 
-/// What a folder of shares has.
+/// The index of a folder of shares.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Index {
     /// That Emmy wrote the folder, and which version.
@@ -31,7 +31,7 @@ pub struct Index {
     pub parts: usize,
     /// Digest of the whole mesh.
     pub digest: String,
-    /// What the mesh was made from.
+    /// The source of the mesh.
     pub source: MeshSource,
     /// Number of nodes of the whole mesh.
     pub nodes: usize,
@@ -39,7 +39,7 @@ pub struct Index {
     pub cells: usize,
 }
 
-/// What a mesh was made from.
+/// The source of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeshSource {
     /// The section `[mesh]` of the input, without the folder of a file.

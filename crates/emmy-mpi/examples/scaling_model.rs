@@ -121,7 +121,7 @@ fn reset_peak() -> f64 {
     memory("VmRSS:")
 }
 
-/// What the ranks of a partition have, as means over the ranks that were looked at; the largest number of neighbours.
+/// The sizes of the ranks in a partition: means over the ranks that were looked at, the largest number of neighbours.
 struct Partition {
     own: f64,
     guests: f64,

@@ -35,7 +35,7 @@ fn mpirun(size: usize, case: &str) -> Output {
         .expect("mpirun starts")
 }
 
-/// What a rank of `mpirun` runs.
+/// The case that a rank of `mpirun` runs.
 #[test]
 #[ignore = "run by the other tests under mpirun"]
 fn worker() {

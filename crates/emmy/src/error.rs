@@ -101,7 +101,7 @@ pub enum Error {
         value: f64,
     },
     /// A built-in shape with more cells than [`crate::mesh::MAX_CELLS`].
-    #[error("this makes {count:.1e} cells; the most is {most:.0e}", most = crate::mesh::MAX_CELLS)]
+    #[error("this makes {count:.1e} cells; the limit is {most:.0e}", most = crate::mesh::MAX_CELLS)]
     TooManyCells {
         /// Number of cells.
         count: f64,
@@ -579,7 +579,7 @@ pub enum Error {
     /// A vector of another length than that of the body or the step.
     #[error("{what} has {expected} numbers here, not {found}")]
     Length {
-        /// What the vector is.
+        /// Name of the vector.
         what: &'static str,
         /// Its numbers.
         found: usize,
@@ -600,10 +600,16 @@ pub enum Error {
         /// The unsupported feature, and the supported ones.
         reason: String,
     },
+    /// A computation that has no multipliers for the constraints of a body.
+    #[error("{what} does not cover rigid links; steps of a time element do")]
+    Constrained {
+        /// The computation.
+        what: &'static str,
+    },
     /// Something that a team of ranks does not compute.
     #[error("{what} is not possible on a team")]
     NotOnTeam {
-        /// What was asked for.
+        /// The rejected request.
         what: String,
     },
     /// An error of one rank of a team, reported by all.
@@ -650,7 +656,7 @@ pub enum Error {
     },
 }
 
-/// What may help after a step that failed with every size.
+/// Advice after a step that failed with every size.
 fn advice_on_steps(cause: &Error) -> &'static str {
     match cause {
         Error::Tolerance { .. } => "allow smaller steps, or a larger tolerance",

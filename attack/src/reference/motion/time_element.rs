@@ -206,7 +206,7 @@ impl Motion<'_> {
     }
 }
 
-/// What a step starts from.
+/// The start of a step.
 struct Start<'a> {
     element: &'a Element,
     state: &'a State,

@@ -1,4 +1,4 @@
-//! What a run says about its accuracy in time, and what sets the sizes of adaptive steps.
+//! The report of a run on its accuracy in time, and on the limits of adaptive step sizes.
 
 use super::{BOX, Place};
 

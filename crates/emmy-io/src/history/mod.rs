@@ -32,7 +32,7 @@ pub enum Number {
     Whole(usize),
     /// A quantity.
     Real(f64),
-    /// What set the size of the step: a word in files, otherwise [`StepLimit::index`].
+    /// The limit that set the size of the step: a word in files, otherwise [`StepLimit::index`].
     Limit(StepLimit),
     /// Nothing: the quantity is not known in this row.
     Missing,

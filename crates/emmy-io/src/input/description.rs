@@ -84,7 +84,7 @@ pub(super) enum Kind {
     Tables(Box<Kind>),
 }
 
-/// What is wrong with a text, and a label for its place.
+/// The fault of a text, and a label for its place.
 pub(super) type Doubt = fn(&str) -> Option<(Fault, String)>;
 
 /// An entry of a table of the time.

@@ -176,7 +176,7 @@ impl Fault {
         self.help.as_deref()
     }
 
-    /// What was probably meant, if the words at the place say so.
+    /// The word that was probably meant, if the words at the place say so.
     pub fn suggestion(&self) -> Option<&str> {
         let mut words = self.labels.iter().map(|(_, words)| words.as_str());
         words.find(|words| words.starts_with("did you mean"))

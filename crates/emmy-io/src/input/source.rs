@@ -139,7 +139,7 @@ fn digest_of_parts(folder: &Path, resolved: &str, compares_file: bool) -> Result
     Ok(index.digest)
 }
 
-/// What the mesh of a resolved input is made from.
+/// The source of the mesh in a resolved input.
 pub(super) fn mesh_source(resolved: &str) -> Result<MeshSource, InputError> {
     let (section, file) = mesh_section(resolved);
     let checksum = file.map(|file| checksum(&file)).transpose()?;

@@ -95,7 +95,7 @@ fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
         .map_err(|error| item.fault(reason(&error), "this scheme"))
 }
 
-/// What is wrong with the name of a scheme.
+/// The fault of a scheme's name.
 fn doubt(text: &str) -> Option<(Fault, String)> {
     let error = Scheme::from_name(text).err()?;
     let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();

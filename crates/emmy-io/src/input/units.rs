@@ -23,7 +23,7 @@ pub(super) fn read(table: &Table<'_>) -> Units {
     UnitSystem::named(table.must("system")).map_or_else(Units::default, Units::from)
 }
 
-/// What is wrong with a name that is nearly one of a system.
+/// The fault of a name that is nearly one of a system.
 fn doubt(text: &str) -> Option<(Fault, String)> {
     if let Some(system) = SYSTEMS.iter().find(|system| begins_with(text, system.name)) {
         let message = format!(

@@ -1,11 +1,11 @@
-//! What a reader does with the entries of a file: cards of Nastran, keywords of Abaqus, sections of Gmsh, arrays of
+//! The treatment of the entries in a file: cards of Nastran, keywords of Abaqus, sections of Gmsh, arrays of
 //! VTK.
 
 use std::collections::BTreeMap;
 
 use crate::input::suggest::nearest;
 
-/// What a reader does with an entry.
+/// The treatment of an entry by a reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Treatment {
     /// It is read.

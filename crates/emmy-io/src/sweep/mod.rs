@@ -384,7 +384,7 @@ fn check_modes(problem: &Problem, count: usize) -> Result<(), Fault> {
     Err(if most > 0 { fault.help(format!("take at most {most}")) } else { fault.help("all nodes are held") })
 }
 
-/// What is kept of a combination.
+/// The checked result of a combination.
 struct Checked {
     checksum: u64,
     columns: Vec<String>,

@@ -126,7 +126,7 @@ fn every_mistake_of_a_file_is_reported_at_once() {
     }
 }
 
-/// What a misspelt key is meant to be is not missing as well, and neither is a table with faults.
+/// The key that a misspelt one is meant to be is not reported as missing, and neither is a table with faults.
 #[test]
 fn one_mistake_is_one_fault() {
     let good = "mesh.box = { size = [1, 1, 1], cells = [1, 1, 1] }\n[[region]]\ndensity = 1\n\

@@ -246,8 +246,8 @@ impl<'a> AdjointStep<'a> {
 /// # Errors
 /// [`Error::Adjoint`].
 pub(super) fn check_body(body: &Body) -> Result<()> {
-    body.check_unconstrained("adjoint")?;
     let not_covered = [
+        (!body.constraints().is_empty(), "rigid links are not covered; supports are"),
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
     ];

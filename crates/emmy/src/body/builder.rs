@@ -295,12 +295,12 @@ impl Body {
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        let rows = constraints.iter().map(|source| source.constraints(&mesh)).collect::<Result<Vec<_>>>()?;
-        let is_grounded = constraints.iter().any(|source| source.is_grounded());
-        let constraints = Constraints::new(rows.concat(), is_grounded);
         if ranks.size() > 1 && !constraints.is_empty() {
             return Err(Error::NotOnTeam { what: "a body with constraints".to_string() });
         }
+        let rows = constraints.iter().map(|source| source.constraints(&mesh)).collect::<Result<Vec<_>>>()?;
+        let is_grounded = constraints.iter().any(|source| source.is_grounded());
+        let constraints = Constraints::new(rows.concat(), is_grounded);
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;
         points::check_masses(&mesh, &lumped_mass, &held.inactive)?;

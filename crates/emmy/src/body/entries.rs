@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::system::Body;
 
-/// What the numbers of a list belong to.
+/// The entities that the numbers of a list belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Entries {
     /// Nodes, internal ones included: `[k][n_nodes][3]`.

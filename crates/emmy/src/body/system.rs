@@ -89,16 +89,12 @@ impl Body {
         &self.constraints
     }
 
-    /// Checks that the body has no constraints.
+    /// Checks that the body has no constraints, for a computation without multipliers.
     ///
     /// # Errors
-    /// [`Error::Scheme`] names who has no multipliers.
-    pub(crate) fn check_unconstrained(&self, who: &str) -> Result<()> {
-        if self.constraints.is_empty() {
-            return Ok(());
-        }
-        let reason = "rigid links need a time element, such as DGM".to_string();
-        Err(Error::Scheme { scheme: who.to_string(), reason })
+    /// [`Error::Constrained`].
+    pub(crate) fn check_unconstrained(&self, what: &'static str) -> Result<()> {
+        if self.constraints.is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
     }
 
     /// Number of degrees of freedom that are neither fixed nor driven.

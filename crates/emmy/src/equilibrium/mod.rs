@@ -8,7 +8,7 @@ use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, 
 use crate::time::Scheme;
 use crate::time::classic::{Forces, solve_stiffness};
 
-/// The static equilibrium `f(u) = F(u, t)` of a body under the loads, local unknowns and driven supports of a time t.
+/// The static equilibrium `f(u) = F(u, t)` of a body under the loads, pressures and driven supports of a time t.
 ///
 /// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut
 /// by two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for

@@ -3,16 +3,14 @@
 use std::sync::Arc;
 
 use super::interface::{Book, Force, ForceMemory, OverTime, Side};
-use super::signal::Signal;
 use super::source::Site;
 use super::step::{Sampling, StepStart};
 use crate::average::Rule;
 use crate::error::{Error, Result};
-use crate::input::{Load, LoadKind, NotFinite, SignalTarget, TimeFunction};
+use crate::input::{Load, LoadKind, TimeFunction};
 use crate::mass::regions::nodal_masses;
 use crate::mesh::Mesh;
 use crate::space::geometry::add_facet_areas;
-use crate::team::Subdomain;
 
 /// A dead load: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
 #[derive(Debug)]
@@ -99,29 +97,6 @@ impl DeadLoad {
         }
         DeadLoad::new(number, load, &masses, acceleration)
     }
-
-    /// The factor at a time.
-    ///
-    /// # Errors
-    /// [`Error::NotFiniteAt`].
-    fn factor(&self, time: f64) -> Result<f64> {
-        finite_factor(&self.time_function, self.number, time)
-    }
-}
-
-/// The factor of a load at a time.
-///
-/// # Errors
-/// [`Error::NotFiniteAt`].
-pub(super) fn finite_factor(time_function: &TimeFunction, number: usize, time: f64) -> Result<f64> {
-    let value = time_function.value(time);
-    let found = NotFinite { time, value };
-    if value.is_finite() { Ok(value) } else { Err(not_finite(time_function, number, found)) }
-}
-
-/// The error of a factor of a load that is not a finite number.
-pub(super) fn not_finite(time_function: &TimeFunction, number: usize, found: NotFinite) -> Error {
-    SignalTarget::Load(number).not_finite(time_function.text().unwrap_or_default(), found)
 }
 
 impl Force for DeadLoad {
@@ -143,7 +118,7 @@ impl Force for DeadLoad {
             Sampling::Averages => {
                 let averages =
                     self.time_function.averages(start.span.start, start.span.size, start.rule, factors);
-                averages.map_err(|found| not_finite(&self.time_function, self.number, found))?;
+                averages.map_err(|found| self.not_finite(found))?;
             }
             Sampling::Points => start.average_values(|time| self.factor(time), factors)?,
         }
@@ -172,13 +147,8 @@ impl OverTime for DeadLoad {
         self.number
     }
 
-    fn next_corner(&self, after: f64) -> Option<f64> {
-        self.time_function.next_corner(after)
-    }
-
-    fn signals(&self, _: &Subdomain) -> Vec<Signal> {
-        let target = SignalTarget::Load(self.number);
-        Signal::of(&self.time_function, target, None, 0.0).into_iter().collect()
+    fn time_function(&self) -> &TimeFunction {
+        &self.time_function
     }
 
     fn in_proportion(&self, time: f64, _: usize) -> Arc<dyn Force> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::dead::{DeadLoad, cells_of, finite_factor, not_finite};
+use super::dead::{DeadLoad, cells_of};
 use super::interface::{Book, Force, ForceMemory, OverTime, Side};
 use super::signal::{POINTS_OF_SIGNALS, Signal};
 use super::source::Site;
@@ -196,7 +196,7 @@ impl FieldLoad {
                 acts =
                     self.add((time + alpha * h, factor), of_stages, values, force).map(|acts| acts || acted);
             });
-        factors.map_err(|found| not_finite(&self.time_function, self.number, found))?;
+        factors.map_err(|found| self.not_finite(found))?;
         acts
     }
 
@@ -206,7 +206,7 @@ impl FieldLoad {
     /// [`Error::NotFiniteAt`].
     fn force_at(&self, time: f64, n_dofs: usize) -> Result<Vec<f64>> {
         let (mut force, mut values) = (vec![0.0; n_dofs], vec![[0.0; 3]; self.points.len()]);
-        let factor = finite_factor(&self.time_function, self.number, time)?;
+        let factor = self.factor(time)?;
         self.add((time, factor), &[1.0], &mut values, &mut force)?;
         Ok(force)
     }
@@ -271,7 +271,7 @@ impl Force for FieldLoad {
         let mut acts = false;
         for (m, alpha) in points.alphas().enumerate() {
             let time = span.time(alpha);
-            let factor = finite_factor(&self.time_function, self.number, time)?;
+            let factor = self.factor(time)?;
             acts |= self.add((time, factor), points.stage_weights(m), &mut memory.values, steady)?;
         }
         Ok(acts)
@@ -291,11 +291,11 @@ impl OverTime for FieldLoad {
         self.number
     }
 
-    fn next_corner(&self, after: f64) -> Option<f64> {
-        self.time_function.next_corner(after)
+    fn time_function(&self) -> &TimeFunction {
+        &self.time_function
     }
 
-    fn signals(&self, ranks: &Subdomain) -> Vec<Signal> {
+    fn signal(&self, ranks: &Subdomain) -> Option<Signal> {
         let mut own = [[f64::NAN; 3]; POINTS_OF_SIGNALS];
         own.iter_mut().zip(samples(&self.points)).for_each(|(own, X)| *own = X);
         let of_ranks = ranks.gather("points of a field", own.as_flattened());
@@ -303,7 +303,7 @@ impl OverTime for FieldLoad {
             of_ranks.as_chunks().0.iter().copied().filter(|X: &[f64; 3]| X[0].is_finite()).collect();
         let (n_components, components) = self.components(samples(&points));
         let signal = Signal::of_field(&self.field, self.number, n_components, components);
-        (n_components > 0).then_some(signal).into_iter().collect()
+        (n_components > 0).then_some(signal)
     }
 
     fn in_proportion(&self, time: f64, n_dofs: usize) -> Arc<dyn Force> {

@@ -1,4 +1,4 @@
-//! What a force is to a body, and to a step.
+//! The interface of a force to a body and to a step.
 
 use std::any::Any;
 use std::fmt;
@@ -10,7 +10,8 @@ use super::signal::Signal;
 use super::step::{StepInput, StepStart};
 use super::strain_state::StrainState;
 use crate::average::{Request, Rule};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::input::{NotFinite, SignalTarget, TimeFunction};
 use crate::sparse::RowPart;
 use crate::team::Subdomain;
 
@@ -152,7 +153,7 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// Restores the numbers of [`Force::saved`].
     fn restore(&self, _: &mut ForceMemory, _saved: &[f64]) {}
 
-    /// How it is given over time; `None` for a force that does not depend on it.
+    /// Its interface as a load; `None` for a force that does not depend on time.
     fn over_time(&self) -> Option<&dyn OverTime> {
         None
     }
@@ -163,16 +164,33 @@ pub trait Force: fmt::Debug + Send + Sync {
     }
 }
 
-/// What a force has that is given over time: a load.
+/// The interface of a load, a force that is given as a function of time.
 pub trait OverTime {
     /// Number of the load.
     fn number(&self) -> usize;
 
-    /// The first time after another with a kink or a jump; of a measured table only its corners count.
-    fn next_corner(&self, after: f64) -> Option<f64>;
+    /// Its factor over time.
+    fn time_function(&self) -> &TimeFunction;
 
-    /// The smooth functions of time in it. A call of all ranks.
-    fn signals(&self, ranks: &Subdomain) -> Vec<Signal>;
+    /// The factor at a time.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    fn factor(&self, time: f64) -> Result<f64> {
+        let value = self.time_function().value(time);
+        if value.is_finite() { Ok(value) } else { Err(self.not_finite(NotFinite { time, value })) }
+    }
+
+    /// The error of a factor that is not a finite number.
+    fn not_finite(&self, found: NotFinite) -> Error {
+        let text = self.time_function().text().unwrap_or_default();
+        SignalTarget::Load(self.number()).not_finite(text, found)
+    }
+
+    /// The smooth function of time in it. A call of all ranks.
+    fn signal(&self, _: &Subdomain) -> Option<Signal> {
+        Signal::of(self.time_function(), SignalTarget::Load(self.number()), None, 0.0)
+    }
 
     /// The load of a time, before a jump there, in proportion to a fraction from 0 to 1 that takes the place of time.
     fn in_proportion(&self, time: f64, n_dofs: usize) -> Arc<dyn Force>;

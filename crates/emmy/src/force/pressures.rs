@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-/// Numbers of the pressures of a term.
+/// Numbers of the pressures of a force.
 #[derive(Debug, Clone, Default)]
 pub struct PressureNumbers {
     /// Number of functions of the pressure in a cell.
     pub n_functions: usize,
-    /// Position of the term among those with pressures.
+    /// Position of the force among those with pressures.
     pub term: usize,
     /// Number of the first function of the first cell.
     pub first: usize,
@@ -15,7 +15,7 @@ pub struct PressureNumbers {
     pub kept: Vec<Range<usize>>,
 }
 
-/// Nodes and pressures of the cells of a term.
+/// Nodes and pressures of the cells of a force.
 #[derive(Debug, Clone, Copy)]
 pub struct PressureCells<'a> {
     /// Indices of the cells in the mesh.
@@ -28,7 +28,7 @@ pub struct PressureCells<'a> {
     pub numbers: &'a PressureNumbers,
 }
 
-/// Results of the cells of a term that a part keeps.
+/// Results of the cells of a force that a part keeps.
 #[derive(Debug, Clone, Default)]
 pub struct PressureResults {
     /// Pressures of the deformation, `[cell][function][l]`.

@@ -19,7 +19,7 @@ type Function = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 pub struct Signal {
     /// The load or support.
     pub target: SignalTarget,
-    /// Its text, [`TimeFunction::text`] or [`super::Field::text`].
+    /// Its text, [`TimeFunction::text`] or [`crate::input::Field::text`].
     pub text: Arc<str>,
     /// Time at which a released support ends.
     pub until: Option<f64>,
@@ -27,7 +27,7 @@ pub struct Signal {
     pub arm: f64,
     /// Number of components.
     pub n_components: usize,
-    /// Whether an evaluation is costly: [`TimeFunction::of_times`], [`super::Field::of_points`].
+    /// Whether an evaluation is costly: [`TimeFunction::of_times`], [`crate::input::Field::of_points`].
     pub is_costly: bool,
     function: Arc<Function>,
 }

@@ -88,7 +88,7 @@ const MAX_NODES: usize = 27;
 const ENERGY_RUN: usize = 64;
 
 impl SolidForce {
-    /// The term of a table of cells.
+    /// The force of a table of cells.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -101,12 +101,12 @@ impl SolidForce {
         SolidForce { side, ..self }
     }
 
-    /// The same term with the energy of a projected volume beside that of its material.
+    /// The same force with the energy of a projected volume beside that of its material.
     pub(crate) fn with_projection(self, projection: Projection) -> Self {
         SolidForce { projection: Some(projection), ..self }
     }
 
-    /// The term of a table of links, with the energy of each.
+    /// The force of a table of links, with the energy of each.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].

@@ -1,4 +1,4 @@
-//! What forces are made from.
+//! Sources of forces: loads and user objects from which a body makes them.
 
 use std::fmt;
 use std::ops::Range;

@@ -2,19 +2,16 @@
 
 use std::sync::Arc;
 
-use super::dead::{finite_factor, not_finite};
 use super::facets::{FacetOfTable, FacetTable, NodalVectors};
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, OverTime, Side};
-use super::signal::Signal;
 use super::source::Site;
 use super::step::{Sampling, StepInput, StepStart};
 use crate::average::{FollowerRule, Request, Rule};
 use crate::error::{Error, Result};
-use crate::input::{Load, SignalTarget, TimeFunction};
+use crate::input::{Load, TimeFunction};
 use crate::nodal;
 use crate::sparse::RowPart;
-use crate::team::Subdomain;
 
 /// A pressure on a facet group with its factor over time.
 #[derive(Debug, Clone)]
@@ -132,12 +129,12 @@ impl Force for SurfacePressure {
         match start.sampling {
             Sampling::Averages => {
                 let found = self.time_function.averages(span.start, span.size, rule.fine(), averages);
-                found.map_err(|found| not_finite(&self.time_function, self.number, found))?;
+                found.map_err(|found| self.not_finite(found))?;
                 rule.factors(averages, factors);
             }
             Sampling::Points => {
                 for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
-                    *factor = finite_factor(&self.time_function, self.number, span.time(alpha))?;
+                    *factor = self.factor(span.time(alpha))?;
                 }
             }
         }
@@ -185,13 +182,8 @@ impl OverTime for SurfacePressure {
         self.number
     }
 
-    fn next_corner(&self, after: f64) -> Option<f64> {
-        self.time_function.next_corner(after)
-    }
-
-    fn signals(&self, _: &Subdomain) -> Vec<Signal> {
-        let target = SignalTarget::Load(self.number);
-        Signal::of(&self.time_function, target, None, 0.0).into_iter().collect()
+    fn time_function(&self) -> &TimeFunction {
+        &self.time_function
     }
 
     fn in_proportion(&self, time: f64, _: usize) -> Arc<dyn Force> {

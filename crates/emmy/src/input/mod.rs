@@ -1,4 +1,4 @@
-//! What a body is made of besides its mesh: regions, masses and springs at nodes, supports, loads, initial velocity,
+//! The parts of a body besides its mesh: regions, masses and springs at nodes, supports, loads, initial velocity,
 //! and the functions of time and place in them. Plain data.
 
 #![allow(non_snake_case)]

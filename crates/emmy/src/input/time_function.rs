@@ -45,7 +45,7 @@ struct Table {
 
 /// A time at which a function is not a finite number, and its value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NotFinite {
+pub struct NotFinite {
     pub(crate) time: f64,
     pub(crate) value: f64,
 }

@@ -225,7 +225,7 @@ mod tests {
         assert!((count(l_block(1e-9)) / 117e27 - 1.0).abs() < 1e-12);
         assert_eq!(
             block([1.0; 3], [1000; 3]).unwrap_err().to_string(),
-            "this makes 1.0e9 cells; the most is 2e7"
+            "this makes 1.0e9 cells; the limit is 2e7"
         );
     }
 

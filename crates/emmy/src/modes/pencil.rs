@@ -32,7 +32,7 @@ impl Linearised {
     /// The stiffness at a displacement `[n_nodes][3]`, with the follower pressures of a time.
     ///
     /// # Errors
-    /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
+    /// [`crate::Error::Constrained`], [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
         body.check_unconstrained("a search for natural modes")?;
         let mut forces = Forces::new(body);

@@ -194,7 +194,7 @@ impl Controller {
         self.size
     }
 
-    /// What set it.
+    /// The limit that set it.
     pub(super) fn limit(&self) -> StepLimit {
         match self.size {
             size if size >= self.largest => StepLimit::Largest,
@@ -295,7 +295,7 @@ impl Controller {
         memory.save_word("controller.limit", self.limit.name());
     }
 
-    /// Restores the data of [`Controller::keep`].
+    /// Restores the data of [`Controller::save`].
     ///
     /// # Errors
     /// [`Error::Memory`].

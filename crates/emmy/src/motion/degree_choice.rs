@@ -69,7 +69,7 @@ impl DegreeChoice {
         memory.save_number("degree.pause", self.pause as f64);
     }
 
-    /// Restores the data of [`DegreeChoice::keep`].
+    /// Restores the data of [`DegreeChoice::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

@@ -1,7 +1,6 @@
 //! The equations of the next step at any rates.
 
 use super::Motion;
-use super::plan::SHORTEST;
 use super::stepping::SAME_TIME;
 use crate::body::BlockRow;
 use crate::error::{Error, Result};
@@ -16,7 +15,8 @@ impl Motion<'_> {
     /// ```
     ///
     /// (Betsch and Steinmann (2001), equations (28)-(32)), with the terms of damping and of a dissipative element. At
-    /// held degrees of freedom it is h^2 times the reaction. The motion does not change.
+    /// held degrees of freedom it is h^2 times the reaction. The motion stays where it is; supports whose release is due
+    /// are released, as at the beginning of a step.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -81,10 +81,7 @@ impl Motion<'_> {
         if !self.body.constraints().is_empty() {
             return Err(self.without("rigid links have multipliers, which are not among the rates"));
         }
-        let time = self.state.time;
-        if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
-            return Err(Error::NoDuration { time, step_size });
-        }
+        self.check_step_size(step_size)?;
         let (found, expected) = (rates.len(), self.scheme.degree() * self.body.n_dofs());
         if found != expected {
             return Err(Error::Length { what: "a list of rates", found, expected });

@@ -30,7 +30,7 @@ pub(super) fn is_lost(error: &Error) -> bool {
     matches!(cause_of(error), Error::NoDuration { .. })
 }
 
-/// What made a step fail.
+/// The error that made a step fail.
 fn cause_of(error: &Error) -> &Error {
     match error {
         Error::StepFailed { cause, .. } => cause,

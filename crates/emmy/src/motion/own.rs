@@ -1,5 +1,6 @@
 //! Motions by a stepper from outside.
 
+use super::stepping::check_state;
 use super::{Motion, Snapshot};
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -22,7 +23,6 @@ impl<'a> Motion<'a> {
         let scheme = Scheme::Own(stepper.name());
         let refused = |reason: String| Err(Error::Scheme { scheme: scheme.name(), reason });
         body.space.check_whole("a stepper from outside")?;
-        body.check_unconstrained(&scheme.name())?;
         if let Some(feature) = BodyFeature::of(body).find(|feature| !stepper.integrates(*feature)) {
             return refused(format!(
                 "the body has {}, which the stepper does not integrate (`Stepper::integrates`)",
@@ -44,7 +44,11 @@ impl<'a> Motion<'a> {
         stepper: impl Stepper + 'a,
         snapshot: Snapshot,
     ) -> Result<Self> {
-        Motion::with_stepper(body, stepper)?.from(snapshot.state.clone())?.continued(snapshot)
+        let mut state = snapshot.state.clone();
+        body.space.agree(check_state(body, &state))?;
+        // The stepper may have a mass of its own; the snapshot then brings its momentum back.
+        body.mass_product(&state.velocity, &mut state.momentum);
+        Motion::with_stepper(body, stepper)?.from(state)?.continued(snapshot)
     }
 
     /// A motion that starts from a state with a stepper that is there.

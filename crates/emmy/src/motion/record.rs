@@ -84,7 +84,7 @@ pub struct Record {
     pub releases: usize,
     /// Estimated error of the step, relative to the scales of [`super::Adaptivity`]; 0 without adaptive steps.
     pub local_error: f64,
-    /// What set the size of the step; `None` without adaptive steps.
+    /// The limit that set the size of the step; `None` without adaptive steps.
     #[serde(default)]
     pub step_limit: Option<StepLimit>,
     /// Number of repetitions of the step because of its error.

@@ -236,7 +236,7 @@ impl RunStatistics {
         ratio(self.accumulated_angular_momentum_residual, self.angular_momentum_size().0)
     }
 
-    /// What residuals of the angular momentum are compared with, and its name: the largest |L|, or the largest possible
+    /// The scale of angular momentum residuals, and its name: the largest |L|, or the largest possible
     /// one where |L| is round-off.
     ///
     /// ```

@@ -54,10 +54,7 @@ impl Motion<'_> {
     /// As [`Stepper::advance`](crate::time::Stepper::advance), [`Error::NoDuration`], [`Error::NotANumber`]; the state
     /// is then unchanged.
     pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
-        let time = self.state.time;
-        if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
-            return Err(Error::NoDuration { time, step_size });
-        }
+        self.check_step_size(step_size)?;
         self.last.copy_from(&self.state);
         let outcome = self.stepper.advance(&mut self.state, step_size);
         // A given motion may fail at the end of the step.
@@ -71,7 +68,18 @@ impl Motion<'_> {
         self.state.copy_from(&self.last);
         let node = node.unwrap_or(0);
         let position = self.body.space.at_node(node, |node| self.state.position(self.body, node));
-        Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
+        let (step, time) = (self.state.step + 1, self.state.time + step_size);
+        Err(Error::NotANumber { step, time, node, position })
+    }
+
+    /// # Errors
+    /// [`Error::NoDuration`].
+    pub(super) fn check_step_size(&self, step_size: f64) -> Result<()> {
+        let time = self.state.time;
+        match step_size > SHORTEST * time.abs() && step_size.is_finite() {
+            true => Ok(()),
+            false => Err(Error::NoDuration { time, step_size }),
+        }
     }
 
     /// Records the step that led to the present state. `missed`: a function of time that it does not resolve.

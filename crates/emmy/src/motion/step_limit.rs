@@ -1,8 +1,8 @@
-//! What sets the sizes of adaptive steps.
+//! The limits that set the sizes of adaptive steps.
 
 use serde::{Deserialize, Serialize};
 
-/// What set the size of an adaptive step.
+/// The limit that set the size of an adaptive step.
 ///
 /// ```
 /// use emmy::motion::StepLimit;
@@ -92,7 +92,7 @@ impl StepLimits {
         self.0[limit.index()] += 1;
     }
 
-    /// What set the size of some steps, and of how many; the most frequent first.
+    /// The limits of some steps, and how many steps each of them set; the most frequent first.
     pub fn counts(&self) -> impl Iterator<Item = (StepLimit, usize)> + use<> {
         let mut counts = StepLimit::ALL.map(|limit| (limit, self.0[limit.index()]));
         counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));

@@ -370,7 +370,7 @@ impl<'a> Motion<'a> {
 }
 
 /// Checks that a state has the degrees of freedom of a body; the low part of the displacement may be empty.
-fn check_state(body: &Body, state: &State) -> Result<()> {
+pub(super) fn check_state(body: &Body, state: &State) -> Result<()> {
     let low = Some(&state.displacement_low).filter(|low| !low.is_empty());
     let lists = [
         ("displacement", Some(&state.displacement)),

@@ -173,7 +173,7 @@ impl Call {
     }
 }
 
-/// What a rank gives to a call.
+/// The contribution of a rank to a call.
 #[derive(Debug)]
 struct Deposit {
     call: Call,

@@ -1,4 +1,4 @@
-//! What all implicit steppers have in common: the equations of a step, and the iteration over them.
+//! The common part of all implicit steppers: the equations of a step, and the iteration over them.
 
 use super::equations::Equations;
 use super::iteration::Iteration;

@@ -111,7 +111,7 @@ impl Iteration {
         memory.save_number("newton.forcing", forcing);
     }
 
-    /// Restores the data of [`Iteration::keep`].
+    /// Restores the data of [`Iteration::save`].
     ///
     /// # Errors
     /// [`Error::Memory`].

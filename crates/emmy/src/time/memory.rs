@@ -25,7 +25,7 @@ use crate::error::{Error, Result};
 pub struct Memory {
     lists: BTreeMap<String, Vec<f64>>,
     words: BTreeMap<String, String>,
-    /// What the numbers of the lists over nodes and cells belong to.
+    /// The entities that the lists over nodes and cells belong to.
     entries: BTreeMap<String, Entries>,
 }
 

@@ -1,4 +1,4 @@
-//! SchemeDamping of a time element through its velocities, which conserves momenta and does not damp rigid motions.
+//! Dissipation of a time element through its velocities, which conserves momenta and does not damp rigid motions.
 //!
 //! A time element of degree k with the coefficients a of Gauss' method dissipates nothing. With
 //!
@@ -92,7 +92,7 @@ impl SchemeDamping {
     }
 }
 
-/// What a dissipative scheme adds to the stage equations; nothing for other schemes.
+/// The term that a dissipative scheme adds to the stage equations; nothing for other schemes.
 #[derive(Debug)]
 pub(super) struct SchemeForce {
     rigid: Option<RigidMotions>,

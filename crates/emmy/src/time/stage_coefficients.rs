@@ -27,7 +27,7 @@ pub(crate) struct StageCoefficients {
     pub inverse_mass: Vec<f64>,
     /// Response of the averages to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
     pub response: Vec<f64>,
-    /// SchemeDamping of the scheme.
+    /// Dissipation of the scheme.
     pub damping: Option<SchemeDamping>,
 }
 

@@ -18,6 +18,8 @@ pub enum BodyFeature {
     Damping,
     /// Cells with incompatible modes, which have no mass.
     IncompatibleModes,
+    /// Rigid links, which need multipliers.
+    RigidLinks,
 }
 
 impl BodyFeature {
@@ -27,16 +29,18 @@ impl BodyFeature {
             (BodyFeature::PrescribedMotion, body.is_driven()),
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
+            (BodyFeature::RigidLinks, !body.constraints().is_empty()),
         ];
         features.into_iter().filter(|(_, has)| *has).map(|(feature, _)| feature)
     }
 
-    /// What it is in a message.
+    /// Its name in messages.
     pub(crate) fn words(self) -> &'static str {
         match self {
             BodyFeature::PrescribedMotion => "supports with a given motion",
             BodyFeature::Damping => "viscosity or drag",
             BodyFeature::IncompatibleModes => "cells with incompatible modes",
+            BodyFeature::RigidLinks => "rigid links",
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Constraints that are sums of scalar products.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::affine::Affine;
@@ -72,6 +73,13 @@ impl Constraint {
         }
     }
 
+    /// |G|^2 in the reference configuration.
+    pub fn square_of_gradient(&self) -> f64 {
+        let mut gradient = BTreeMap::new();
+        self.for_each_gradient(&|_| 0.0, &mut |dof, value| *gradient.entry(dof).or_insert(0.0) += value);
+        gradient.into_values().map(|value: f64| value * value).sum()
+    }
+
     /// Calls a function with each entry of the second derivative, which is a number times the identity for each pair of
     /// nodes.
     pub fn for_each_curvature(&self, visit: &mut dyn FnMut([u32; 2], f64)) {
@@ -118,6 +126,13 @@ mod tests {
             });
             assert!((curvature - (along(1.0) - 2.0 * along(0.0) + along(-1.0))).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn gradients_are_arms() {
+        let [between, ground] = links();
+        assert!((between.square_of_gradient() - 2.0).abs() < 1e-15);
+        assert!((ground.square_of_gradient() - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -10,6 +10,8 @@ pub(crate) struct Constraints {
     rows: Vec<Constraint>,
     /// Nodes of the constraints, ascending.
     nodes: Vec<u32>,
+    /// |G|^2 of each constraint in the reference configuration.
+    squares: Vec<f64>,
     is_grounded: bool,
 }
 
@@ -51,7 +53,8 @@ impl Constraints {
         let mut nodes: Vec<u32> = rows.iter().flat_map(Constraint::nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Constraints { rows, nodes, is_grounded }
+        let squares = rows.iter().map(Constraint::square_of_gradient).collect();
+        Constraints { rows, nodes, squares, is_grounded }
     }
 
     /// Number of constraints.
@@ -85,16 +88,11 @@ impl Constraints {
         }
     }
 
-    /// Square of the forces `|C_i| / |G(q_1)|^2 G^T` that are as large as the residuals, for a unit mass.
-    pub(crate) fn square_of_residual(&self, step: BorderStep<'_>, residual: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (c, row) in self.rows.iter().enumerate() {
-            let mut square = 0.0;
-            row.for_each_gradient(&|dof| step.displacement[dof], &mut |_, value| square += value * value);
-            let of_row = residual[c..].iter().step_by(self.len());
-            sum += of_row.map(|residual| residual * residual / square).sum::<f64>();
-        }
-        sum
+    /// Square of the rates `C_i / |G|^2 G^T` that mend the residuals.
+    pub(crate) fn square_of_residual(&self, residual: &[f64]) -> f64 {
+        let of_stages =
+            residual.chunks_exact(self.len()).flat_map(|of_stage| of_stage.iter().zip(&self.squares));
+        of_stages.map(|(residual, square)| residual * residual / square).sum()
     }
 
     /// Adds a multiple of the forces `G(q_i)^T Lambda_i` of a stage, `force: [n_nodes][3]`; `multipliers: [k][n]`.

@@ -21,12 +21,17 @@ pub enum RigidLink {
 
 impl ConstraintSource for RigidLink {
     fn constraints(&self, mesh: &Mesh) -> Result<Vec<Constraint>> {
-        let X = |node: u32| mesh.points()[node as usize];
+        let X = |node: u32| {
+            let (node, n_nodes) = (node as usize, mesh.n_nodes());
+            let group = "rigid link".to_string();
+            mesh.points().get(node).copied().ok_or(Error::GroupNodeOutOfRange { group, node, n_nodes })
+        };
         let (nodes, weights, other) = match *self {
-            RigidLink::Nodes([a, b]) => (vec![a, b], vec![1.0, -1.0], X(b)),
+            RigidLink::Nodes([a, b]) => (vec![a, b], vec![1.0, -1.0], X(b)?),
             RigidLink::Ground(node, point) => (vec![node], vec![1.0], point),
         };
-        let reference = [0, 1, 2].map(|d| X(nodes[0])[d] - other[d]);
+        let first = X(nodes[0])?;
+        let reference = [0, 1, 2].map(|d| first[d] - other[d]);
         let square: f64 = reference.iter().map(|x| x * x).sum();
         if !(square > 0.0 && square.is_finite()) {
             return Err(Error::NotPositive { what: "length of a rigid link".into(), value: square.sqrt() });

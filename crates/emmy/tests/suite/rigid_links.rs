@@ -3,9 +3,11 @@
 #![allow(non_snake_case)]
 
 use crate::shared::schemes::{DGM, at};
+use emmy::body::TimeFunction;
 use emmy::internals::unknowns::RigidLink;
 use emmy::material::Link;
 use emmy::mesh::MeshBuilder;
+use emmy::motion::Solver;
 use emmy::prelude::*;
 
 const GRAVITY: f64 = 9.81;
@@ -13,6 +15,11 @@ const GRAVITY: f64 = 9.81;
 /// A mass of 2 on a rigid link of length 1 to the origin, 2.5 rad from the downward vertical, in the plane of x and z.
 /// Its cell is a spring so soft that its force is rounding.
 fn pendulum() -> Body {
+    hung(Support::fixed("pivot"), |mass| RigidLink::Ground(mass, [0.0; 3]))
+}
+
+/// The same on a link of a kind, with a pivot under a support.
+fn hung(support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
     let mut mesh = MeshBuilder::new();
     let pivot = mesh.point([0.0; 3]);
     let mass = mesh.point([2.5f64.sin(), 0.0, -(2.5f64.cos())]);
@@ -26,9 +33,9 @@ fn pendulum() -> Body {
             masses: vec![PointMass { group: "mass".into(), mass: 2.0 }],
             ..Default::default()
         })
-        .support(Support::fixed("pivot"))
+        .support(support)
         .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
-        .constraint(RigidLink::Ground(mass, [0.0; 3]))
+        .constraint(link(mass))
         .build()
         .unwrap()
 }
@@ -105,7 +112,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
     }
 }
 
-/// What has no multipliers says so.
+/// Computations without multipliers refuse a body with rigid links.
 #[test]
 fn rigid_links_are_refused_where_they_have_no_multipliers() {
     let body = pendulum();
@@ -114,4 +121,61 @@ fn rigid_links_are_refused_where_they_have_no_multipliers() {
         let error = scheme.check_body(&body).unwrap_err().to_string();
         assert!(error.contains("rigid links need a time element"), "{error}");
     }
+    let error = emmy::modes::modes(&body, 1).unwrap_err().to_string();
+    assert_eq!(error, "a search for natural modes does not cover rigid links; steps of a time element do");
+}
+
+/// A link to a held node is one to the ground, and a pivot that glides with a steady velocity takes the pendulum along.
+#[test]
+fn a_link_to_a_held_node_does_not_move_it() {
+    let between = |_| RigidLink::Nodes([0, 1]);
+    let line = |end: f64| TimeFunction::new(vec![(0.0, 0.0), (10.0, end)]).unwrap();
+    let gliding = Support::driven("pivot", [5.0, 0.0, 0.0].map(|end| Some(line(end))));
+    let bodies = [(hung(Support::fixed("pivot"), between), 0.0), (hung(gliding, between), 0.5)];
+    for solver in [Solver::Direct, Solver::Iterative] {
+        for k in 1..=3 {
+            let settings = NewtonSettings { solver, ..NewtonSettings::default() };
+            let ground = pendulum();
+            let start = State::initial(&ground, 0.0, &[]).unwrap();
+            let mut expected = Motion::starting(&ground, at(DGM, k), settings, start).unwrap();
+            (0..20).for_each(|_| _ = expected.step(0.05).unwrap());
+            let expected = expected.state().position(&ground, 1);
+            for (body, velocity) in &bodies {
+                let flies = InitialVelocity { velocity: [*velocity, 0.0, 0.0], ..InitialVelocity::default() };
+                let start = State::initial(body, 0.0, &[flies]).unwrap();
+                let mut motion = Motion::starting(body, at(DGM, k), settings, start).unwrap();
+                for _ in 0..20 {
+                    let record = motion.step(0.05).unwrap();
+                    assert!(record.energy_residual.abs() < 1e-11, "{record:?}");
+                }
+                let [pivot, mass] = [0, 1].map(|node| motion.state().position(body, node));
+                assert!(distance(pivot, [*velocity, 0.0, 0.0]) < 1e-14, "k = {k}: {pivot:?}");
+                let relative = [0, 1, 2].map(|d| mass[d] - pivot[d]);
+                let error = distance(relative, expected);
+                assert!(error < 1e-9, "{solver:?}, k = {k}, velocity {velocity}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Multipliers are in the snapshot: a motion goes on bit for bit.
+#[test]
+fn a_motion_with_a_link_is_resumed_bit_for_bit() {
+    let body = pendulum();
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+    (0..5).for_each(|_| _ = motion.step(0.02).unwrap());
+    let snapshot = motion.snapshot();
+    let mut resumed = Motion::resumed(&body, at(DGM, 2), NewtonSettings::default(), snapshot).unwrap();
+    for _ in 0..5 {
+        assert_eq!(resumed.step(0.02).unwrap(), motion.step(0.02).unwrap());
+        assert_eq!(resumed.state(), motion.state());
+    }
+}
+
+#[test]
+fn a_link_names_a_node_of_the_mesh() {
+    let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
+    let rubber = Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0);
+    let error = Body::builder(mesh).region(rubber).constraint(RigidLink::Nodes([0, 8])).build().unwrap_err();
+    assert_eq!(error.to_string(), "group \"rigid link\" names node 8, but the mesh has 8 nodes");
 }

@@ -61,7 +61,7 @@ fn run_alone(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     print::result(host, &(file.text + &text))
 }
 
-/// What `emmy check` prints about the body of a problem: mesh, groups, masses, resultants of the loads, supports.
+/// The output of `emmy check` on the body of a problem: mesh, groups, masses, resultants of the loads, supports.
 pub fn report_on_body(problem: &Problem) -> String {
     let mut report = Report { units: problem.units, ..Report::default() };
     of_body(&mut report, problem);
@@ -74,7 +74,7 @@ fn of_body(report: &mut Report, problem: &Problem) {
     report.body(problem);
 }
 
-/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the
+/// The output of `emmy check` on a problem, without the name of its file: mesh, groups, masses, resultants of the
 /// loads, supports, start, plan and output.
 ///
 /// # Errors

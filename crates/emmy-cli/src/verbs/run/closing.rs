@@ -168,7 +168,7 @@ impl Closing<'_> {
     }
 }
 
-/// What limited the sizes of adaptive steps, and the share of the steps; `None` without such steps.
+/// The limits of adaptive step sizes, with the share of the steps; `None` without such steps.
 fn limits(statistics: &RunStatistics) -> Option<String> {
     let words = |limit: StepLimit| match limit {
         StepLimit::Start => "growth from the first size",

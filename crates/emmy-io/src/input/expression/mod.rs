@@ -21,9 +21,9 @@ pub(super) struct Vocabulary<'a> {
     pub(super) variables: &'a [&'a str],
     /// Whether a function may occur.
     pub(super) has_function: fn(&str) -> bool,
-    /// What to do instead of a function with a kink.
+    /// Advice in place of a function with a kink.
     pub(super) instead_of_kinks: &'static str,
-    /// What to do about a name that is not near to a known one.
+    /// Advice on a name that is not near to a known one.
     pub(super) about_others: &'static str,
 }
 

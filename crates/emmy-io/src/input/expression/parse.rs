@@ -143,7 +143,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What an atom can be.
+    /// The possible forms of an atom.
     fn wanted(&self) -> String {
         format!("a number, {} or a function", listed(self.vocabulary.variables.iter().copied()))
     }

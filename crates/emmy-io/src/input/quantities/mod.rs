@@ -35,7 +35,7 @@ pub struct Probe {
     pub group: Option<String>,
     /// Index of the nearest node in the whole mesh or of the group, the lowest of several.
     pub node: usize,
-    /// What is written of it.
+    /// The quantities that are written.
     pub quantities: Vec<ProbeQuantity>,
 }
 

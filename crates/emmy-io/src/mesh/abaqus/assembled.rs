@@ -156,11 +156,11 @@ fn known_nodes(body: &Body, element: &Element, first_node: u32) -> Vec<u32> {
     known.map(|index| first_node + index).collect()
 }
 
-/// What lines of two nodes are that are no links.
+/// The use of lines of two nodes that are no links.
 const LINES: &str =
     "edges of the cells beside them, not as links: no region with a material for links has their group";
 
-/// What the elements of a set are that are no cells.
+/// The elements of a set that are no cells.
 #[derive(Debug, Default)]
 struct Others {
     facets: Vec<Facet>,

@@ -51,7 +51,7 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
     TYPES.iter().find(|(_, types)| types.contains(&element_type)).map(|(kind, _)| *kind)
 }
 
-/// What the elements of a type are in a body.
+/// The role of an element type in a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// Cells.

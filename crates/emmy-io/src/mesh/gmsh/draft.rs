@@ -36,7 +36,7 @@ pub(super) struct Draft {
     is_link: Vec<bool>,
 }
 
-/// What an element belongs to.
+/// The groups of an element.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tags<'a> {
     /// Its physical groups.

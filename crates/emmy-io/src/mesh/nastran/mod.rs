@@ -26,7 +26,7 @@ use system::{Grid, Placement, Points, Shape, System};
 
 pub(in crate::mesh) use table::TABLE;
 
-/// What to do without a body.
+/// Advice for a file without a body.
 const ADVICE: &str = "the body must be in it as GRID and CTETRA, CPENTA, CHEXA or CPYRAM cards";
 
 const FIELDS: &str = "fields are 8 columns wide, 16 with a `*` after the name, or end at commas";
@@ -59,7 +59,7 @@ struct Raw {
     at: At,
 }
 
-/// What a property says about its triangles and quadrilaterals.
+/// The kind that a property gives to its triangles and quadrilaterals.
 #[derive(Debug, Clone, PartialEq)]
 enum Sheet {
     PlaneStrain,

@@ -1,4 +1,4 @@
-//! What becomes of each card.
+//! The treatment of each card.
 
 use super::super::account::{Entries, Treatment};
 

@@ -209,7 +209,7 @@ impl Contents {
     }
 }
 
-/// What the notes must say.
+/// The expected content of the notes.
 #[derive(Debug, Default)]
 struct Wanted {
     left_out: BTreeMap<String, usize>,

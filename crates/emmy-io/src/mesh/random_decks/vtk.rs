@@ -39,7 +39,7 @@ impl Array {
     }
 }
 
-/// What a cell of the grid is in the body.
+/// The role of a grid cell in the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
     Cell,
@@ -116,7 +116,7 @@ fn cells(choices: &mut Choices, block: &Block, wanted: &mut Wanted) -> Drawn {
     Drawn { grid, parts, nodes: of_cells, on_points: Vec::new(), on_cells: Vec::new() }
 }
 
-/// What an array must give.
+/// The expected use of an array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Use {
     /// Groups of its values.

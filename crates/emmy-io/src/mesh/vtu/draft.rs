@@ -10,7 +10,7 @@ use super::cell::Type;
 use super::{Grid, MeshError, Result, kinds};
 use crate::message::counted;
 
-/// What a cell of a grid is in the body.
+/// The role of a grid cell in the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// A cell of the body.

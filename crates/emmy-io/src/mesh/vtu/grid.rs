@@ -103,7 +103,7 @@ pub struct Grid {
     pub point_arrays: Vec<GridArray>,
 }
 
-/// What becomes of the arrays. Any other array of up to 64 whole numbers gives groups; the rest is named in a note.
+/// The treatment of arrays. Any other array of up to 64 whole numbers gives groups; the rest is named in a note.
 pub(crate) const TABLE: &[Entries] = &[
     Entries { treatment: Treatment::Read, what: "groups", names: &["GROUP:*", "FACETS:*"] },
     Entries { treatment: Treatment::Read, what: "tags, any number of them; 0: none", names: TAGS },

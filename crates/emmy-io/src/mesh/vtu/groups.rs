@@ -17,7 +17,7 @@ const MAX_VALUES: usize = 64;
 /// Numbers of an array as labels.
 type Labels = Vec<Option<i64>>;
 
-/// What becomes of an array.
+/// The use of an array.
 enum Use<'a> {
     /// A group: members have another number than 0.
     Group(&'a str, Labels),

@@ -46,7 +46,7 @@ struct Geometry {
     types: Vec<i64>,
 }
 
-/// What arrays belong to.
+/// The part of a file that arrays belong to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Section {
     Whole,

@@ -34,7 +34,7 @@ pub(super) struct FieldInfo {
     pub(super) formula: Formula,
 }
 
-/// What a body must have for a field.
+/// A property that a body must have for a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Needs {
     Nothing,

@@ -1,4 +1,4 @@
-//! Gradients and forces of incompatible modes, see [`crate::body::internal_nodes`].
+//! Gradients and forces of incompatible modes, see [`crate::space::internal_nodes`].
 
 use super::{RegisterCells, vector};
 use crate::tensor::{Packed, Register, dot3};

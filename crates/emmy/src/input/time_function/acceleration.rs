@@ -234,7 +234,7 @@ impl Clone for Panels {
     }
 }
 
-/// What is integrated already does not count.
+/// Compares the definitions; values already integrated do not count.
 impl PartialEq for Panels {
     fn eq(&self, other: &Self) -> bool {
         (self.start, self.size, self.n) == (other.start, other.size, other.n)

@@ -4,7 +4,6 @@ use super::forces::{Forces, TimePoint, sum_reactions};
 use crate::average::Request;
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
-use crate::newton::Outcome;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
 /// Largest accepted step relative to the critical one: the estimate is an upper bound, and the body may stiffen.
@@ -115,9 +114,7 @@ impl Stepper for CentralDifferences<'_> {
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
         sum_reactions([(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
         std::mem::swap(&mut self.start, &mut self.end);
-        let newton = Outcome { converged: true, ..Outcome::default() };
-        let strain_state = self.forces.body.strain_state(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strain_state, solver: None })
+        StepOutcome::new(self.forces.body, state, impulses)
     }
 
     fn reactions(&self) -> &[Reaction] {

@@ -212,7 +212,7 @@ impl TimePoint {
         memory.save("start.reactions", &reactions.flatten().collect::<Vec<f64>>());
     }
 
-    /// Restores the data of [`TimePoint::keep`].
+    /// Restores the data of [`TimePoint::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -335,7 +335,7 @@ impl Start {
         self.point.save(memory);
     }
 
-    /// Restores the data of [`Start::keep`].
+    /// Restores the data of [`Start::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

@@ -24,7 +24,7 @@ pub enum NewmarkFamily {
     /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are evaluated at `1 - alpha` of the
     /// step. The authors' alpha has the opposite sign.
     HilberHughesTaylor {
-        /// SchemeDamping of the high modes; 0 is the average acceleration method.
+        /// Dissipation of the high modes; 0 is the average acceleration method.
         alpha: f64,
     },
     /// `generalized-alpha(rho)` (Chung and Hulbert 1993), 0 <= rho <= 1.

@@ -86,7 +86,6 @@ impl DefectCorrection {
 
     /// Adds the last correction to the changes at the end of the step; returns its part of the sum of all corrections,
     /// in displacement or velocity.
-    /// velocity.
     fn change_at_end(&mut self, body: &Body, coefficients: &StageCoefficients) -> f64 {
         let n = self.at_end.len() / 2;
         let mut weights = [[0.0; 2]; MAX_DEGREE];
@@ -116,7 +115,7 @@ impl DefectCorrection {
         memory.save_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
-    /// Restores the data of [`DefectCorrection::keep`].
+    /// Restores the data of [`DefectCorrection::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

@@ -108,7 +108,7 @@ impl<'a> LocalError<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Scheme`] if there is no such element, [`crate::Error::Adaptivity`] if the estimator does not fit
-    /// the degree; [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    /// the degree; [`crate::Error::Constrained`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(
         body: &'a Body,
         element: TimeElement,

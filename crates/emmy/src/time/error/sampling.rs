@@ -173,7 +173,7 @@ impl Sampling {
         memory.save_number("sampling.left", self.left as f64);
     }
 
-    /// Restores the data of [`Sampling::keep`].
+    /// Restores the data of [`Sampling::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

@@ -146,7 +146,7 @@ impl ApproximateTangent {
         self.solvers.save(memory);
     }
 
-    /// Restores the data of [`ApproximateTangent::keep`], and computes stiffness and factors again.
+    /// Restores the data of [`ApproximateTangent::save`], and computes stiffness and factors again.
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -179,8 +179,9 @@ impl ApproximateTangent {
     }
 
     /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
-    /// that K stays accurate in any rotation.
-    pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) {
+    /// that K stays accurate in any rotation. Returns whether `P^-1` changes.
+    pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) -> bool {
+        let changes = [self.rotation, step.rotation] != [[0.0; 3]; 2];
         for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
         }
@@ -192,6 +193,7 @@ impl ApproximateTangent {
         if self.turns {
             self.strain_rates.set_spins(rule, &step.spins);
         }
+        changes
     }
 
     /// The solver, once there is one.
@@ -384,7 +386,7 @@ impl ApproximateTangent {
     }
 }
 
-/// Sets the mean pressure of each function; `local unknowns: [function][n]`.
+/// Sets the mean pressure of each function; `local: [function][n]`.
 fn set_means(local: &[f64], means: &mut [f64]) {
     let n = local.len().checked_div(means.len()).unwrap_or(1);
     for (mean, of_function) in means.iter_mut().zip(local.chunks_exact(n)) {

@@ -13,13 +13,19 @@ use crate::error::{Error, Result};
 use crate::sparse::eliminate;
 use crate::unknowns::{BorderStep, Derivatives};
 
+/// Tolerance of F, which many corrections use.
+const FLEXIBILITY_TOLERANCE: f64 = 1e-8;
+
 /// The dense system of the joint nodes and the multipliers.
 #[derive(Debug, Default)]
 pub(crate) struct Border {
     /// Entries of the joint nodes among the rates, `[k][n_nodes][3]`.
     entries: Vec<usize>,
-    /// F, `[n][n]`; empty if it has to be computed.
+    /// F, `[n][n]`, once it is computed.
     flexibility: Vec<f64>,
+    is_computed: bool,
+    /// Mean mass of a node.
+    mass_of_node: f64,
     derivatives: Derivatives,
     /// Memory for the dense system, its right side, and a right side and a solution of the body.
     matrix: Vec<f64>,
@@ -34,12 +40,18 @@ impl Border {
         let n = body.n_dofs();
         let stages = 0..degree;
         let entries = stages.flat_map(|i| body.constraints().dofs().map(move |dof| i * n + dof)).collect();
-        Border { entries, ..Border::default() }
+        let mass_of_node = body.total_lumped_mass() / body.mesh().n_nodes() as f64;
+        Border { entries, mass_of_node, ..Border::default() }
     }
 
     /// Forgets F: the approximate inverse is another one.
     pub(crate) fn forget(&mut self) {
-        self.flexibility.clear();
+        self.is_computed = false;
+    }
+
+    /// Mean mass of a node, which weighs the residuals of the constraints.
+    pub(crate) fn mass_of_node(&self) -> f64 {
+        self.mass_of_node
     }
 
     /// Sets the derivatives at a step with multipliers.
@@ -77,14 +89,15 @@ impl Border {
     }
 
     /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
-    /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`; its
-    /// last call is for the forces of the constraints. Returns the number of iterations.
+    /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`, to
+    /// a relative tolerance; its last call is for the forces of the constraints. Returns the number of iterations.
     ///
     /// # Errors
     /// Those of `solve`; [`Error::Linear`] if the system is singular.
     pub(crate) fn solve(
         &mut self,
-        mut solve: impl FnMut(&[f64], &mut [f64]) -> Result<usize>,
+        mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
+        tolerance: f64,
         solution: &mut [f64],
         multipliers: &mut [f64],
     ) -> Result<usize> {
@@ -92,18 +105,18 @@ impl Border {
         self.force.resize(solution.len(), 0.0);
         self.column.resize(solution.len(), 0.0);
         let mut iterations = 0;
-        if self.flexibility.is_empty() {
-            let mut flexibility = vec![0.0; n * n];
+        if !self.is_computed {
+            self.flexibility.resize(n * n, 0.0);
             for (column, &at) in self.entries.iter().enumerate() {
                 self.force.fill(0.0);
                 self.force[at] = 1.0;
                 self.column.fill(0.0);
-                iterations += solve(&self.force, &mut self.column)?;
+                iterations += solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
                 self.entries.iter().enumerate().for_each(|(row, &at)| {
-                    flexibility[row * n + column] = self.column[at];
+                    self.flexibility[row * n + column] = self.column[at];
                 });
             }
-            self.flexibility = flexibility;
+            self.is_computed = true;
         }
         self.set_matrix(n, m);
         self.right.clear();
@@ -119,7 +132,7 @@ impl Border {
         force.fill(0.0);
         self.add_forces(x_B, changes, &mut force);
         self.column.fill(0.0);
-        let solved = solve(&force, &mut self.column);
+        let solved = solve(&force, &mut self.column, tolerance);
         self.force = force;
         solution.iter_mut().zip(&self.column).for_each(|(dx, change)| *dx -= change);
         Ok(iterations + solved?)

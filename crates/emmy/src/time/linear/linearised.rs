@@ -39,17 +39,19 @@ impl LinearSystem for LinearisedStages<'_> {
         let mut precondition = |x: &[f64], y: &mut [f64]| {
             right.copy_from_slice(x);
             scheme_force.correct(body, right);
+            // Forces of constraints move no held node.
+            body.space.clear_inactive(right);
             approximate_tangent.precondition(right, y);
         };
         precondition(&x[..n_rates], y);
         if !multipliers.is_empty() {
             multipliers.copy_from_slice(&x[n_rates..]);
-            let solve = |x: &[f64], y: &mut [f64]| {
+            let solve = |x: &[f64], y: &mut [f64], _: f64| {
                 precondition(x, y);
                 Ok(1)
             };
             // A singular border leaves a preconditioner without it.
-            if border.solve(solve, y, multipliers).is_err() {
+            if border.solve(solve, 0.0, y, multipliers).is_err() {
                 multipliers.fill(0.0);
             }
         }

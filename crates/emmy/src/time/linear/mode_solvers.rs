@@ -299,7 +299,7 @@ impl ModeSolvers {
         }
     }
 
-    /// Restores the data of [`ModeSolvers::keep`].
+    /// Restores the data of [`ModeSolvers::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Linear`].

@@ -122,7 +122,7 @@ impl Prediction {
         memory.save_option("prediction.last_size", self.last_size);
     }
 
-    /// Restores the data of [`Prediction::keep`].
+    /// Restores the data of [`Prediction::save`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

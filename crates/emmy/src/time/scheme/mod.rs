@@ -248,6 +248,8 @@ impl Scheme {
     /// [`Error::Scheme`].
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
+            (BodyFeature::RigidLinks, Scheme::TimeElement(_) | Scheme::Own(_)) => return Ok(()),
+            (BodyFeature::RigidLinks, _) => "rigid links need a time element, such as DGM",
             // An equilibrium has no velocity, and no damping; a stepper from outside says itself what it integrates.
             (
                 _,
@@ -277,9 +279,6 @@ impl Scheme {
     /// # Errors
     /// [`Error::Scheme`].
     pub fn check_body(self, body: &Body) -> Result<()> {
-        if !matches!(self, Scheme::TimeElement(_)) {
-            body.check_unconstrained(&self.name())?;
-        }
         BodyFeature::of(body).try_for_each(|feature| self.check_feature(feature))
     }
 

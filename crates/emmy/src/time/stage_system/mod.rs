@@ -18,6 +18,8 @@ pub(super) struct StageSystem<'a> {
     pub equations: Equations<'a>,
     approximate_tangent: ApproximateTangent,
     border: Border,
+    /// Local unknowns under the forces of the constraints.
+    local_of_border: Vec<f64>,
     gmres: Gmres,
     /// Right side of a correction: of the rates, then of the multipliers.
     negative: Vec<f64>,
@@ -38,9 +40,12 @@ impl<'a> StageSystem<'a> {
     pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
         let n = body.n_dofs();
         let k = coefficients.rule.degree();
+        let n_local =
+            if body.constraints().is_empty() { 0 } else { body.n_local() * coefficients.rule.n_pressures() };
         Ok(StageSystem {
             approximate_tangent: ApproximateTangent::new(body, &coefficients, solver)?,
             border: Border::new(body, k),
+            local_of_border: vec![0.0; n_local],
             gmres: Gmres::default(),
             negative: vec![0.0; k * (n + body.constraints().len())],
             condensed: vec![0.0; if body.n_local() > 0 { k * n } else { 0 }],
@@ -66,8 +71,9 @@ impl<'a> StageSystem<'a> {
 
     /// Rotates the approximate tangent with the body in the present step.
     pub(super) fn turn(&mut self, rotation: &RigidStep) {
-        self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule);
-        self.border.forget();
+        if self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule) {
+            self.border.forget();
+        }
     }
 
     /// Keeps the memory that the next steps depend on.
@@ -79,7 +85,7 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Restores the data of [`StageSystem::keep`].
+    /// Restores the data of [`StageSystem::save`].
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].

@@ -31,33 +31,31 @@ impl StageSystem<'_> {
         let (n_rates, n_multipliers) = (self.equations.force.len(), self.equations.n_multipliers());
         let (dx, others) = correction.split_at_mut(n_rates);
         let (multipliers, local) = others.split_at_mut(n_multipliers);
-        let StageSystem { equations, approximate_tangent, border, negative, .. } = self;
+        let StageSystem { equations, approximate_tangent, border, local_of_border, negative, .. } = self;
         let Equations { body, coefficients, scheme_force, force, .. } = equations;
         let rule = &coefficients.rule;
-        let mut solve = |right: &[f64], dx: &mut [f64], local: &mut [f64]| {
+        let mut solve = |right: &[f64], dx: &mut [f64], local: &mut [f64], tolerance: f64| {
             force.copy_from_slice(right);
             scheme_force.correct(body, force);
+            // Forces of constraints move no held node.
+            body.space.clear_inactive(force);
             let iterations = approximate_tangent.solve((body, rule), force, (dx, local), tolerance);
             iterations.ok_or_else(|| Error::Linear {
                 reason: format!("conjugate gradients did not reach {tolerance:e}"),
             })
         };
-        let iterations = solve(&negative[..n_rates], dx, local)?;
+        let iterations = solve(&negative[..n_rates], dx, local, tolerance)?;
         if multipliers.is_empty() {
             return Ok(iterations);
         }
         multipliers.copy_from_slice(&negative[n_rates..]);
-        let mut rest = vec![0.0; local.len()];
-        let further = border.solve(
-            |right, dx| {
-                rest.fill(0.0);
-                solve(right, dx, &mut rest)
-            },
-            dx,
-            multipliers,
-        )?;
+        let solve = |right: &[f64], dx: &mut [f64], tolerance: f64| {
+            local_of_border.fill(0.0);
+            solve(right, dx, local_of_border, tolerance)
+        };
+        let further = border.solve(solve, tolerance, dx, multipliers)?;
         // The last solution is that for the forces of the constraints.
-        local.iter_mut().zip(&rest).for_each(|(change, rest)| *change -= rest);
+        local.iter_mut().zip(&*local_of_border).for_each(|(change, own)| *change -= own);
         Ok(iterations + further)
     }
 
@@ -116,13 +114,12 @@ impl StageSystem<'_> {
 
     /// Square of the residual of the rates that would mend the residuals of the constraints, for the mean mass of a
     /// node.
-    fn square_of_constraints(&mut self, x: &[f64], of_constraints: &[f64]) -> f64 {
+    fn square_of_constraints(&self, of_constraints: &[f64]) -> f64 {
         let constraints = self.equations.body.constraints();
         if constraints.is_empty() {
             return 0.0;
         }
-        let mass = self.equations.body.total_lumped_mass() / self.equations.body.mesh().n_nodes() as f64;
-        mass * mass * constraints.square_of_residual(self.equations.border_step(x), of_constraints)
+        self.border.mass_of_node().powi(2) * constraints.square_of_residual(of_constraints)
     }
 
     /// Sets the rounding floor, once per step.
@@ -148,7 +145,7 @@ impl System for StageSystem<'_> {
         let [inertia, internal, external] = self.equations.full_residual(x, residual)?;
         let [of_rates, of_constraints, of_local] = self.equations.split_mut(residual);
         self.equations.body.space.clear_inactive(of_rates);
-        let own = self.condensed_square(of_rates, of_local) + self.square_of_constraints(x, of_constraints);
+        let own = self.condensed_square(of_rates, of_local) + self.square_of_constraints(of_constraints);
         let mut squares = [inertia, internal, external, own];
         self.equations.body.space.sum_ranks("squares of a residual and its parts", &mut squares);
         let [inertia, internal, external, residual] = squares.map(f64::sqrt);

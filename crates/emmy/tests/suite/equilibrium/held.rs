@@ -11,7 +11,7 @@ fn rubber() -> Region {
     Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 1.0)
 }
 
-/// What is free of a block of 2 x 4 x 6 under supports and springs.
+/// The free motions of a block of 2 x 4 x 6 under supports and springs.
 fn free(supports: &[Support], nodal: PointTerms) -> String {
     let mesh = block([2.0, 4.0, 6.0], [1, 2, 3]).unwrap();
     let corner = mesh.nearest_node([0.0; 3]) as u32;
