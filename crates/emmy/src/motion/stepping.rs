@@ -134,6 +134,7 @@ impl<'a> Motion<'a> {
         state: State,
     ) -> Result<Self> {
         let scheme = scheme.into();
+        scheme.check()?;
         let body = scheme.body(body);
         Motion::made(body, (scheme, settings), state, |state| scheme.stepper(body, settings, state))
     }

@@ -90,7 +90,7 @@ impl Border {
 
     /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
     /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`, to
-    /// a relative tolerance; its last call is for the forces of the constraints. Returns the number of iterations.
+    /// a relative tolerance; its last call is for the forces of the constraints, and gives the number of iterations.
     ///
     /// # Errors
     /// Those of `solve`; [`Error::Linear`] if the system is singular.
@@ -104,14 +104,14 @@ impl Border {
         let (n, m) = (self.entries.len(), multipliers.len());
         self.force.resize(solution.len(), 0.0);
         self.column.resize(solution.len(), 0.0);
-        let mut iterations = 0;
         if !self.is_computed {
+            // This is part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
             self.flexibility.resize(n * n, 0.0);
             for (column, &at) in self.entries.iter().enumerate() {
                 self.force.fill(0.0);
                 self.force[at] = 1.0;
                 self.column.fill(0.0);
-                iterations += solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
+                solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
                 self.entries.iter().enumerate().for_each(|(row, &at)| {
                     self.flexibility[row * n + column] = self.column[at];
                 });
@@ -135,7 +135,7 @@ impl Border {
         let solved = solve(&force, &mut self.column, tolerance);
         self.force = force;
         solution.iter_mut().zip(&self.column).for_each(|(dx, change)| *dx -= change);
-        Ok(iterations + solved?)
+        solved
     }
 
     /// `[1 + F Q, F G^T; J, 0]`

@@ -205,7 +205,7 @@ impl Scheme {
         }
     }
 
-    /// Checks that degree and parameters are compatible.
+    /// Checks that degree and parameters are compatible, and that the scheme is one of the library.
     ///
     /// # Errors
     /// [`Error::Scheme`].
@@ -213,8 +213,15 @@ impl Scheme {
         match self {
             Scheme::TimeElement(element) => element.check(),
             Scheme::Newmark(family) => family.check(),
-            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static | Scheme::Own(_) => Ok(()),
+            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => Ok(()),
+            Scheme::Own(_) => Err(self.without_stepper()),
         }
+    }
+
+    /// The error of a scheme whose name alone gives no stepper.
+    fn without_stepper(self) -> Error {
+        let reason = "only `Motion::with_stepper` has a stepper from outside".to_string();
+        Error::Scheme { scheme: self.name(), reason }
     }
 
     /// Checks the parameters that are real numbers.
@@ -318,10 +325,7 @@ impl Scheme {
             Scheme::Bathe => Box::new(BatheStepper::new(body, settings, state)?),
             Scheme::CentralDifferences => Box::new(CentralDifferences::new(body, state)?),
             Scheme::Static => Box::new(StaticStepper::new(body, settings, state)?),
-            Scheme::Own(_) => {
-                let reason = "only `Motion::with_stepper` has a stepper from outside".to_string();
-                return Err(Error::Scheme { scheme: self.name(), reason });
-            }
+            Scheme::Own(_) => return Err(self.without_stepper()),
         })
     }
 }
