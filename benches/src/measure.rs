@@ -136,7 +136,7 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
         displacement: &state.displacement,
         rates: &rates,
     };
-    let mut assembly = body.assembly(k);
+    let mut assembly = body.assembly(&rule);
     let seconds = timed(count, || body.assemble(&step, Request::Tangent, &inverse, &mut assembly))?;
     Ok(Some(body.mesh().n_cells() as f64 / seconds))
 }

@@ -86,7 +86,7 @@ impl Step {
     }
 
     fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, request: Request) {
-        let mut assembly = self.body.assembly(1);
+        let mut assembly = self.body.assembly(rule);
         let Step { body, displacement, rates } = self;
         let step = StepInput {
             rule,

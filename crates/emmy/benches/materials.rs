@@ -40,7 +40,7 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, request: Request) {
     };
     let (displacement, rates, rule) = (wave(0.05), wave(0.01), Rule::standard(1, &gauss(1)));
     let body = pool.install(|| Body::builder(mesh).region(region(material)).build().unwrap());
-    let mut assembly = body.assembly(1);
+    let mut assembly = body.assembly(&rule);
     let step = StepInput {
         rule: &rule,
         tangent_factor: 1e-4,

@@ -222,8 +222,9 @@ pub(super) fn is_finite(state: &State) -> bool {
         displacement_low,
         momentum_error,
         is_equilibrium: _,
+        history,
     } = state;
-    let lists = [displacement, momentum, velocity, displacement_low, &momentum_error[..]];
+    let lists = [displacement, momentum, velocity, displacement_low, &momentum_error[..], history];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }
 

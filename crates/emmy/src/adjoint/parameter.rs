@@ -1,7 +1,7 @@
 //! Parameters of a body.
 
 use super::step::{StepData, check_body, combine};
-use crate::average::Request;
+use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body};
 use crate::equilibrium::unbalanced_force;
 use crate::error::{Error, Result};
@@ -136,11 +136,11 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    pub(super) fn new(body: &Body, degree: usize) -> Self {
+    pub(super) fn new(body: &Body, rule: &Rule) -> Self {
         let n = body.n_dofs();
-        let k = degree;
+        let k = rule.degree();
         Residual {
-            assembly: body.assembly(k),
+            assembly: body.assembly(rule),
             force: vec![0.0; k * n],
             inertial: vec![0.0; k * n],
             rates: vec![0.0; n],
@@ -155,7 +155,7 @@ impl Residual {
         let input = StepInput { damping, ..StepInput::undamped(rule, displacement, rates) };
         body.assemble(&input, Request::Stress, &[], &mut self.assembly)?;
         self.assembly.matrix.copy_force(&mut self.force);
-        body.begin(rule, (Span::new(step.time, h), Sampling::Averages), &mut self.assembly)?;
+        body.begin(rule, (Span::new(step.time, h), Sampling::Averages), &[], &mut self.assembly)?;
         let [load, _] = self.assembly.external_parts();
         let mut sum = h * h * (dot(mu, &self.force) - dot(mu, load));
         combine(rule, inverse, mu, &mut self.inertial);

@@ -106,7 +106,7 @@ impl<'a> AdjointStep<'a> {
         };
         Ok(AdjointStep {
             body,
-            assembly: body.assembly(k),
+            assembly: body.assembly(&coefficients.rule),
             approximate_tangent: ApproximateTangent::new(body, &transposed_coefficients, settings.solver)?,
             gmres: Gmres::default(),
             right: vec![0.0; k * n],

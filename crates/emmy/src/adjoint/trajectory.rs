@@ -121,7 +121,7 @@ impl<'a> Trajectory<'a> {
     pub fn gradient(&self, goal: &Goal, parameters: &[Parameter]) -> Result<Gradient> {
         parameters.iter().try_for_each(|parameter| parameter.check(self.body))?;
         let mut sums = vec![0.0; parameters.len()];
-        let mut residual = Residual::new(self.body, self.element.degree);
+        let mut residual = Residual::new(self.body, &self.element.coefficients().rule);
         let adjoint = self.go_back(goal, |visit| {
             for (sum, parameter) in sums.iter_mut().zip(parameters) {
                 *sum -= parameter.product(&visit.step, visit.multipliers, &mut residual)?;

@@ -33,10 +33,10 @@ struct Part {
 
 /// The forces other than those of cells in the steps of one stepper: their memory, and the stage averages of those that
 /// act from outside.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Acting {
-    /// Points at which the rule of the stepper takes loads, once a step has begun.
-    points: Option<FollowerRule>,
+    /// Points at which the rule of the stepper takes loads.
+    points: FollowerRule,
     memories: Vec<ForceMemory>,
     /// Whether each acts in the present step.
     acts: Vec<bool>,
@@ -46,6 +46,8 @@ struct Acting {
     varying: Vec<f64>,
     /// Whether there are others.
     varies: bool,
+    /// History variables before the first step.
+    no_history: Vec<f64>,
 }
 
 impl Assembly {
@@ -138,9 +140,10 @@ impl Body {
         traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]])
     }
 
-    /// Memory for the assembly with time elements of a degree.
+    /// Memory for the steps of a rule.
     #[doc(hidden)]
-    pub fn assembly(&self, degree: usize) -> Assembly {
+    pub fn assembly(&self, rule: &Rule) -> Assembly {
+        let degree = rule.degree();
         let largest = |at: usize| self.forces().map(|force| force.scratch_size()[at]).max().unwrap_or(0);
         let [n_nodes, n_points] = [0, 1].map(largest);
         let n_pressure_forces = self.forces().filter(|force| force.pressure_cells().is_some()).count();
@@ -148,18 +151,26 @@ impl Body {
         Assembly {
             matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
             parts: self.parts.iter().map(|_| Part { scratch: scratch(), outcome: Ok(()) }).collect(),
-            acting: Acting::default(),
+            acting: self.acting(rule),
         }
     }
 
-    /// The same for the steps of a rule.
-    pub(crate) fn assembly_of(&self, rule: &Rule) -> Assembly {
-        let mut assembly = self.assembly(rule.degree());
-        self.prepare(rule, &mut assembly.acting);
-        assembly
+    fn acting(&self, rule: &Rule) -> Acting {
+        let memories: Vec<ForceMemory> = self.others().map(|force| force.memory(rule)).collect();
+        let [steady, varying] = [(); 2].map(|()| vec![0.0; rule.degree() * self.n_dofs()]);
+        Acting {
+            points: FollowerRule::new(rule),
+            acts: vec![true; memories.len()],
+            memories,
+            steady,
+            varying,
+            varies: false,
+            no_history: vec![0.0; self.n_history()],
+        }
     }
 
-    /// Begins a step: evaluates what is given over time. Returns whether some force does work from outside.
+    /// Begins a step: evaluates what is given over time. Returns whether some force does work from outside. `history`:
+    /// that of the state, `[n_history]`; empty before the first step.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
@@ -168,37 +179,30 @@ impl Body {
         &self,
         rule: &Rule,
         (span, sampling): (Span, Sampling),
+        history: &[f64],
         assembly: &mut Assembly,
     ) -> Result<bool> {
-        self.begin_acting(rule, (span, sampling), &mut assembly.acting)
-    }
-
-    /// Makes the memory of the forces in a stepper with a rule, once.
-    fn prepare(&self, rule: &Rule, acting: &mut Acting) {
-        if acting.points.is_none() {
-            acting.points = Some(FollowerRule::new(rule));
-            acting.memories = self.others().map(|force| force.memory(rule)).collect();
-            acting.acts = vec![true; acting.memories.len()];
-            [acting.steady, acting.varying] = [(); 2].map(|()| vec![0.0; rule.degree() * self.n_dofs()]);
-        }
+        self.begin_acting(rule, (span, sampling), history, &mut assembly.acting)
     }
 
     fn begin_acting(
         &self,
         rule: &Rule,
         (span, sampling): (Span, Sampling),
+        history: &[f64],
         acting: &mut Acting,
     ) -> Result<bool> {
-        self.prepare(rule, acting);
-        let Acting { points, memories, acts, steady, varying, varies } = acting;
-        let Some(points) = points else { return Ok(false) };
-        let start = StepStart { rule, points, span, sampling };
+        let Acting { points, memories, acts, steady, varying, varies, no_history } = acting;
+        let mut histories = if history.is_empty() { &no_history[..] } else { history };
         steady.fill(0.0);
         if std::mem::take(varies) {
             varying.fill(0.0);
         }
         let (mut outcome, mut is_loaded) = (Ok(()), false);
         for ((force, memory), acts) in self.others().zip(memories).zip(acts) {
+            let (history, others) = histories.split_at(force.n_history());
+            histories = others;
+            let start = StepStart { rule, points, span, sampling, history };
             match force.begin(&start, memory, steady) {
                 Ok(begun) => *acts = begun,
                 Err(error) => outcome = outcome.and(Err(error)),
@@ -288,11 +292,11 @@ impl Body {
             }
             let mut forces = self.forces().enumerate().filter(|(_, force)| is_wanted(*force));
             part.outcome = forces.try_for_each(|(at, force)| {
-                let other = at.checked_sub(n_cells);
-                if other.is_some_and(|other| acting.acts.get(other) == Some(&false)) {
-                    return Ok(());
-                }
-                let memory = other.and_then(|other| acting.memories.get(other)).unwrap_or(&NO_MEMORY);
+                let memory = match at.checked_sub(n_cells) {
+                    Some(other) if !acting.acts[other] => return Ok(()),
+                    Some(other) => &acting.memories[other],
+                    None => &NO_MEMORY,
+                };
                 force.assemble(input, memory, index, &mut part.scratch, sink)
             });
         };
@@ -317,28 +321,18 @@ impl Body {
         -most[0]
     }
 
-    /// Tells the forces that a step counts.
-    pub(crate) fn accept(&self, step: &StepInput<'_>, assembly: &mut Assembly) {
-        let forces = self.others().zip(&mut assembly.acting.memories);
-        forces.for_each(|(force, memory)| force.accept(step, memory));
+    /// Number of history variables of all forces.
+    pub(crate) fn n_history(&self) -> usize {
+        self.others().map(|force| force.n_history()).sum()
     }
 
-    /// The numbers of the memories of forces that later steps depend on.
-    pub(crate) fn saved_by_forces(&self, assembly: &Assembly) -> Vec<f64> {
-        let forces = self.others().zip(&assembly.acting.memories);
-        forces.flat_map(|(force, memory)| force.saved(memory)).copied().collect()
-    }
-
-    /// Restores the numbers of [`Body::saved_by_forces`]; false if there are not as many.
-    pub(crate) fn restore_forces(&self, rule: &Rule, assembly: &mut Assembly, saved: &[f64]) -> bool {
-        self.prepare(rule, &mut assembly.acting);
-        let mut left = saved;
-        for (force, memory) in self.others().zip(&mut assembly.acting.memories) {
-            let Some((own, others)) = left.split_at_checked(force.saved(memory).len()) else { return false };
-            force.restore(memory, own);
-            left = others;
+    /// Takes the history variables of all forces from the start of a step to its end.
+    pub(crate) fn update_history(&self, step: &StepInput<'_>, assembly: &Assembly, mut history: &mut [f64]) {
+        for (force, memory) in self.others().zip(&assembly.acting.memories) {
+            let (own, others) = history.split_at_mut(force.n_history());
+            force.update_history(step, memory, own);
+            history = others;
         }
-        left.is_empty()
     }
 
     /// Rate of the drag \[1/time\].
@@ -376,7 +370,8 @@ impl Body {
 
     /// Why adjoints do not cover some force; `None` if they cover all.
     pub(crate) fn without_adjoint(&self) -> Option<&'static str> {
-        self.forces().find_map(|force| force.without_adjoint())
+        let history = "forces with a history are not covered";
+        self.forces().find_map(|force| force.without_adjoint().or((force.n_history() > 0).then_some(history)))
     }
 
     /// Whether the forces of the body, with those that do work from outside, have symmetric derivatives.
@@ -482,8 +477,9 @@ impl Body {
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
     pub fn loads_at(&self, time: f64, force: &mut [f64]) -> Result<bool> {
-        let mut acting = Acting::default();
-        let acts = self.begin_acting(&of_one_time(), (Span::at(time), Sampling::Points), &mut acting)?;
+        let rule = of_one_time();
+        let mut acting = self.acting(&rule);
+        let acts = self.begin_acting(&rule, (Span::at(time), Sampling::Points), &[], &mut acting)?;
         force.copy_from_slice(&acting.steady);
         Ok(acts)
     }

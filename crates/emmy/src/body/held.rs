@@ -31,7 +31,7 @@ impl Body {
     /// # Errors
     /// [`Error::NotHeld`] names the rigid motions that are free.
     pub(crate) fn check_held(&self) -> Result<()> {
-        let mut assembly = self.assembly(1);
+        let mut assembly = self.assembly(&Rule::standard(1, &gauss(1)));
         let parts = self.connected_parts();
         let n_parts = parts.len();
         for (cell, nodes) in parts {

@@ -113,7 +113,7 @@ impl Force for DeadLoad {
     }
 
     fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, steady: &mut [f64]) -> Result<bool> {
-        let Some(factors) = memory.of_mut::<Vec<f64>>() else { return Ok(false) };
+        let factors = memory.of_mut::<Vec<f64>>();
         match start.sampling {
             Sampling::Averages => {
                 let averages =

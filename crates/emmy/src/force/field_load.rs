@@ -263,8 +263,8 @@ impl Force for FieldLoad {
     }
 
     fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, steady: &mut [f64]) -> Result<bool> {
-        let Some(memory) = memory.of_mut::<FieldMemory>() else { return Ok(false) };
-        let StepStart { rule, points, span, sampling } = *start;
+        let memory = memory.of_mut::<FieldMemory>();
+        let StepStart { rule, points, span, sampling, .. } = *start;
         if sampling == Sampling::Averages {
             return self.add_averages(span.start, span.size, rule, memory, steady);
         }

@@ -56,7 +56,7 @@ pub trait Force: fmt::Debug + Send + Sync {
         [0; 2]
     }
 
-    /// Memory in a stepper with a rule.
+    /// Working memory in a stepper with a rule.
     fn memory(&self, _: &Rule) -> ForceMemory {
         ForceMemory::default()
     }
@@ -142,16 +142,14 @@ pub trait Force: fmt::Debug + Send + Sync {
         1.0
     }
 
-    /// Takes over what later steps depend on, at the rates of a step that counts.
-    fn accept(&self, _: &StepInput<'_>, _: &mut ForceMemory) {}
-
-    /// The numbers of its memory that later steps depend on, the same on all ranks.
-    fn saved<'m>(&self, _: &'m ForceMemory) -> &'m [f64] {
-        &[]
+    /// Number of its history variables: what later steps depend on, zero at first, the same on all ranks. They are a
+    /// part of the state of the motion, [`crate::time::State::history`], so a step that is given up leaves no trace.
+    fn n_history(&self) -> usize {
+        0
     }
 
-    /// Restores the numbers of [`Force::saved`].
-    fn restore(&self, _: &mut ForceMemory, _saved: &[f64]) {}
+    /// Takes the history variables, `[n_history]`, from the start of a step with some rates to its end.
+    fn update_history(&self, _: &StepInput<'_>, _: &ForceMemory, _history: &mut [f64]) {}
 
     /// Its interface as a load; `None` for a force that does not depend on time.
     fn over_time(&self) -> Option<&dyn OverTime> {
@@ -205,7 +203,7 @@ pub trait OverTime {
     }
 }
 
-/// Memory of a force in a stepper: a type of its own choice.
+/// Working memory of a force in a stepper: a type of its own choice.
 #[derive(Default)]
 pub struct ForceMemory(Option<Box<dyn Any + Send + Sync>>);
 
@@ -218,16 +216,26 @@ impl ForceMemory {
         ForceMemory(Some(Box::new(memory)))
     }
 
-    /// The memory, if it is of this type.
-    pub fn of<T: 'static>(&self) -> Option<&T> {
-        self.0.as_ref()?.downcast_ref()
+    /// The memory.
+    ///
+    /// # Panics
+    /// If it is not of this type, which the force itself has chosen.
+    pub fn of<T: 'static>(&self) -> &T {
+        let memory = self.0.as_ref().and_then(|memory| memory.downcast_ref());
+        memory.unwrap_or_else(|| panic!("{NOT_ITS_OWN}"))
     }
 
-    /// The memory, if it is of this type.
-    pub fn of_mut<T: 'static>(&mut self) -> Option<&mut T> {
-        self.0.as_mut()?.downcast_mut()
+    /// The memory.
+    ///
+    /// # Panics
+    /// As [`ForceMemory::of`].
+    pub fn of_mut<T: 'static>(&mut self) -> &mut T {
+        let memory = self.0.as_mut().and_then(|memory| memory.downcast_mut());
+        memory.unwrap_or_else(|| panic!("{NOT_ITS_OWN}"))
     }
 }
+
+const NOT_ITS_OWN: &str = "a force has the memory that it has made";
 
 impl fmt::Debug for ForceMemory {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -63,6 +63,8 @@ pub struct StepStart<'a> {
     pub points: &'a FollowerRule,
     pub span: Span,
     pub sampling: Sampling,
+    /// History variables of the force, `[n_history]`.
+    pub history: &'a [f64],
 }
 
 impl StepStart<'_> {

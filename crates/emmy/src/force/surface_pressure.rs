@@ -124,7 +124,7 @@ impl Force for SurfacePressure {
     }
 
     fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, _: &mut [f64]) -> Result<bool> {
-        let Some(Factors { rule, averages, factors }) = memory.of_mut() else { return Ok(false) };
+        let Factors { rule, averages, factors } = memory.of_mut();
         let span = start.span;
         match start.sampling {
             Sampling::Averages => {
@@ -149,7 +149,7 @@ impl Force for SurfacePressure {
         _: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let Some(factors) = memory.of::<Factors>() else { return Ok(()) };
+        let factors = memory.of::<Factors>();
         let rows = sink.rows();
         let touches =
             |facet: &FacetOfTable<'_>| facet.nodes.iter().any(|&node| rows.contains(&(node as usize)));

@@ -57,6 +57,7 @@ impl Snapshot {
             displacement_low,
             momentum_error: _,
             is_equilibrium: _,
+            history: _,
         } = &mut self.state;
         let of_state = [
             ("displacement", displacement),

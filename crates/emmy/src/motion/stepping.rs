@@ -379,9 +379,12 @@ pub(super) fn check_state(body: &Body, state: &State) -> Result<()> {
         ("momentum", Some(&state.momentum)),
         ("velocity", Some(&state.velocity)),
     ];
-    for (name, list) in lists {
-        if let Some(list) = list.filter(|list| list.len() != body.n_dofs()) {
-            let reason = format!("has {} numbers, not {}", list.len(), body.n_dofs());
+    let lists = lists.map(|(name, list)| (name, list, body.n_dofs()));
+    for (name, list, expected) in
+        lists.into_iter().chain([("history", Some(&state.history), body.n_history())])
+    {
+        if let Some(list) = list.filter(|list| list.len() != expected) {
+            let reason = format!("has {} numbers, not {expected}", list.len());
             return Err(Error::Memory { name: name.to_string(), reason });
         }
     }

@@ -147,7 +147,7 @@ impl Body {
         let size = STIFFNESS_PART * self.viscous_time();
         let rule = Rule::standard(1, &gauss(1));
         let rest = vec![0.0; self.n_dofs()];
-        let mut assembly = self.assembly_of(&rule);
+        let mut assembly = self.assembly(&rule);
         let mut tangent = |inverse_step_size: f64| -> Result<Vec<BlockRow>> {
             let damping = StepDamping { inverse_step_size, dissipation: 0.0 };
             let step = StepInput { tangent_factor: 1.0, damping, ..StepInput::undamped(&rule, &rest, &rest) };

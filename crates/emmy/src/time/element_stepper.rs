@@ -92,7 +92,7 @@ impl<'a> TimeElementStepper<'a> {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        self.is_loaded = self.step.system.equations.begin(Span::new(state.time, h), &state.momentum)?;
+        self.is_loaded = self.step.system.equations.begin(Span::new(state.time, h), state)?;
         Ok(())
     }
 
@@ -218,6 +218,7 @@ impl<'a> TimeElementStepper<'a> {
     /// the momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         self.displace(state);
+        self.step.system.equations.update_history(self.step.rates(), &mut state.history);
         if self.step.system.equations.body.is_driven() {
             self.update_momentum(state, h);
             self.set_driven_end(state, h, impulses)?;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::State;
 use super::scheme_force::SchemeForce;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
@@ -52,7 +53,7 @@ impl<'a> Equations<'a> {
         let k = coefficients.rule.degree();
         Equations {
             body,
-            assembly: body.assembly_of(&coefficients.rule),
+            assembly: body.assembly(&coefficients.rule),
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
@@ -79,15 +80,14 @@ impl<'a> Equations<'a> {
         self.time_scale = time_scale;
     }
 
-    /// Evaluates what is given over time in the step; `momentum`: at its start. Returns whether some force does work
-    /// from outside.
+    /// Evaluates what is given over time in the step from a state. Returns whether some force does work from outside.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
-    pub(super) fn begin(&mut self, span: Span, momentum: &[f64]) -> Result<bool> {
+    pub(super) fn begin(&mut self, span: Span, state: &State) -> Result<bool> {
         let StageCoefficients { rule, sampling, .. } = &self.coefficients;
-        self.scheme_force.begin(momentum);
-        let is_loaded = self.body.begin(rule, (span, *sampling), &mut self.assembly)?;
+        self.scheme_force.begin(&state.momentum);
+        let is_loaded = self.body.begin(rule, (span, *sampling), &state.history, &mut self.assembly)?;
         self.driven.set(&self.body.space, rule, span, &self.displacement)?;
         Ok(is_loaded)
     }
@@ -386,10 +386,9 @@ impl<'a> Equations<'a> {
         step_input(&self.coefficients, self.time_scale, &self.displacement, rates)
     }
 
-    /// Tells the forces that the step with some rates counts.
-    pub(super) fn accept(&mut self, rates: &[f64]) {
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
-        self.body.accept(&step, &mut self.assembly);
+    /// Takes the history variables of forces to the end of the step with some rates.
+    pub(super) fn update_history(&self, rates: &[f64], history: &mut [f64]) {
+        self.body.update_history(&self.step_at(rates), &self.assembly, history);
     }
 
     fn set_mass_rates(&mut self, x: &[f64]) {

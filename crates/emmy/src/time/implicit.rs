@@ -49,9 +49,9 @@ impl<'a> ImplicitStep<'a> {
         self.iteration.solve(&mut self.system, state, step_size, given)
     }
 
-    /// Keeps what the next step needs of one that counts.
+    /// Keeps what the next step needs of this one.
     pub(super) fn remember(&mut self, step_size: f64) {
-        self.iteration.remember(&mut self.system, step_size);
+        self.iteration.remember(&self.system, step_size);
     }
 
     /// Norms of Newton's residuals in the last step.

@@ -278,10 +278,9 @@ impl Iteration {
         }
     }
 
-    /// Keeps what the next step needs of one that counts: its rates for the prediction, and the memory of forces.
-    pub(super) fn remember(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
+    /// Keeps what the next step needs of this one.
+    pub(super) fn remember(&mut self, system: &StageSystem<'_>, step_size: f64) {
         let rates = &self.unknowns[..self.n_rates];
-        system.equations.accept(rates);
         self.prediction.remember(&system.equations.coefficients, rates, step_size);
         let (multipliers, local) = self.unknowns[self.n_rates..].split_at(self.n_multipliers);
         self.multipliers.clear();

@@ -35,6 +35,9 @@ pub struct State {
     /// ([`crate::equilibrium::Equilibrium::start`]): it then depends on the parameters of the body. A step ends this.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_equilibrium: bool,
+    /// History variables of the forces, in their order: what later steps depend on besides the motion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub history: Vec<f64>,
 }
 
 impl State {
@@ -79,11 +82,13 @@ impl State {
             displacement_low,
             momentum_error: [0.0; 3],
             is_equilibrium: false,
+            history: vec![0.0; body.n_history()],
         })
     }
 
     /// The same displacement and velocity as the start of a motion of another body with the same mesh, from a time on:
-    /// momentum `p = M v` of that body, velocity zero where it is fixed. Other incompatible modes start from zero.
+    /// momentum `p = M v` of that body, velocity zero where it is fixed. Other incompatible modes, and forces with a
+    /// history, start from zero.
     ///
     /// # Errors
     /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins; [`crate::Error::NotFiniteAt`] for
@@ -104,6 +109,7 @@ impl State {
             velocity,
             momentum_error: [0.0; 3],
             is_equilibrium: false,
+            history: vec![0.0; body.n_history()],
             ..self
         })
     }
@@ -117,6 +123,7 @@ impl State {
         self.displacement_low.clone_from(&other.displacement_low);
         self.momentum_error = other.momentum_error;
         self.is_equilibrium = other.is_equilibrium;
+        self.history.clone_from(&other.history);
     }
 
     /// Current position of a node.

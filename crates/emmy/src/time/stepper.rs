@@ -20,6 +20,8 @@ pub enum BodyFeature {
     IncompatibleModes,
     /// Rigid links, which need multipliers.
     RigidLinks,
+    /// Forces with history variables ([`State::history`]).
+    ForcesWithHistory,
 }
 
 impl BodyFeature {
@@ -30,6 +32,7 @@ impl BodyFeature {
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
             (BodyFeature::RigidLinks, !body.constraints().is_empty()),
+            (BodyFeature::ForcesWithHistory, body.n_history() > 0),
         ];
         features.into_iter().filter(|(_, has)| *has).map(|(feature, _)| feature)
     }
@@ -41,6 +44,7 @@ impl BodyFeature {
             BodyFeature::Damping => "viscosity or drag",
             BodyFeature::IncompatibleModes => "cells with incompatible modes",
             BodyFeature::RigidLinks => "rigid links",
+            BodyFeature::ForcesWithHistory => "forces with a history",
         }
     }
 }

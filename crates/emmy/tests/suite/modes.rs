@@ -401,7 +401,7 @@ fn matrices_for_scipy() {
         damping: StepDamping::default(),
         local: None,
     };
-    let mut assembly = body.assembly(1);
+    let mut assembly = body.assembly(step.rule);
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();
     let mut text = String::new();
     for row in 0..body.n_dofs() {

@@ -59,7 +59,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         damping: StepDamping::default(),
         local: None,
     };
-    let mut assembly = body.assembly(1);
+    let mut assembly = body.assembly(step.rule);
     body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();
     let mut force = vec![0.0; body.n_dofs()];
     assembly.matrix.copy_force(&mut force);

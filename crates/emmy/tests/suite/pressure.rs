@@ -262,8 +262,8 @@ fn tangent_is_consistent() {
         let displacement: Vec<f64> = (0..n).map(|i| noise(i, 1.0)).collect();
         let rates: Vec<f64> = (0..k * n).map(|i| noise(i, 2.0)).collect();
         let direction: Vec<f64> = (0..k * n).map(|i| noise(i, 3.0) - 0.05).collect();
-        let mut assembly = body.assembly(k);
-        body.begin(&rule, (Span::new(0.0, 1.0), Sampling::Averages), &mut assembly).unwrap();
+        let mut assembly = body.assembly(&rule);
+        body.begin(&rule, (Span::new(0.0, 1.0), Sampling::Averages), &[], &mut assembly).unwrap();
         let mut force = |step: f64| {
             let rates: Vec<f64> = rates.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
             body.evaluate_external(&step_at(&rule, &displacement, &rates), &mut assembly).unwrap();

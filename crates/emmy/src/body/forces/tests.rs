@@ -8,8 +8,9 @@ use crate::force::{ForceSource, Site};
 use crate::input::{InitialVelocity, Region};
 use crate::material::NeoHooke;
 use crate::mesh::block;
+use crate::motion::{Adaptivity, GlobalError, Motion, Phase, StepPlan};
 use crate::newton::NewtonSettings;
-use crate::time::{State, Stepper, TimeElement, TimeElementStepper};
+use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 
 /// A force that is zero up to a displacement of the first node along x, and refuses what is beyond; it admits a
 /// part of each correction, and counts steps.
@@ -38,10 +39,6 @@ impl Force for Wall {
         true
     }
 
-    fn memory(&self, _: &Rule) -> ForceMemory {
-        ForceMemory::new(vec![0.0])
-    }
-
     fn assemble(
         &self,
         (step, _): (&StepInput<'_>, Request),
@@ -64,16 +61,12 @@ impl Force for Wall {
         self.part
     }
 
-    fn accept(&self, _: &StepInput<'_>, memory: &mut ForceMemory) {
-        memory.of_mut::<Vec<f64>>().unwrap()[0] += 1.0;
+    fn n_history(&self) -> usize {
+        1
     }
 
-    fn saved<'m>(&self, memory: &'m ForceMemory) -> &'m [f64] {
-        memory.of::<Vec<f64>>().unwrap()
-    }
-
-    fn restore(&self, memory: &mut ForceMemory, saved: &[f64]) {
-        memory.of_mut::<Vec<f64>>().unwrap().copy_from_slice(saved);
+    fn update_history(&self, _: &StepInput<'_>, _: &ForceMemory, history: &mut [f64]) {
+        history[0] += 1.0;
     }
 }
 
@@ -90,20 +83,52 @@ fn flight(wall: Wall) -> (Body, State) {
     (body, state)
 }
 
+/// Steps that are cut or rejected, and those of estimators, leave no trace in the history of a motion; it goes on after
+/// another start from a snapshot.
 #[test]
-fn a_force_keeps_memory_over_steps() {
-    let (body, mut state) = flight(Wall { limit: 9.0, part: 1.0 });
-    let stepper = || {
-        let element = TimeElement::discrete_gradient(2).unwrap();
-        TimeElementStepper::new(&body, element, NewtonSettings::default()).unwrap()
-    };
-    let mut first = stepper();
-    (0..3).for_each(|_| first.advance(&mut state, 0.1).map(|_| ()).unwrap());
-    assert_eq!(first.memory().list("forces").unwrap(), [3.0]);
-    let mut second = stepper();
-    second.restore(&first.memory()).unwrap();
-    second.advance(&mut state, 0.1).unwrap();
-    assert_eq!(second.memory().list("forces").unwrap(), [4.0]);
+fn the_history_of_forces_counts_the_steps_of_a_motion() {
+    let (body, state) = flight(Wall { limit: 9.0, part: 1.0 });
+    let element = TimeElement::discrete_gradient(2).unwrap();
+    let mut motion = Motion::starting(&body, element, NewtonSettings::default(), state).unwrap();
+    let mut error = GlobalError::new(&body, element, NewtonSettings::default(), motion.state()).unwrap();
+    let adaptivity = Adaptivity { first: Some(0.4), ..Adaptivity::new(1e-6) };
+    let plan = StepPlan::adaptive(0.0, 2.0, adaptivity).unwrap();
+    motion.march(&plan, &mut [&mut error]).unwrap();
+    assert!(motion.statistics().rejections > 0 && motion.state().step > 3);
+    assert_eq!(motion.state().history, [motion.state().step as f64]);
+    assert_eq!(error.state().history, motion.state().history);
+
+    let mut resumed = Motion::resumed(&body, element, NewtonSettings::default(), motion.snapshot()).unwrap();
+    let steps = motion.state().step;
+    resumed.step(0.1).unwrap();
+    assert_eq!(resumed.state().history, [steps as f64 + 1.0]);
+}
+
+/// The wall refuses the planned step, but not a quarter of it.
+#[test]
+fn a_refused_step_leaves_no_trace_in_the_history() {
+    let (body, state) = flight(Wall { limit: 0.9, part: 1.0 });
+    let element = TimeElement::discrete_gradient(1).unwrap();
+    let mut motion = Motion::starting(&body, element, NewtonSettings::default(), state).unwrap();
+    motion.allow_cuts(None);
+    let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 2.0 }]).unwrap();
+    let record = motion.next_step(&plan, &mut []).unwrap().unwrap().clone();
+    assert!(record.cuts > 0);
+    assert_eq!(motion.state().history, [1.0]);
+}
+
+#[test]
+fn forces_with_a_history_need_a_time_element() {
+    let (body, state) = flight(Wall { limit: 9.0, part: 1.0 });
+    for scheme in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
+        let scheme: Scheme = scheme.parse().unwrap();
+        let error = scheme.check_body(&body).unwrap_err().to_string();
+        assert!(error.contains("forces with a history need a time element"), "{error}");
+    }
+    let lost = State { history: Vec::new(), ..state };
+    let element = TimeElement::discrete_gradient(1).unwrap();
+    let error = Motion::starting(&body, element, NewtonSettings::default(), lost).unwrap_err();
+    assert!(error.to_string().contains("history"), "{error}");
 }
 
 #[test]

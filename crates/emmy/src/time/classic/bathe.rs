@@ -73,7 +73,7 @@ impl<'a> BatheStepper<'a> {
         let known =
             self.step.system.equations.known.iter_mut().zip(state.momentum.iter().zip(&self.start.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
-        self.step.equations().begin(Span::new(state.time, part), &state.momentum)?;
+        self.step.equations().begin(Span::new(state.time, part), state)?;
         let outcome = self.step.solve(state, part, None)?;
         self.step.remember(part);
         self.split.time = state.time + part;
@@ -102,7 +102,7 @@ impl<'a> BatheStepper<'a> {
         self.forces.body.mass_product(&self.work, &mut self.step.equations().known);
         let part = (1.0 - SPLIT) * h;
         let span = Span { start: self.split.time, size: part, end: state.time + h };
-        self.step.equations().begin(span, &state.momentum)?;
+        self.step.equations().begin(span, state)?;
         let outcome = self.step.solve(&self.split, part, None)?;
         self.step.remember(part);
         let end = &mut self.points[1];

@@ -27,7 +27,7 @@ impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         let rule = configurations(&[(1.0, 1.0)]);
-        Forces { body, assembly: body.assembly_of(&rule), rule, rest: zero.clone(), internal: zero }
+        Forces { body, assembly: body.assembly(&rule), rule, rest: zero.clone(), internal: zero }
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -78,7 +78,7 @@ impl<'a> Forces<'a> {
     pub(crate) fn add_external_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
         let step =
             StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
-        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &[], &mut self.assembly)?;
         self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
@@ -108,7 +108,7 @@ impl<'a> Forces<'a> {
     /// As [`Forces::add_external_tangent`].
     pub(crate) fn external(&mut self, displacement: &[f64], time: f64, external: &mut [f64]) -> Result<()> {
         let step = StepInput::undamped(&self.rule, displacement, &self.rest);
-        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &mut self.assembly)?;
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &[], &mut self.assembly)?;
         self.body.evaluate_external(&step, &mut self.assembly)?;
         external.iter_mut().enumerate().for_each(|(at, force)| *force = self.assembly.external(at));
         Ok(())

@@ -184,7 +184,7 @@ impl<'a> NewmarkStepper<'a> {
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
         let known = equations.known.iter_mut().zip(state.momentum.iter().zip(&self.start.inertia));
         known.for_each(|(g, (p, ma))| *g = c * h * p + of_inertia * ma);
-        equations.begin(Span::new(state.time, h), &state.momentum).map(|_| ())
+        equations.begin(Span::new(state.time, h), state).map(|_| ())
     }
 
     /// Forces at the end of the step.

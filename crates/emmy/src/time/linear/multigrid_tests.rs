@@ -53,7 +53,7 @@ fn quadratic(kind: CellKind, size: [f64; 3], bricks: [usize; 3]) -> Mesh {
 fn iterations<const C: usize>((body, bulk): (&Body, f64), courant: f64, width: f64) -> usize {
     let rule = Rule::standard(1, &gauss(1));
     let zero = vec![0.0; body.n_dofs()];
-    let mut assembly = body.assembly(1);
+    let mut assembly = body.assembly(&rule);
     let step = StepInput { tangent_factor: 2.0, ..StepInput::undamped(&rule, &zero, &zero) };
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();
     let sweep = Arc::new(SweepOrder::new(body.pattern()));

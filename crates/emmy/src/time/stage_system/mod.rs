@@ -9,7 +9,7 @@ use super::linear::{ApproximateTangent, Border};
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::body::Body;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body as a system for Newton's iteration.
@@ -29,14 +29,11 @@ pub(super) struct StageSystem<'a> {
     floor: f64,
 }
 
-/// Name of the numbers that forces keep.
-const FORCES: &str = "forces";
-
 impl<'a> StageSystem<'a> {
     /// The system with its memory.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; on a team [`Error::NotOnTeam`] for a factorisation without engine.
+    /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for a factorisation without engine.
     pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
         let n = body.n_dofs();
         let k = coefficients.rule.degree();
@@ -79,26 +76,13 @@ impl<'a> StageSystem<'a> {
     /// Keeps the memory that the next steps depend on.
     pub(super) fn save(&self, memory: &mut Memory) {
         self.approximate_tangent.save(memory);
-        let of_forces = self.equations.body.saved_by_forces(&self.equations.assembly);
-        if !of_forces.is_empty() {
-            memory.save(FORCES, &of_forces);
-        }
     }
 
     /// Restores the data of [`StageSystem::save`].
     ///
     /// # Errors
-    /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
+    /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
-        let of_forces = memory.list(FORCES).unwrap_or_default();
-        if !self.equations.body.restore_forces(
-            &self.equations.coefficients.rule,
-            &mut self.equations.assembly,
-            of_forces,
-        ) {
-            let reason = format!("has {} numbers, which do not fit the forces", of_forces.len());
-            return Err(Error::Memory { name: FORCES.to_string(), reason });
-        }
         self.approximate_tangent.restore(self.equations.body, memory)
     }
 

@@ -25,7 +25,7 @@ fn forces(body: &Body, rule: &Rule, u: &[f64], x: &[f64], direction: &[f64]) -> 
         local: None,
     };
     let (mut force, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    let mut assembly = body.assembly(rule.degree());
+    let mut assembly = body.assembly(step.rule);
     let no_mass = vec![0.0; rule.degree() * rule.degree()];
     body.assemble(&step, Request::Tangent, &no_mass, &mut assembly).unwrap();
     assembly.matrix.copy_force(&mut force);

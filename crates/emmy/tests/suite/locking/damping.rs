@@ -180,7 +180,7 @@ fn tangents_of_damped_volumes_are_derivatives() {
                 let displacement: Vec<f64> = (0..n).map(wave(0.7)).collect();
                 let rates: Vec<f64> = (0..k * n).map(wave(1.1)).collect();
                 let direction: Vec<f64> = (0..k * n).map(wave(0.37)).collect();
-                let mut assembly = body.assembly(k);
+                let mut assembly = body.assembly(&rule);
                 let mut force = |length: f64| {
                     let rates: Vec<f64> = rates.iter().zip(&direction).map(|(x, d)| x + length * d).collect();
                     body.assemble(

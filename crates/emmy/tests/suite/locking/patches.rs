@@ -68,7 +68,7 @@ fn forces_and_energy(mesh: &Mesh, region: Region) -> (Vec<f64>, f64) {
         damping: StepDamping::default(),
         local: None,
     };
-    let mut assembly = body.assembly(2);
+    let mut assembly = body.assembly(step.rule);
     body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();
     let mut forces = vec![0.0; 2 * body.n_dofs()];
     assembly.matrix.copy_force(&mut forces);

@@ -240,7 +240,7 @@ fn forces_and_tangents_of_a_step() {
             damping: Default::default(),
             local: None,
         };
-        let mut assembly = body.assembly(k);
+        let mut assembly = body.assembly(step.rule);
         body.assemble(&step, Request::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
         let mut force = vec![0.0; k * n];
         assembly.matrix.copy_force(&mut force);

@@ -21,7 +21,7 @@ pub(crate) fn stiffness(kind: CellKind, region: Region) -> Vec<Vec<f64>> {
         damping: StepDamping::default(),
         local: None,
     };
-    let mut assembly = body.assembly(1);
+    let mut assembly = body.assembly(step.rule);
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();
     let column = |dof: usize| {
         let (mut x, mut y) = (zeros.clone(), zeros.clone());
