@@ -56,7 +56,7 @@ impl Assembly {
         self.parts.iter().map(move |part| &part.scratch.pressures[force])
     }
 
-    /// Stage average of all forces from outside that do work, at the rates evaluated last; `at`: position in
+    /// Stage average of all forces on the right, at the rates evaluated last; `at`: position in
     /// `[k][n_nodes][3]`.
     #[inline]
     pub(crate) fn external(&self, at: usize) -> f64 {
@@ -78,9 +78,9 @@ impl Assembly {
 /// The memory of the forces of cells.
 static NO_MEMORY: ForceMemory = ForceMemory::NONE;
 
-/// Whether a force does work from outside.
-fn is_external(force: &dyn Force) -> bool {
-    force.book() == Book::Work
+/// Whether a force is on the right of the equations of motion.
+fn is_on_right(force: &dyn Force) -> bool {
+    force.book() != Book::Stored
 }
 
 /// Whether a force connects the body to the ground by a potential.
@@ -169,8 +169,8 @@ impl Body {
         }
     }
 
-    /// Begins a step: evaluates what is given over time. Returns whether some force does work from outside. `history`:
-    /// that of the state, `[n_history]`; empty before the first step.
+    /// Begins a step: evaluates what is given over time. Returns whether some force on the right acts. `history`: that of
+    /// the state, `[n_history]`; empty before the first step.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
@@ -207,8 +207,8 @@ impl Body {
                 Ok(begun) => *acts = begun,
                 Err(error) => outcome = outcome.and(Err(error)),
             }
-            is_loaded |= *acts && is_external(force);
-            *varies |= *acts && is_external(force) && !force.is_steady();
+            is_loaded |= *acts && is_on_right(force);
+            *varies |= *acts && is_on_right(force) && !force.is_steady();
         }
         // A field may fail at a point of one rank alone; whether it acts depends on the time alone.
         self.space.agree(outcome).map(|()| is_loaded)
@@ -231,14 +231,14 @@ impl Body {
         self.assemble_those(|force| force.book() == Book::Stored, (step, request), mass, assembly)
     }
 
-    /// Evaluates the forces that do work from outside and depend on the motion.
+    /// Evaluates the forces on the right that depend on the motion.
     ///
     /// # Errors
     /// The reason of a force that refuses the step.
     #[doc(hidden)]
     pub fn evaluate_external(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> Result<()> {
         if assembly.acting.varies {
-            let is_wanted = |force: &dyn Force| is_external(force) && !force.is_steady();
+            let is_wanted = |force: &dyn Force| is_on_right(force) && !force.is_steady();
             self.assemble_those(is_wanted, (step, Request::Stress), None, assembly)?;
             assembly.matrix.copy_force(&mut assembly.acting.varying);
         }
@@ -255,7 +255,7 @@ impl Body {
         if !assembly.acting.varies {
             return Ok(());
         }
-        let is_wanted = |force: &dyn Force| is_external(force) && !force.is_steady();
+        let is_wanted = |force: &dyn Force| is_on_right(force) && !force.is_steady();
         self.assemble_those(is_wanted, (step, Request::Tangent), None, assembly)
     }
 
@@ -273,6 +273,26 @@ impl Body {
         self.assemble_those(is_ground, (step, Request::Stress), None, assembly)?;
         assembly.matrix.copy_force(force);
         Ok(())
+    }
+
+    /// Stage averages of the forces whose work is lost, `force: [k][n_nodes][3]`; false if there are none.
+    ///
+    /// # Errors
+    /// As [`Body::evaluate_external`].
+    pub(crate) fn loss_force(
+        &self,
+        step: &StepInput<'_>,
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<bool> {
+        let loses = |force: &dyn Force| force.book() == Book::Dissipated;
+        let mut others = self.others().zip(&assembly.acting.acts);
+        if !others.any(|(force, acts)| *acts && loses(force)) {
+            return Ok(false);
+        }
+        self.assemble_those(loses, (step, Request::Stress), None, assembly)?;
+        assembly.matrix.copy_force(force);
+        Ok(true)
     }
 
     /// Assembles some of the forces, rows by rows, beside a multiple of the mass if it is given.
@@ -374,7 +394,7 @@ impl Body {
         self.forces().find_map(|force| force.without_adjoint().or((force.n_history() > 0).then_some(history)))
     }
 
-    /// Whether the forces of the body, with those that do work from outside, have symmetric derivatives.
+    /// Whether the forces of the body, with those on the right, have symmetric derivatives.
     pub(crate) fn is_symmetric(&self) -> bool {
         self.others().all(|force| force.is_symmetric())
     }

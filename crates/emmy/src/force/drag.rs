@@ -1,6 +1,8 @@
 //! Drag of a surrounding medium.
 
-use super::interface::{Book, Force, Side};
+use super::interface::{Book, Force, ForceMemory, Side};
+use super::step::StepStart;
+use crate::error::Result;
 
 /// An external force `-rate M v`.
 #[derive(Debug)]
@@ -18,12 +20,13 @@ impl Force for Drag {
         Side::Outside
     }
 
-    fn momentum_rate(&self) -> f64 {
-        self.rate
+    /// It is a part of the inertia.
+    fn begin(&self, _: &StepStart<'_>, _: &mut ForceMemory, _: &mut [f64]) -> Result<bool> {
+        Ok(false)
     }
 
-    fn dissipates(&self) -> bool {
-        true
+    fn momentum_rate(&self) -> f64 {
+        self.rate
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

@@ -98,10 +98,10 @@ pub trait Force: fmt::Debug + Send + Sync {
 
     /// Whether it can dissipate energy.
     fn dissipates(&self) -> bool {
-        false
+        self.book() == Book::Dissipated
     }
 
-    /// Energy that it dissipates in a step, beside that of [`Force::momentum_rate`] \[energy\].
+    /// Energy that a stored force dissipates in a step \[energy\].
     fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
         0.0
     }

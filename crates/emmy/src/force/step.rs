@@ -36,6 +36,16 @@ impl<'a> StepInput<'a> {
     }
 }
 
+impl StepInput<'_> {
+    /// Displacement of a degree of freedom in a stage.
+    pub(crate) fn displacement_in(&self, stage: usize, dof: usize) -> f64 {
+        let k = self.rule.degree();
+        let a = &self.rule.coefficients()[stage * k..(stage + 1) * k];
+        let rates = self.rates[dof..].iter().step_by(self.displacement.len());
+        self.displacement[dof] + a.iter().zip(rates).map(|(a, x)| a * x).sum::<f64>()
+    }
+}
+
 /// Factors of the damping in a step; zero by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepDamping {

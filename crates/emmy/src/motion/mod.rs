@@ -1,9 +1,7 @@
 //! Marching: step plan, balances, records, observers.
 
 mod adaptive;
-mod adaptivity;
-mod control;
-mod degree_choice;
+mod adaptive_steps;
 mod equations;
 mod error_norm;
 mod event;
@@ -26,7 +24,7 @@ pub(crate) mod subdivision;
 pub use crate::newton::NewtonSettings;
 pub use crate::sparse::Solver;
 pub use crate::time::State;
-pub use adaptivity::Adaptivity;
+pub use adaptive::Adaptivity;
 pub use error_norm::ErrorNorm;
 pub use event::{Event, EventKind};
 pub use global_error::GlobalError;

@@ -1,7 +1,6 @@
 //! A body in motion, and its single steps.
 
-use super::control::Control;
-use super::degree_choice::degree_of;
+use super::adaptive::{Control, degree_of};
 use super::{
     Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
 };

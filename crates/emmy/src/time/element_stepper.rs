@@ -109,7 +109,9 @@ impl<'a> TimeElementStepper<'a> {
         } else {
             equations.evaluate_external(rates)?;
         }
-        let mut impulses = Impulses { dissipated: equations.dissipated(rates), ..Impulses::default() };
+        let [dissipated, lost] = equations.dissipated(rates)?;
+        // Loads contain the forces whose work is lost.
+        let mut impulses = Impulses { dissipated: dissipated + lost, work: lost, ..Impulses::default() };
         equations.evaluate_outside(rates)?;
         if !has_supports && !self.is_loaded && !equations.has_outside() {
             return Ok(impulses);

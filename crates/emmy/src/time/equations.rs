@@ -11,7 +11,6 @@ use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::input::Span;
 use crate::space::DrivenRates;
-use crate::unknowns::BorderStep;
 
 /// The stage equations of a body and their memory; a step is set with [`Equations::start`].
 #[derive(Debug)]
@@ -25,6 +24,8 @@ pub(super) struct Equations<'a> {
     pub displacement: Vec<f64>,
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
+    /// Rate of the drag \[1/time\]; none without inertia.
+    drag: f64,
     /// m_ij with the drag, for the time s.
     damped_mass: Vec<f64>,
     /// The same in [`StageCoefficients::parts`].
@@ -57,6 +58,7 @@ impl<'a> Equations<'a> {
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
+            drag: if coefficients.is_static() { 0.0 } else { body.drag() },
             damped_mass: coefficients.mass.clone(),
             mass_parts: mass_parts(&coefficients, &coefficients.mass).collect(),
             scheme_force: SchemeForce::new(body, coefficients.damping.clone()),
@@ -73,14 +75,13 @@ impl<'a> Equations<'a> {
     /// Sets displacement and time scale of the step. The stepper fills `known` and calls [`Equations::begin`].
     pub(super) fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
-        let rate = self.body.drag();
-        if self.time_scale != time_scale && rate > 0.0 {
-            self.set_mass(time_scale * rate);
+        if self.time_scale != time_scale && self.drag > 0.0 {
+            self.set_mass(time_scale * self.drag);
         }
         self.time_scale = time_scale;
     }
 
-    /// Evaluates what is given over time in the step from a state. Returns whether some force does work from outside.
+    /// Evaluates what is given over time in the step from a state. Returns whether some force on the right acts.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
@@ -216,24 +217,19 @@ impl<'a> Equations<'a> {
             return 0.0;
         }
         let mut force = std::mem::take(&mut self.constraint_force);
-        let step = self.border_step(x);
-        constraints.set_residual(step, of_constraints);
+        let step = self.step_at(x);
+        constraints.set_residual(&step, of_constraints);
         let n = self.body.n_dofs();
         let mut square = 0.0;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             force.fill(0.0);
-            constraints.add_force(step, i, (1.0, multipliers), &mut force);
+            constraints.add_force(&step, i, (1.0, multipliers), &mut force);
             residual.iter_mut().zip(&force).for_each(|(r, f)| *r += f);
             let free = force.iter().zip(self.body.fixed()).filter(|(_, fixed)| !**fixed);
             square += free.map(|(f, _)| f * f).sum::<f64>();
         }
         self.constraint_force = force;
         square
-    }
-
-    /// The step at some rates, as constraints see it.
-    pub(super) fn border_step<'s>(&'s self, rates: &'s [f64]) -> BorderStep<'s> {
-        BorderStep { rule: &self.coefficients.rule, displacement: &self.displacement, rates }
     }
 
     /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
@@ -301,7 +297,7 @@ impl<'a> Equations<'a> {
     /// Whether some force from outside has an impulse, but no work in the energy balance: of a potential, of
     /// constraints, of the surrounding medium.
     pub(super) fn has_outside(&self) -> bool {
-        !self.on_ground.is_empty() || self.body.constraints().is_grounded() || self.body.drag() > 0.0
+        !self.on_ground.is_empty() || self.body.constraints().is_grounded() || self.drag > 0.0
     }
 
     /// Adds these forces in a stage, `force: [n_nodes][3]`, as they were evaluated last.
@@ -312,13 +308,12 @@ impl<'a> Equations<'a> {
         if self.body.constraints().is_grounded() {
             let [x, multipliers, _] = self.split(unknowns);
             let factor = -1.0 / (self.time_scale * self.time_scale);
-            self.body.constraints().add_force(self.border_step(x), stage, (factor, multipliers), force);
+            self.body.constraints().add_force(&self.step_at(x), stage, (factor, multipliers), force);
         }
-        let rate = self.body.drag();
-        if rate > 0.0 {
+        if self.drag > 0.0 {
             let mass_rates = &self.mass_rates[stage * n..(stage + 1) * n];
             let forces = force.iter_mut().zip(mass_rates);
-            forces.for_each(|(force, mass_rate)| *force += -rate / self.time_scale * mass_rate);
+            forces.for_each(|(force, mass_rate)| *force += -self.drag / self.time_scale * mass_rate);
         }
     }
 
@@ -336,7 +331,7 @@ impl<'a> Equations<'a> {
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
-    /// Stage average of the forces that do work from outside, at the rates evaluated last; `at`: position in
+    /// Stage average of the forces on the right, at the rates evaluated last; `at`: position in
     /// `[k][n_nodes][3]`.
     pub(super) fn load(&self, at: usize) -> f64 {
         self.assembly.external(at)
@@ -351,23 +346,33 @@ impl<'a> Equations<'a> {
         self.body.evaluate_external(&step, &mut self.assembly)
     }
 
-    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a solved step.
+    /// Energy dissipated in a solved step: by drag, viscosity and the strain part of the scheme; and by the forces on
+    /// the right whose work is lost.
     ///
     /// ```math
-    /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
+    /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i),    -sum_i b_i f_i . x_i
     /// ```
-    pub(super) fn dissipated(&mut self, x: &[f64]) -> f64 {
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn dissipated(&mut self, x: &[f64]) -> Result<[f64; 2]> {
         if !self.body.dissipates() && self.scheme_force.is_zero() {
-            return 0.0;
+            return Ok([0.0; 2]);
         }
         let s = self.time_scale;
-        let drag = self.body.drag();
         let step = step_input(&self.coefficients, s, &self.displacement, x);
-        let mut sum = self.body.dissipated(&step, &mut self.assembly);
-        if drag > 0.0 {
-            sum += drag / s * self.mean_square(x);
+        let mut lost = 0.0;
+        if self.body.loss_force(&step, &mut self.assembly, &mut self.force)? {
+            let n = self.body.n_dofs();
+            let stages = x.chunks_exact(n).zip(self.force.chunks_exact(n));
+            let works = stages.map(|(x, force)| self.body.space.dot(force, x));
+            lost = -works.zip(self.coefficients.rule.weights()).map(|(work, b)| b * work).sum::<f64>();
         }
-        sum
+        let mut sum = self.body.dissipated(&step, &mut self.assembly);
+        if self.drag > 0.0 {
+            sum += self.drag / s * self.mean_square(x);
+        }
+        Ok([sum, lost])
     }
 
     /// Completes the end velocity by the force of the scheme, and returns the energy dissipated through velocities;
@@ -392,21 +397,42 @@ impl<'a> Equations<'a> {
     }
 
     fn set_mass_rates(&mut self, x: &[f64]) {
+        if self.coefficients.is_static() {
+            return;
+        }
         let n = self.body.n_dofs();
         for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
             self.body.mass_product(x, mass_rate);
         }
     }
 
+    /// Assembles the stored forces, and with [`Request::Tangent`] their derivatives and the inertia.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`], and the reasons of other forces.
     pub(super) fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
         let [x, _, local] = self.split(unknowns);
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
-        self.body.assemble(&step, request, &self.damped_mass, &mut self.assembly)?;
-        if request == Request::Tangent {
-            self.body.add_external_tangent(&step, &mut self.assembly)?;
-        }
-        Ok(())
+        self.body.assemble(&step, request, &self.damped_mass, &mut self.assembly)
+    }
+
+    /// Adds the derivatives of the forces on the right to the tangent assembled last.
+    ///
+    /// # Errors
+    /// As [`Equations::evaluate_external`].
+    pub(super) fn add_external_tangent(&mut self, rates: &[f64]) -> Result<()> {
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        self.body.add_external_tangent(&step, &mut self.assembly)
+    }
+
+    /// The exact tangent: [`Equations::assemble`] with the forces from outside.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn assemble_tangent(&mut self, unknowns: &[f64]) -> Result<()> {
+        self.assemble(unknowns, Request::Tangent)?;
+        self.add_external_tangent(self.split(unknowns)[0])
     }
 }
 
@@ -425,7 +451,8 @@ fn step_input<'a>(
     rates: &'a [f64],
 ) -> StepInput<'a> {
     let dissipation = coefficients.scheme_excess();
-    let damping = StepDamping { inverse_step_size: 1.0 / s, dissipation };
+    let inverse_step_size = if coefficients.is_static() { 0.0 } else { 1.0 / s };
+    let damping = StepDamping { inverse_step_size, dissipation };
     StepInput {
         tangent_factor: s * s,
         damping,

@@ -32,6 +32,11 @@ pub(crate) struct StageCoefficients {
 }
 
 impl StageCoefficients {
+    /// Whether the step has no inertia: it then takes no time, and neither drag nor viscosity act.
+    pub(crate) fn is_static(&self) -> bool {
+        self.mass.iter().all(|m| *m == 0.0)
+    }
+
     /// Factor beta of the scheme's damping on the elasticity at rest.
     pub(crate) fn scheme_excess(&self) -> f64 {
         self.damping.as_ref().map_or(0.0, |damping| damping.excess)

@@ -1,7 +1,7 @@
 //! The constraints of a body, and their part in the equations of a step.
 
 use super::constraint::Constraint;
-use crate::average::Rule;
+use crate::force::StepInput;
 use crate::nodal;
 
 /// The constraints of a body, with the nodes that they join.
@@ -13,26 +13,6 @@ pub(crate) struct Constraints {
     /// |G|^2 of each constraint in the reference configuration.
     squares: Vec<f64>,
     is_grounded: bool,
-}
-
-/// The step of some rates, as constraints see it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BorderStep<'a> {
-    pub rule: &'a Rule,
-    /// Displacement at the start, `[n_nodes][3]`.
-    pub displacement: &'a [f64],
-    /// Rates, `[k][n_nodes][3]`.
-    pub rates: &'a [f64],
-}
-
-impl BorderStep<'_> {
-    /// Displacement of a degree of freedom in a stage.
-    fn at(&self, stage: usize, dof: usize) -> f64 {
-        let (k, n) = (self.rule.degree(), self.displacement.len());
-        let a = &self.rule.coefficients()[stage * k..(stage + 1) * k];
-        let rates = self.rates[dof..].iter().step_by(n);
-        self.displacement[dof] + a.iter().zip(rates).map(|(a, x)| a * x).sum::<f64>()
-    }
 }
 
 /// Derivatives of the equations of a step by the rates of the joint nodes, `n = 3 k n_nodes` of them, and by the
@@ -77,13 +57,14 @@ impl Constraints {
     }
 
     /// Sets the residuals `C_i = G(q_i) x_i + Phi(q_1)`, `residual: [k][n]`.
-    pub(crate) fn set_residual(&self, step: BorderStep<'_>, residual: &mut [f64]) {
+    pub(crate) fn set_residual(&self, step: &StepInput<'_>, residual: &mut [f64]) {
         let (n_dofs, n) = (step.displacement.len(), self.len());
         for (c, row) in self.rows.iter().enumerate() {
             let start = row.value(&|dof| step.displacement[dof]);
             for i in 0..step.rule.degree() {
                 let rates = &step.rates[i * n_dofs..];
-                residual[i * n + c] = row.rate(&|dof| step.at(i, dof), &|dof| rates[dof]) + start;
+                residual[i * n + c] =
+                    row.rate(&|dof| step.displacement_in(i, dof), &|dof| rates[dof]) + start;
             }
         }
     }
@@ -98,7 +79,7 @@ impl Constraints {
     /// Adds a multiple of the forces `G(q_i)^T Lambda_i` of a stage, `force: [n_nodes][3]`; `multipliers: [k][n]`.
     pub(crate) fn add_force(
         &self,
-        step: BorderStep<'_>,
+        step: &StepInput<'_>,
         stage: usize,
         (factor, multipliers): (f64, &[f64]),
         force: &mut [f64],
@@ -106,7 +87,7 @@ impl Constraints {
         let of_stage = &multipliers[stage * self.len()..];
         for (row, multiplier) in self.rows.iter().zip(of_stage) {
             let add = &mut |dof: usize, value: f64| force[dof] += factor * multiplier * value;
-            row.for_each_gradient(&|dof| step.at(stage, dof), add);
+            row.for_each_gradient(&|dof| step.displacement_in(stage, dof), add);
         }
     }
 
@@ -117,7 +98,7 @@ impl Constraints {
     /// ```
     pub(crate) fn set_derivatives(
         &self,
-        step: BorderStep<'_>,
+        step: &StepInput<'_>,
         multipliers: &[f64],
         derivatives: &mut Derivatives,
     ) {
@@ -135,7 +116,7 @@ impl Constraints {
         let a = step.rule.coefficients();
         for (i, c) in (0..k).flat_map(|i| (0..rows).map(move |c| (i, c))) {
             let (row, at) = (&self.rows[c], i * rows + c);
-            row.for_each_gradient(&|dof| step.at(i, dof), &mut |dof, value| {
+            row.for_each_gradient(&|dof| step.displacement_in(i, dof), &mut |dof, value| {
                 let column = i * of_stage + local(dof);
                 rates[at * n + column] += value;
                 by_multipliers[column * m + at] += value;

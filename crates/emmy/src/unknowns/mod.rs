@@ -11,5 +11,5 @@ mod constraints;
 mod rigid_link;
 
 pub(crate) use constraint::ConstraintSource;
-pub(crate) use constraints::{BorderStep, Constraints, Derivatives};
+pub(crate) use constraints::{Constraints, Derivatives};
 pub use rigid_link::RigidLink;

@@ -158,3 +158,74 @@ fn a_force_bounds_corrections() {
     // Each correction leaves a fifth of the error: ten digits take 14 corrections.
     assert!(most > all + 5 * 3, "{most} corrections, {all} without a bound");
 }
+
+/// A force `-c v` on the first node along x.
+#[derive(Debug, Clone)]
+struct Dashpot(f64);
+
+impl ForceSource for Dashpot {
+    fn force(&self, _: usize, _: &Site<'_>) -> Result<Arc<dyn Force>> {
+        Ok(Arc::new(self.clone()))
+    }
+}
+
+impl Force for Dashpot {
+    fn book(&self) -> Book {
+        Book::Dissipated
+    }
+
+    fn side(&self) -> Side {
+        Side::Outside
+    }
+
+    fn assemble(
+        &self,
+        (step, request): (&StepInput<'_>, Request),
+        _: &ForceMemory,
+        _: usize,
+        _: &mut Scratch,
+        sink: &mut RowPart,
+    ) -> Result<()> {
+        if !sink.owns(0) {
+            return Ok(());
+        }
+        let (k, n) = (step.rule.degree(), step.displacement.len());
+        let damping = self.0 * step.damping.inverse_step_size;
+        for i in 0..k {
+            sink.add_force(i, 0, [-damping * step.rates[i * n], 0.0, 0.0]);
+            if request == Request::Tangent {
+                sink.block_mut(0, i * k + i)[0] += step.tangent_factor * damping;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a dashpot takes from the motion is dissipated; it is no work from outside, and its impulse is booked.
+#[test]
+fn the_work_of_a_dashpot_is_lost() {
+    for k in 1..=3 {
+        let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+        let builder = Body::builder(block([1.0; 3], [1; 3]).unwrap()).region(rubber);
+        let body = builder.force(Dashpot(0.7)).build().unwrap();
+        let flies = InitialVelocity { velocity: [1.0, 0.5, 0.0], ..InitialVelocity::default() };
+        let state = State::initial(&body, 0.0, &[flies]).unwrap();
+        let element = TimeElement::discrete_gradient(k).unwrap();
+        let mut motion = Motion::starting(&body, element, NewtonSettings::default(), state).unwrap();
+        let start = motion.record().total_energy;
+        let (mut travel, mut dissipated) = (0.0, 0.0);
+        for _ in 0..20 {
+            let before = motion.state().displacement[0];
+            let record = motion.step(0.05).unwrap().clone();
+            travel += motion.state().displacement[0] - before;
+            assert!(record.energy_residual.abs() < 1e-12, "{record:?}");
+            assert!(record.linear_momentum_residual < 1e-12 && record.angular_momentum_residual < 1e-12);
+            assert!(record.external_work.abs() < 1e-14);
+            dissipated = record.dissipated_energy;
+        }
+        assert!(dissipated > 0.01 && (start - motion.record().total_energy - dissipated).abs() < 1e-11);
+        // The impulse of -c v is -c times the way of the node.
+        let momentum = 1.0 - 0.7 * travel;
+        assert!((motion.record().linear_momentum[0] - momentum).abs() < 1e-11, "k = {k}");
+    }
+}

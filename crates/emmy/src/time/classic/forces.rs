@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::force::{Sampling, StepDamping, StepInput};
 use crate::input::Span;
 use crate::quadrature::gauss;
+use crate::time::equations::Equations;
 use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
@@ -40,35 +41,9 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
-        self.assemble_with((displacement, &[]), request)
-    }
-
-    /// Sets the force of the body at a displacement with given local unknowns, `[function]`, and its derivative if
-    /// wanted.
-    ///
-    /// # Errors
-    /// [`crate::Error::Inverted`].
-    pub(crate) fn assemble_with(
-        &mut self,
-        (displacement, local): (&[f64], &[f64]),
-        request: Request,
-    ) -> Result<()> {
-        let step = StepInput {
-            tangent_factor: 1.0,
-            local: (!local.is_empty()).then_some(local),
-            ..StepInput::undamped(&self.rule, displacement, &self.rest)
-        };
+        let step =
+            StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
-    }
-
-    /// Adds the forces of local unknowns to a force, with the derivatives assembled last.
-    pub(crate) fn add_local_force(&self, factor: f64, local: &[f64], force: &mut [f64]) {
-        self.body.add_local_force(&self.rule, &self.assembly, factor, local, force);
-    }
-
-    /// Adds the changes of the local unknowns with a change of the displacement, with the derivatives assembled last.
-    pub(crate) fn add_local_response(&self, change: &[f64], local: &mut [f64]) {
-        self.body.add_local_response(&self.rule, &self.assembly, change, local);
     }
 
     /// Subtracts the derivative of the loads of a time from the K assembled last.
@@ -125,22 +100,8 @@ impl<'a> Forces<'a> {
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
-        self.net_with((displacement, &[]), time, external, net)
-    }
-
-    /// [`Forces::net`] with given local unknowns, `[function]`.
-    ///
-    /// # Errors
-    /// [`crate::Error::Inverted`].
-    pub(crate) fn net_with(
-        &mut self,
-        (displacement, local): (&[f64], &[f64]),
-        time: f64,
-        external: &mut [f64],
-        net: &mut [f64],
-    ) -> Result<()> {
         self.external(displacement, time, external)?;
-        self.assemble_with((displacement, local), Request::Stress)?;
+        self.assemble(displacement, Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
@@ -249,6 +210,36 @@ impl TimePoint {
         }
         forces.external(&self.displacement, time, &mut self.external)?;
         forces.outside(&self.displacement, &mut self.outside, &mut self.reactions)
+    }
+
+    /// Takes displacement and forces of an equilibrium at a time from its equations.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(crate) fn evaluate_static(
+        &mut self,
+        equations: &mut Equations<'_>,
+        unknowns: &[f64],
+        time: f64,
+    ) -> Result<()> {
+        let n = self.displacement.len();
+        let x = &unknowns[..n];
+        for (u, (start, x)) in self.displacement.iter_mut().zip(equations.displacement.iter().zip(x)) {
+            *u = start + x;
+        }
+        // Exactly there, not but for rounding.
+        equations.body.space.set_driven_displacement(time, &mut self.displacement);
+        let mut residual = vec![0.0; unknowns.len()];
+        equations.full_residual(unknowns, &mut residual)?;
+        self.force.iter_mut().zip(&residual).for_each(|(net, r)| *net = -r);
+        self.external.iter_mut().enumerate().for_each(|(at, force)| *force = equations.load(at));
+        self.reactions.fill(Reaction::default());
+        equations.add_spring_reactions(x, 0, 1.0, &self.displacement, &mut self.reactions);
+        equations.evaluate_outside(x)?;
+        self.outside.fill(0.0);
+        equations.add_outside(unknowns, 0, &mut self.outside);
+        self.outside.iter_mut().for_each(|force| *force = -*force);
+        Ok(())
     }
 
     /// Sets the reactions of all ranks, and the force to the sum of loads, reactions and ground,

@@ -10,8 +10,9 @@
 
 use crate::body::Body;
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::sparse::eliminate;
-use crate::unknowns::{BorderStep, Derivatives};
+use crate::unknowns::Derivatives;
 
 /// Tolerance of F, which many corrections use.
 const FLEXIBILITY_TOLERANCE: f64 = 1e-8;
@@ -55,7 +56,7 @@ impl Border {
     }
 
     /// Sets the derivatives at a step with multipliers.
-    pub(crate) fn set(&mut self, body: &Body, step: BorderStep<'_>, multipliers: &[f64]) {
+    pub(crate) fn set(&mut self, body: &Body, step: &StepInput<'_>, multipliers: &[f64]) {
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
     }
 

@@ -1,7 +1,6 @@
 //! The stage equations at any rates, for schemes and analyses from outside.
 
 use super::StageSystem;
-use crate::average::Request;
 use crate::error::Result;
 use crate::sparse::BlockRow;
 
@@ -24,7 +23,7 @@ impl StageSystem<'_> {
     /// As [`StageSystem::residual_at`].
     pub(in crate::time) fn tangent_at(&mut self, rates: &[f64]) -> Result<Vec<BlockRow>> {
         let unknowns = self.unknowns_at(rates)?;
-        self.equations.assemble(&unknowns, Request::Tangent)?;
+        self.equations.assemble_tangent(&unknowns)?;
         Ok(self.equations.assembly.matrix.block_rows(self.equations.body.pattern()))
     }
 

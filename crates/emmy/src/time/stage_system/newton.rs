@@ -1,12 +1,10 @@
 //! The stage equations as a system for Newton's iteration.
 
 use super::StageSystem;
-use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{ROUND_OFF, Sizes, System, Tangent};
 use crate::time::equations::Equations;
 use crate::time::linear::LinearisedStages;
-use crate::unknowns::BorderStep;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -63,8 +61,7 @@ impl StageSystem<'_> {
     fn set_border(&mut self, unknowns: &[f64]) {
         if !self.equations.body.constraints().is_empty() {
             let [rates, multipliers, _] = self.equations.split(unknowns);
-            let (rule, displacement) = (&self.equations.coefficients.rule, &self.equations.displacement);
-            self.border.set(self.equations.body, BorderStep { rule, displacement, rates }, multipliers);
+            self.border.set(self.equations.body, &self.equations.step_at(rates), multipliers);
         }
     }
 
@@ -180,7 +177,7 @@ impl System for StageSystem<'_> {
         let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
-                self.equations.assemble(x, Request::Tangent)?;
+                self.equations.assemble_tangent(x)?;
                 self.solve_exactly(tolerance, dx)
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),

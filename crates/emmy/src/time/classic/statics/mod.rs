@@ -100,13 +100,9 @@ impl<'a> StaticStepper<'a> {
         })
     }
 
-    fn displacement(&self) -> &[f64] {
-        &self.unknowns[..self.end.displacement.len()]
-    }
-
     /// Solves for the equilibrium at the end of a step.
     fn solve(&mut self, state: &State, step_size: f64) -> Result<Outcome> {
-        self.system.time = state.time + step_size;
+        self.system.start(state, step_size)?;
         match self.attempt(state, false) {
             // Smaller corrections do not help a singular stiffness.
             Err(error) if !matches!(error, Error::Singular { .. }) => self.attempt(state, true),
@@ -116,7 +112,7 @@ impl<'a> StaticStepper<'a> {
 
     fn attempt(&mut self, state: &State, line_search: bool) -> Result<Outcome> {
         self.system.must_be_definite = !line_search;
-        self.system.predict(&state.displacement, &mut self.unknowns)?;
+        self.system.predict(&mut self.unknowns)?;
         let outcome = self.newton.solve(&mut self.system, &mut self.unknowns, &self.settings, line_search)?;
         if !outcome.converged {
             return Err(self.failure(state, outcome));
@@ -126,28 +122,26 @@ impl<'a> StaticStepper<'a> {
 
     /// Checks that the equilibrium belongs to the path that leads to it.
     fn check_path(&mut self, state: &State) -> Result<()> {
-        let mut moved = self.displacement().to_vec();
-        moved.iter_mut().zip(&state.displacement).for_each(|(u, old)| *u -= old);
-        let body = self.system.forces.body;
-        let distance = body.space.norm(&moved);
+        let moved = &self.unknowns[..self.end.displacement.len()];
+        let body = self.system.equations.body;
+        let distance = body.space.norm(moved);
         if distance <= NO_DISTANCE * self.system.size {
             return Ok(());
         }
         // At a limit of the loads the stiffness is singular.
-        let displacement = &self.unknowns[..moved.len()];
-        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| body.space.norm(&step));
+        let back = self.system.linear_step(moved).map_or(f64::INFINITY, |step| body.space.norm(&step));
         let forth = self.system.predicted.unwrap_or(0.0);
         if distance <= (MAX_STEPS_FROM_START * forth).min(MAX_STEPS_FROM_END * back) {
             return Ok(());
         }
-        let node = largest_node(body, &moved);
+        let node = largest_node(body, moved);
         let position = body.space.at_node(node, |node| state.position(body, node));
         Err(Error::OtherPath { fraction: self.system.time, node, position })
     }
 
     /// The error of an iteration that did not converge.
     fn failure(&self, state: &State, failed: Outcome) -> Error {
-        let body = self.system.forces.body;
+        let body = self.system.equations.body;
         let node = largest_node(body, &self.newton.residual()[..self.end.displacement.len()]);
         Error::NotBalanced {
             fraction: self.system.time,
@@ -163,9 +157,8 @@ impl<'a> StaticStepper<'a> {
 impl Stepper for StaticStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         let newton = self.solve(state, step_size)?;
-        self.end.displacement.copy_from_slice(&self.unknowns[..state.displacement.len()]);
-        self.end.evaluate(&mut self.system.forces, self.system.time)?;
-        let body = self.system.forces.body;
+        self.end.evaluate_static(&mut self.system.equations, &self.unknowns, self.system.time)?;
+        let body = self.system.equations.body;
         let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.
         self.end.set_reactions(body, &self.system.rest);
@@ -201,6 +194,6 @@ impl StaticStepper<'_> {
     /// Adds resultant and moment of loads, reactions and ground; on free degrees of freedom loads and internal forces
     /// cancel but for the residual.
     fn add_resultants(&self, impulses: &mut Impulses) {
-        impulses.add_force(self.system.forces.body, 1.0, &self.end.displacement, &self.end.force);
+        impulses.add_force(self.system.equations.body, 1.0, &self.end.displacement, &self.end.force);
     }
 }

@@ -4,10 +4,13 @@ use super::inverse::{Found, Inverse};
 use crate::average::Request;
 use crate::body::Body;
 use crate::error::{Error, Result};
+use crate::input::Span;
 use crate::newton::{Sizes, System, Tangent};
 use crate::nodal;
 use crate::sparse::{Gmres, LinearSystem, SparseLu, StageMatrix};
-use crate::time::classic::forces::Forces;
+use crate::time::State;
+use crate::time::classic::{configurations, stage_coefficients};
+use crate::time::equations::Equations;
 
 /// Iterations of GMRES before the stiffness is factorised with its follower loads.
 const MAX_LINEAR_ITERATIONS: usize = 60;
@@ -21,11 +24,12 @@ const FLOOR: f64 = 0.25;
 /// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
 const LARGEST_CORRECTION: f64 = 1e6;
 
-/// The equations of equilibrium at a time. The unknowns are the displacement, then the local unknowns,
-/// `[function]`.
+/// The equations of a step without inertia. The unknowns are the increment of the displacement, then the local
+/// unknowns, `[function]`.
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
-    pub(super) forces: Forces<'a>,
+    pub(super) equations: Equations<'a>,
+    /// Time at the end of the step.
     pub(super) time: f64,
     inverse: Inverse,
     gmres: Gmres,
@@ -44,7 +48,6 @@ pub(super) struct StaticSystem<'a> {
     floor: f64,
     /// Whether there is a tangent in the step.
     is_linearised: bool,
-    external: Vec<f64>,
     right: Vec<f64>,
     pub(super) rest: Vec<f64>,
 }
@@ -52,8 +55,9 @@ pub(super) struct StaticSystem<'a> {
 impl<'a> StaticSystem<'a> {
     pub(super) fn new(body: &'a Body) -> Result<Self> {
         let zero = vec![0.0; body.n_dofs()];
+        let coefficients = stage_coefficients(configurations(&[(1.0, 1.0)]), 0.0, 1.0);
         Ok(StaticSystem {
-            forces: Forces::new(body),
+            equations: Equations::new(body, coefficients),
             time: 0.0,
             inverse: Inverse::new(body)?,
             gmres: Gmres::default(),
@@ -65,7 +69,6 @@ impl<'a> StaticSystem<'a> {
             size: body.mesh().extent().into_iter().fold(0.0, f64::max),
             floor: 0.0,
             is_linearised: false,
-            external: zero.clone(),
             right: zero.clone(),
             rest: zero,
         })
@@ -73,23 +76,32 @@ impl<'a> StaticSystem<'a> {
 
     /// Number of unknowns.
     pub(super) fn n_unknowns(&self) -> usize {
-        self.rest.len() + self.forces.body.n_local()
+        self.equations.n_unknowns()
     }
 
-    /// Displacement and local unknowns among the unknowns.
+    /// Increment and local unknowns among the unknowns.
     fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
         unknowns.split_at(self.rest.len())
     }
 
-    /// First unknowns of a step that starts in equilibrium at a displacement: with moving supports, the solution of the
-    /// equations linearised there.
-    pub(super) fn predict(&mut self, displacement: &[f64], unknowns: &mut [f64]) -> Result<()> {
+    /// Sets the step from a state.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(super) fn start(&mut self, state: &State, step_size: f64) -> Result<()> {
+        self.time = state.time + step_size;
+        self.equations.start(&state.displacement, 1.0);
+        self.equations.begin(Span::new(state.time, step_size), state).map(|_| ())
+    }
+
+    /// First unknowns of a step that starts in equilibrium: with moving supports, the solution of the equations
+    /// linearised there.
+    pub(super) fn predict(&mut self, unknowns: &mut [f64]) -> Result<()> {
         (self.floor, self.predicted, self.is_linearised) = (0.0, None, false);
-        let body = self.forces.body;
-        let n = displacement.len();
-        unknowns[..n].copy_from_slice(displacement);
-        self.forces.assemble(displacement, Request::Stress)?;
-        body.copy_local(&self.forces.assembly, &mut unknowns[n..]);
+        let body = self.equations.body;
+        let (x, local) = unknowns.split_at_mut(self.rest.len());
+        x.fill(0.0);
+        self.equations.set_local_at_start(local)?;
         let mut first = std::mem::take(&mut self.first);
         let outcome = self.residual(unknowns, &mut first);
         self.first = first;
@@ -97,17 +109,15 @@ impl<'a> StaticSystem<'a> {
         if !body.is_driven() {
             return Ok(());
         }
-        self.shift.copy_from_slice(displacement);
-        body.space.set_driven_displacement(self.time, &mut self.shift);
-        self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
+        self.equations.drive(&mut self.shift);
         self.factorize(unknowns)?;
-        let step = self.linear_step(displacement)?;
+        let (x, local) = unknowns.split_at_mut(self.rest.len());
+        let step = self.linear_step(x)?;
         self.predicted = Some(body.space.norm(&step));
-        let (u, local) = unknowns.split_at_mut(n);
-        u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
-        self.forces.add_local_response(&step, local);
+        x.copy_from_slice(&step);
+        self.add_local_response(x, local);
         // Exactly there, not but for rounding.
-        body.space.set_driven_displacement(self.time, u);
+        self.equations.drive(x);
         Ok(())
     }
 
@@ -115,16 +125,23 @@ impl<'a> StaticSystem<'a> {
     fn condense(&mut self, residual: &[f64], of_local: &[f64]) {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
-            self.forces.add_local_force(1.0, of_local, &mut self.right);
-            self.forces.body.space.clear_inactive(&mut self.right);
+            let Equations { body, coefficients, assembly, .. } = &self.equations;
+            body.add_local_force(&coefficients.rule, assembly, 1.0, of_local, &mut self.right);
+            body.space.clear_inactive(&mut self.right);
         }
+    }
+
+    /// Adds the changes of the local unknowns with a change of the displacement.
+    fn add_local_response(&self, change: &[f64], local: &mut [f64]) {
+        let Equations { body, coefficients, assembly, .. } = &self.equations;
+        body.add_local_response(&coefficients.rule, assembly, change, local);
     }
 
     /// The step from the start that the equations give, linearised with the tangent that was set last, near x.
     pub(super) fn linear_step(&mut self, x: &[f64]) -> Result<Vec<f64>> {
-        let body = self.forces.body;
+        let body = self.equations.body;
         let mut residual = self.rest.clone();
-        self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
+        self.equations.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
         body.space.clear_inactive(&mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
@@ -137,17 +154,22 @@ impl<'a> StaticSystem<'a> {
 
     /// Sets the exact tangent, and factorises it without the follower loads.
     fn factorize(&mut self, unknowns: &[f64]) -> Result<()> {
-        let (displacement, local) = self.split(unknowns);
-        self.forces.assemble_with((displacement, local), Request::Tangent)?;
+        self.equations.assemble(unknowns, Request::Tangent)?;
         self.is_linearised = true;
-        let body = self.forces.body;
+        let body = self.equations.body;
         self.lu = None;
-        let matrix = &self.forces.assembly.matrix;
+        let matrix = &self.equations.assembly.matrix;
         if !self.inverse.set(body, matrix)? && self.must_be_definite {
             return Err(not_definite());
         }
-        self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
-        self.forces.add_external_tangent(displacement, self.time)
+        let x = &unknowns[..self.rest.len()];
+        self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, &self.displacement(x));
+        self.equations.add_external_tangent(x)
+    }
+
+    /// The displacement at the end of the step.
+    pub(super) fn displacement(&self, x: &[f64]) -> Vec<f64> {
+        self.equations.displacement.iter().zip(x).map(|(u, x)| u + x).collect()
     }
 
     /// Solves `K dx = b` for the right side with the tangent that was set last.
@@ -155,10 +177,10 @@ impl<'a> StaticSystem<'a> {
     /// # Errors
     /// [`Error::Singular`], [`Error::Linear`], [`Error::OutOfMemory`].
     fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        let body = self.forces.body;
+        let body = self.equations.body;
         let mut iterations = self.iterate(tolerance, dx)?;
         if iterations.is_none() && self.lu.is_none() && !body.space.is_shared() {
-            let lu = SparseLu::new(&self.forces.assembly.matrix, body.pattern(), body.fixed());
+            let lu = SparseLu::new(&self.equations.assembly.matrix, body.pattern(), body.fixed());
             self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
             iterations = self.iterate(tolerance, dx)?;
         }
@@ -174,8 +196,8 @@ impl<'a> StaticSystem<'a> {
     /// # Errors
     /// [`Error::Linear`] if the stiffness must be positive definite and is not.
     fn iterate(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<Option<usize>> {
-        let body = self.forces.body;
-        let matrix = &mut self.forces.assembly.matrix;
+        let body = self.equations.body;
+        let matrix = &mut self.equations.assembly.matrix;
         let mut limit = MAX_LINEAR_ITERATIONS;
         if let Inverse::OfRanks(inverse) = &mut self.inverse {
             limit = MAX_ITERATIONS_OF_RANKS;
@@ -197,17 +219,17 @@ impl<'a> StaticSystem<'a> {
 
     /// The error of a singular stiffness, at a node without any, or else at the one that moves most.
     fn singular(&self, x: &[f64], dx: &[f64]) -> Error {
-        let body = self.forces.body;
+        let body = self.equations.body;
         let stiffness = |dof: usize| {
             let diagonal = body.pattern().position(dof / 3, dof / 3).unwrap_or(0);
-            self.forces.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
+            self.equations.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
         };
         let free = || (0..3 * body.space.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
         let mut largest = [free().map(stiffness).fold(0.0, f64::max)];
         body.space.largest_of_ranks("largest stiffness", &mut largest);
         let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
         let node = body.space.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
-        let position = |node: usize| body.space.position(x, node);
+        let position = |node: usize| body.space.position(&self.displacement(x), node);
         Error::Singular { fraction: self.time, node, position: body.space.at_node(node, position) }
     }
 }
@@ -221,17 +243,15 @@ const PREDICTION: f64 = 1e-6;
 
 impl System for StaticSystem<'_> {
     fn residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        let (x, local) = self.split(unknowns);
-        let (residual, of_local) = residual.split_at_mut(x.len());
-        self.forces.net_with((x, local), self.time, &mut self.external, residual)?;
-        let body = self.forces.body;
-        body.copy_local(&self.forces.assembly, of_local);
-        of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
-        let scale = body.space.norm(&self.external).max(body.space.norm(self.forces.internal()));
-        residual.iter_mut().for_each(|r| *r = -*r);
+        self.equations.full_residual(unknowns, residual)?;
+        let (residual, of_local) = residual.split_at_mut(self.rest.len());
+        let Equations { body, force: internal, .. } = &self.equations;
+        // Reactions count: a body that its supports alone strain is in balance with nothing else.
+        self.right.iter_mut().enumerate().for_each(|(at, load)| *load = self.equations.load(at));
+        let scale = body.space.norm(&self.right).max(body.space.norm(internal));
         body.space.clear_inactive(residual);
         self.condense(residual, of_local);
-        Ok(Sizes { residual: self.forces.body.space.norm(&self.right), scale, floor: self.floor })
+        Ok(Sizes { residual: self.equations.body.space.norm(&self.right), scale, floor: self.floor })
     }
 
     fn correction(
@@ -249,10 +269,10 @@ impl System for StaticSystem<'_> {
         self.condense(of_displacement, of_local);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
-        self.forces.body.space.update_guests("correction", dx);
+        let body = self.equations.body;
+        body.space.update_guests("correction", dx);
         change.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
-        self.forces.add_local_response(dx, change);
-        let body = self.forces.body;
+        self.add_local_response(dx, change);
         self.predicted.get_or_insert_with(|| body.space.norm(dx));
         Ok(iterations)
     }

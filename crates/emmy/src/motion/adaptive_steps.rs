@@ -1,8 +1,6 @@
 //! Marching with step sizes chosen by the error.
 
-use super::adaptivity::Controller;
-use super::control::Control;
-use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
+use super::adaptive::{Control, Controller, DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
 use super::failure::{may_shrink_after, placed};
 use super::resolution::Unresolved;
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepLimit, StepPlan};

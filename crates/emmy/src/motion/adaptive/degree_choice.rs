@@ -18,7 +18,7 @@ use crate::time::Memory;
 /// Trials cost a few steps, and become rare if they change nothing. The choice uses no clock: a motion has the same
 /// degrees on every machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct DegreeChoice {
+pub(in crate::motion) struct DegreeChoice {
     lowest: usize,
     highest: usize,
     /// Steps until the next trials, and the interval after those.
@@ -30,40 +30,40 @@ pub(super) struct DegreeChoice {
 const PAUSES: [usize; 2] = [8, 128];
 
 /// A step with a smaller part of the target error was shortened to meet a time, or is one of the first.
-pub(super) const MIN_TELLING_ERROR: f64 = 0.01;
+pub(in crate::motion) const MIN_TELLING_ERROR: f64 = 0.01;
 
 /// Largest change of the size in the extrapolation.
 const MAX_SIZE_RATIO: f64 = 3.0;
 
 /// Largest ratio of the cost of another degree to the present one at which the degree changes.
-pub(super) const MAX_WORK_RATIO: f64 = 0.8;
+pub(in crate::motion) const MAX_WORK_RATIO: f64 = 0.8;
 
 impl DegreeChoice {
-    pub(super) fn new([lowest, highest]: [usize; 2]) -> Self {
+    pub(in crate::motion) fn new([lowest, highest]: [usize; 2]) -> Self {
         DegreeChoice { lowest, highest, left: PAUSES[0], pause: PAUSES[0] }
     }
 
     /// Counts an accepted step; true if trials are due and the step is long enough for them.
-    pub(super) fn is_due(&mut self, is_telling: bool) -> bool {
+    pub(in crate::motion) fn is_due(&mut self, is_telling: bool) -> bool {
         self.left = self.left.saturating_sub(1);
         self.left == 0 && is_telling
     }
 
     /// Schedules the next trials: after twice as many steps if nothing changed.
-    pub(super) fn wait(&mut self, has_changed: bool) {
+    pub(in crate::motion) fn wait(&mut self, has_changed: bool) {
         self.pause = if has_changed { PAUSES[0] } else { (2 * self.pause).min(PAUSES[1]) };
         self.left = self.pause;
     }
 
     /// Neighbouring degrees.
-    pub(super) fn neighbours(&self, degree: usize) -> impl Iterator<Item = usize> + use<> {
+    pub(in crate::motion) fn neighbours(&self, degree: usize) -> impl Iterator<Item = usize> + use<> {
         let lowest = self.lowest;
         let highest = self.highest;
         [degree - 1, degree + 1].into_iter().filter(move |k| (lowest..=highest).contains(k))
     }
 
     /// Keeps the memory that later choices depend on.
-    pub(super) fn save(&self, degree: usize, memory: &mut Memory) {
+    pub(in crate::motion) fn save(&self, degree: usize, memory: &mut Memory) {
         memory.save_number("degree", degree as f64);
         memory.save_number("degree.left", self.left as f64);
         memory.save_number("degree.pause", self.pause as f64);
@@ -73,7 +73,7 @@ impl DegreeChoice {
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(in crate::motion) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.left = memory.number("degree.left")? as usize;
         self.pause = memory.number("degree.pause")? as usize;
         Ok(())
@@ -81,12 +81,12 @@ impl DegreeChoice {
 }
 
 /// The degree in the memory of a control that chooses degrees.
-pub(super) fn degree_of(memory: &Memory) -> Option<usize> {
+pub(in crate::motion) fn degree_of(memory: &Memory) -> Option<usize> {
     memory.number("degree").ok().map(|degree| degree as usize)
 }
 
 /// Size at which an error of a given order equals the target, from a step of a size and its error over the target.
-pub(super) fn size_of(order: usize, size: f64, error: f64) -> f64 {
+pub(in crate::motion) fn size_of(order: usize, size: f64, error: f64) -> f64 {
     let power = 1.0 / order as f64;
     size * error
         .max(f64::MIN_POSITIVE)

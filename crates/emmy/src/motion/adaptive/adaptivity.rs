@@ -1,7 +1,7 @@
 //! Adaptive step sizes: settings and controller.
 
-use super::StepLimit;
 use crate::error::{Error, Result};
+use crate::motion::StepLimit;
 use crate::number::short;
 use crate::time::{Estimator, MAX_DEGREE, Memory, TimeElement};
 
@@ -142,7 +142,7 @@ impl Adaptivity {
 /// (Soederlind and Wang 2006, Adaptive time-stepping and computational stability, Journal of Computational and Applied
 /// Mathematics 185). A size that would change little is kept, because a new one needs new factors of the linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Controller {
+pub(in crate::motion) struct Controller {
     tolerance: f64,
     smallest: f64,
     largest: f64,
@@ -171,10 +171,15 @@ const MIN_REJECTION_FACTOR: f64 = 0.1;
 
 impl Controller {
     /// Target error, as a part of the tolerance.
-    pub(super) const AIM: f64 = 0.6;
+    pub(in crate::motion) const AIM: f64 = 0.6;
 
     /// A controller of errors that grow like `h^order`; `limit`: what set the first size.
-    pub(super) fn new(adaptivity: &Adaptivity, order: usize, first: f64, limit: StepLimit) -> Self {
+    pub(in crate::motion) fn new(
+        adaptivity: &Adaptivity,
+        order: usize,
+        first: f64,
+        limit: StepLimit,
+    ) -> Self {
         let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
         let size = first.clamp(smallest, largest);
         Controller {
@@ -190,12 +195,12 @@ impl Controller {
     }
 
     /// Size of the next step.
-    pub(super) fn size(&self) -> f64 {
+    pub(in crate::motion) fn size(&self) -> f64 {
         self.size
     }
 
     /// The limit that set it.
-    pub(super) fn limit(&self) -> StepLimit {
+    pub(in crate::motion) fn limit(&self) -> StepLimit {
         match self.size {
             size if size >= self.largest => StepLimit::Largest,
             size if size <= self.smallest => StepLimit::Smallest,
@@ -204,7 +209,7 @@ impl Controller {
     }
 
     /// Size of the next step, given the time left to one that must be met: it is met exactly, without a tiny last step.
-    pub(super) fn size_within(&self, left: f64) -> f64 {
+    pub(in crate::motion) fn size_within(&self, left: f64) -> f64 {
         if self.size >= left * (1.0 - 1e-9) {
             left
         } else if self.size > 0.5 * left {
@@ -215,17 +220,17 @@ impl Controller {
     }
 
     /// Whether an error is within the tolerance; NaN is not.
-    pub(super) fn accepts(&self, error: f64) -> bool {
+    pub(in crate::motion) fn accepts(&self, error: f64) -> bool {
         error <= self.tolerance
     }
 
     /// Whether a step may be made smaller.
-    pub(super) fn can_shrink(&self, size: f64) -> bool {
+    pub(in crate::motion) fn can_shrink(&self, size: f64) -> bool {
         size > self.smallest && size > 0.0
     }
 
     /// Notes a step that was accepted. `is_hard`: Newton's iteration had difficulties, the size does not grow.
-    pub(super) fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
+    pub(in crate::motion) fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
         let error = (error / self.tolerance / Controller::AIM).max(LEAST_ERROR);
         let (last_error, last_size) = self.last.unwrap_or((error, size));
         let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
@@ -254,7 +259,7 @@ impl Controller {
     }
 
     /// Makes the next attempt smaller after a step with too large an error.
-    pub(super) fn reject(&mut self, size: f64, error: f64) {
+    pub(in crate::motion) fn reject(&mut self, size: f64, error: f64) {
         let factor = (Controller::AIM * self.tolerance / error).powf(1.0 / self.order);
         let factor = if factor.is_nan() {
             MIN_REJECTION_FACTOR
@@ -265,7 +270,7 @@ impl Controller {
     }
 
     /// Makes the next attempt half as large after a step that failed.
-    pub(super) fn fail(&mut self, size: f64) {
+    pub(in crate::motion) fn fail(&mut self, size: f64) {
         self.cut(0.5 * size, StepLimit::Corrections);
     }
 
@@ -277,7 +282,7 @@ impl Controller {
 
     /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most a size, which
     /// `limit` has set.
-    pub(super) fn restart(&mut self, size: f64, limit: StepLimit) {
+    pub(in crate::motion) fn restart(&mut self, size: f64, limit: StepLimit) {
         if size < self.size {
             self.size = size.max(self.smallest);
             self.limit = limit;
@@ -286,7 +291,7 @@ impl Controller {
     }
 
     /// Keeps everything that the next sizes depend on.
-    pub(super) fn save(&self, memory: &mut Memory) {
+    pub(in crate::motion) fn save(&self, memory: &mut Memory) {
         memory.save_number("controller.size", self.size);
         memory.save_option("controller.last_error", self.last.map(|(error, _)| error));
         memory.save_option("controller.last_size", self.last.map(|(_, size)| size));
@@ -299,7 +304,7 @@ impl Controller {
     ///
     /// # Errors
     /// [`Error::Memory`].
-    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(in crate::motion) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.size = memory.number("controller.size")?.clamp(self.smallest, self.largest);
         let last = memory.option("controller.last_error")?.zip(memory.option("controller.last_size")?);
         let is_same_order = memory.number("controller.order")? == self.order;

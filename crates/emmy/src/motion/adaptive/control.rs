@@ -9,7 +9,7 @@ use crate::time::{LocalError, Memory, State};
 
 /// Control of the step sizes of a motion by the error of each step.
 #[derive(Debug)]
-pub(super) struct Control<'a> {
+pub(in crate::motion) struct Control<'a> {
     pub adaptivity: Adaptivity,
     pub controller: Controller,
     pub estimator: LocalError<'a>,
@@ -29,7 +29,7 @@ const FIRST_PART: f64 = 0.01;
 
 impl<'a> Control<'a> {
     /// Memory that the next size depends on.
-    pub(super) fn memory(&self, degree: usize) -> Memory {
+    pub(in crate::motion) fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
         self.controller.save(&mut memory);
         if let Some(choice) = &self.degrees {
@@ -39,7 +39,7 @@ impl<'a> Control<'a> {
     }
 
     /// Size of the first step: a part of the time in which the body moves by its own length.
-    pub(super) fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
+    pub(in crate::motion) fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
         let acceleration = LocalError::acceleration(body, state)?;
         let by_velocity = self.length / body.mass_weighted_rms(&state.velocity);
         let by_acceleration = (2.0 * self.length / body.mass_weighted_rms(&acceleration)).sqrt();
@@ -47,12 +47,12 @@ impl<'a> Control<'a> {
     }
 
     /// Error of the last step: the larger of the errors of positions and velocities, in their scales.
-    pub(super) fn error(&self, body: &Body) -> f64 {
+    pub(in crate::motion) fn error(&self, body: &Body) -> f64 {
         self.size_of_error(body, &self.estimator)
     }
 
     /// The same for the errors of a given estimator.
-    pub(super) fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
+    pub(in crate::motion) fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
         let position = body.mass_weighted_rms(estimator.displacement()) / self.length;
         match self.adaptivity.velocity {
             Some(scale) => larger(position, body.mass_weighted_rms(estimator.velocity()) / scale),

@@ -1,0 +1,12 @@
+//! Adaptive steps: settings, and the control of sizes and degrees by the error of each step.
+//!
+//! [`Control`] is what a motion knows of it: estimator of the error, controller of the size, choice of the degree.
+
+mod adaptivity;
+mod control;
+mod degree_choice;
+
+pub use adaptivity::Adaptivity;
+pub(super) use adaptivity::Controller;
+pub(super) use control::Control;
+pub(super) use degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, degree_of, size_of};
