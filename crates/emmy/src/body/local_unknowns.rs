@@ -143,7 +143,7 @@ impl Body {
     }
 
     /// [`Body::add_local_force`] with one tangent for all stages, that of a rule with one stage.
-    pub(crate) fn add_kept_local_force(
+    pub(crate) fn add_reused_local_force(
         &self,
         rule: &Rule,
         assembly: &Assembly,
@@ -167,7 +167,7 @@ impl Body {
     /// ```math
     /// dpi_l = factor sum_j (integral_lj + damping_lj) W dx_j
     /// ```
-    pub(crate) fn add_kept_local_response(
+    pub(crate) fn add_reused_local_response(
         &self,
         (rule, damping): (&Rule, &VolumeDamping),
         assembly: &Assembly,
@@ -183,7 +183,7 @@ impl Body {
                 let terms = own.iter_mut().enumerate();
                 terms.for_each(|(l, pressure)| {
                     *pressure +=
-                        (rule.pressure_integral(l, j) + rule.kept_volume_damping(damping, l, j)) * change;
+                        (rule.pressure_integral(l, j) + rule.reused_volume_damping(damping, l, j)) * change;
                 });
             }
         }

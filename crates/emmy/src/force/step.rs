@@ -37,12 +37,17 @@ impl<'a> StepInput<'a> {
 }
 
 impl StepInput<'_> {
-    /// Displacement of a degree of freedom in a stage.
+    /// Displacement of a degree of freedom at the node of a stage, where constraints hold. Forces act at the points of
+    /// the rule, [`StepStart::points`].
     pub(crate) fn displacement_in(&self, stage: usize, dof: usize) -> f64 {
         let k = self.rule.degree();
-        let a = &self.rule.coefficients()[stage * k..(stage + 1) * k];
+        self.displacement_at(&self.rule.coefficients()[stage * k..(stage + 1) * k], dof)
+    }
+
+    /// Displacement of a degree of freedom at a point with the integrals L_j of the basis.
+    pub(crate) fn displacement_at(&self, integrals: &[f64], dof: usize) -> f64 {
         let rates = self.rates[dof..].iter().step_by(self.displacement.len());
-        self.displacement[dof] + a.iter().zip(rates).map(|(a, x)| a * x).sum::<f64>()
+        self.displacement[dof] + integrals.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
     }
 }
 

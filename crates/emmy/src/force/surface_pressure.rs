@@ -213,17 +213,11 @@ fn add_cross_product(block: &mut [f64], weight: f64, c: [f64; 3]) {
     }
 }
 
-/// A component of the displacement at the point of a step with the integrals L_j of the basis.
-fn displacement_at(step: &StepInput<'_>, integrals: &[f64], dof: usize) -> f64 {
-    let rates = step.rates[dof..].iter().step_by(step.displacement.len());
-    step.displacement[dof] + integrals.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
-}
-
 /// Positions of the nodes of a facet in the step at the point with the integrals L_j of the basis.
 fn positions(facet: &FacetOfTable<'_>, step: &StepInput<'_>, integrals: &[f64]) -> NodalVectors {
     let mut q = NodalVectors::default();
     for ((q, X), &node) in q.iter_mut().zip(facet.points).zip(facet.nodes) {
-        *q = [0, 1, 2].map(|i| X[i] + displacement_at(step, integrals, nodal::dof(node as usize, i)));
+        *q = [0, 1, 2].map(|i| X[i] + step.displacement_at(integrals, nodal::dof(node as usize, i)));
     }
     q
 }

@@ -24,6 +24,7 @@ pub use load::{FieldDomain, Load, LoadKind};
 pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms, SpreadMass};
 pub use region::Region;
 pub(crate) use region_material::RegionMaterial;
+pub(crate) use span::SAME_TIME;
 pub use span::Span;
 pub use support::{Rotation, Support};
 pub(crate) use target::SignalTarget;

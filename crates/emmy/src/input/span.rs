@@ -1,5 +1,8 @@
 //! The times of a step.
 
+/// Times closer together than this part of a step are equal: they differ by rounding.
+pub(crate) const SAME_TIME: f64 = 1e-6;
+
 /// The times of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {

@@ -1,9 +1,9 @@
 //! The equations of the next step at any rates.
 
 use super::Motion;
-use super::stepping::SAME_TIME;
 use crate::body::BlockRow;
 use crate::error::{Error, Result};
+use crate::input::SAME_TIME;
 use crate::time::Scheme;
 
 impl Motion<'_> {

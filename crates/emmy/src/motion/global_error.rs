@@ -1,9 +1,10 @@
 //! Error of a motion since its start, by a simultaneous motion of higher degree.
 
-use super::stepping::{SAME_TIME, due_release};
+use super::stepping::due_release;
 use super::{Observer, ObserverResult, View};
 use crate::body::Body;
 use crate::error::Result;
+use crate::input::SAME_TIME;
 use crate::newton::NewtonSettings;
 use crate::time::{Scheme, State, Stepper};
 

@@ -1,12 +1,13 @@
 //! The loop over the steps of a plan.
 
 use super::failure::{is_lost, may_shrink_after};
-use super::stepping::{SAME_TIME, SmallestStep};
+use super::stepping::SmallestStep;
 use super::{
     EventKind, MarchError, Motion, Observer, ObserverResult, PlannedStep, Record, Resolution, StepPlan,
     Subdivision,
 };
 use crate::error::{Error, Result};
+use crate::input::SAME_TIME;
 use crate::number::short;
 use crate::time::{LARGEST_ROUNDING, Scheme};
 

@@ -3,9 +3,9 @@
 use super::failure::placed;
 use super::plan::SHORTEST;
 use super::resolution::Unresolved;
-use super::stepping::SAME_TIME;
 use super::{EventKind, Motion, PlannedStep, Record};
 use crate::error::{Error, Result};
+use crate::input::SAME_TIME;
 use crate::number::short;
 use crate::time::StepOutcome;
 

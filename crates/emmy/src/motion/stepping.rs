@@ -73,9 +73,6 @@ pub(super) enum SmallestStep {
 /// Largest number of halvings of a planned step without a smallest size: down to 1/1024 of it.
 const MAX_HALVINGS: u32 = 10;
 
-/// Times closer together than this part of a step are equal: they differ by rounding.
-pub(super) const SAME_TIME: f64 = 1e-6;
-
 impl<'a> Motion<'a> {
     /// A motion from rest at t = 0 with default settings; see [`Motion::from`] and [`Motion::newton`].
     ///

@@ -86,7 +86,9 @@ impl Newton {
             contraction = ratio;
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
-            let is_slow = ratio > SLOW || ratio.is_nan();
+            // A part of a correction leaves the rest of the residual, however good the tangent is.
+            let slow = if self.part < 1.0 { 1.0 - self.part * (1.0 - SLOW) } else { SLOW };
+            let is_slow = ratio > slow || ratio.is_nan();
             if is_slow && is_fresh {
                 if ratio.is_nan() || ratio > system.largest_contraction(slow_corrections) {
                     self.approximation.fresh = None;

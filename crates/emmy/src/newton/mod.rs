@@ -150,6 +150,8 @@ pub struct Newton {
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
     approximation: NewtonMemory,
+    /// Part of the last correction that the system admitted.
+    part: f64,
     /// Length of the history before the exact tangent: with an approximate one, slow convergence is not stagnation.
     exact_from: usize,
 }
@@ -280,9 +282,9 @@ impl Newton {
         tangent: Tangent,
     ) -> Result<usize> {
         let iterations = system.correction(x, &self.residual, tolerance, tangent, &mut self.correction)?;
-        let part = system.largest_part(x, &self.correction);
-        if part < 1.0 {
-            self.correction.iter_mut().for_each(|dx| *dx *= part);
+        self.part = system.largest_part(x, &self.correction);
+        if self.part < 1.0 {
+            self.correction.iter_mut().for_each(|dx| *dx *= self.part);
         }
         self.set_trial(x, 1.0);
         Ok(iterations)

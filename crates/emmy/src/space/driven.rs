@@ -3,11 +3,8 @@
 use super::{Space, Supports};
 use crate::average::Rule;
 use crate::error::{Error, Result};
-use crate::input::{SignalTarget, Span};
+use crate::input::{SAME_TIME, SignalTarget, Span};
 use crate::space::drive::{AT_ONCE, Drive, Fault, apply};
-
-/// Times closer together than this part of a step are equal: they differ by rounding.
-const SAME_TIME: f64 = 1e-6;
 
 /// Rates of the degrees of freedom with a given motion in a step; nothing for a body without.
 #[derive(Debug)]

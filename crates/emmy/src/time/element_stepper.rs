@@ -55,7 +55,7 @@ impl<'a> TimeElementStepper<'a> {
         let n = body.n_dofs();
         let k = element.degree;
         let step = ImplicitStep::new(body, element.coefficients(), settings)?;
-        let n_unknowns = step.system.equations.n_unknowns();
+        let n_unknowns = step.system.equations.blocks.len();
         let rule = &step.system.equations.coefficients.rule;
         Ok(TimeElementStepper {
             end_basis: (0..k).map(|j| rule.basis(j, 1.0)).collect(),

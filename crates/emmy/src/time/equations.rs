@@ -11,12 +11,15 @@ use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::input::Span;
 use crate::space::DrivenRates;
+use crate::unknowns::Blocks;
 
 /// The stage equations of a body and their memory; a step is set with [`Equations::start`].
 #[derive(Debug)]
 pub(super) struct Equations<'a> {
     pub body: &'a Body,
     pub coefficients: StageCoefficients,
+    /// Its unknowns.
+    pub blocks: Blocks,
     pub assembly: Assembly,
     /// The time s: the step size of a time element.
     pub time_scale: f64,
@@ -54,6 +57,11 @@ impl<'a> Equations<'a> {
         let k = coefficients.rule.degree();
         Equations {
             body,
+            blocks: Blocks {
+                rates: k * n,
+                multipliers: k * body.constraints().len(),
+                local: body.n_local() * coefficients.rule.n_pressures(),
+            },
             assembly: body.assembly(&coefficients.rule),
             time_scale: 0.0,
             displacement: vec![0.0; n],
@@ -107,40 +115,6 @@ impl<'a> Equations<'a> {
         self.mass_parts.iter_mut().zip(parts).for_each(|(own, parts)| *own = parts);
     }
 
-    /// Number of local unknowns of a step.
-    pub(super) fn n_local(&self) -> usize {
-        self.body.n_local() * self.coefficients.rule.n_pressures()
-    }
-
-    /// Number of rates.
-    pub(super) fn n_rates(&self) -> usize {
-        self.force.len()
-    }
-
-    /// Number of all unknowns.
-    pub(super) fn n_unknowns(&self) -> usize {
-        self.n_rates() + self.n_multipliers() + self.n_local()
-    }
-
-    /// Number of multipliers of constraints in a step.
-    pub(super) fn n_multipliers(&self) -> usize {
-        self.coefficients.rule.degree() * self.body.constraints().len()
-    }
-
-    /// The rates among the unknowns, the multipliers after them, `[k][n]`, then the local unknowns, `[function][n]`.
-    pub(super) fn split<'x>(&self, unknowns: &'x [f64]) -> [&'x [f64]; 3] {
-        let (rates, others) = unknowns.split_at(self.force.len());
-        let (multipliers, local) = others.split_at(self.n_multipliers());
-        [rates, multipliers, local]
-    }
-
-    /// The same of a vector that changes.
-    pub(super) fn split_mut<'x>(&self, unknowns: &'x mut [f64]) -> [&'x mut [f64]; 3] {
-        let (rates, others) = unknowns.split_at_mut(self.force.len());
-        let (multipliers, local) = others.split_at_mut(self.n_multipliers());
-        [rates, multipliers, local]
-    }
-
     /// Sets the local unknowns to those of the configuration at the start of the step.
     ///
     /// # Errors
@@ -160,8 +134,8 @@ impl<'a> Equations<'a> {
     /// unknowns. Returns this rank's squared norms of inertia, internal and external force on free degrees of freedom.
     pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(unknowns, Request::Stress)?;
-        let [x, multipliers, local] = self.split(unknowns);
-        let [residual, of_constraints, of_local] = self.split_mut(residual);
+        let [x, multipliers, local] = self.blocks.split(unknowns);
+        let [residual, of_constraints, of_local] = self.blocks.split_mut(residual);
         self.body.copy_local(&self.assembly, of_local);
         of_local.iter_mut().zip(local).for_each(|(r, value)| *r = value - *r);
         self.assembly.matrix.copy_force(&mut self.force);
@@ -306,7 +280,7 @@ impl<'a> Equations<'a> {
         let on_ground = self.on_ground.chunks_exact(n).nth(stage).into_iter().flatten();
         force.iter_mut().zip(on_ground).for_each(|(force, on_ground)| *force -= on_ground);
         if self.body.constraints().is_grounded() {
-            let [x, multipliers, _] = self.split(unknowns);
+            let [x, multipliers, _] = self.blocks.split(unknowns);
             let factor = -1.0 / (self.time_scale * self.time_scale);
             self.body.constraints().add_force(&self.step_at(x), stage, (factor, multipliers), force);
         }
@@ -411,7 +385,7 @@ impl<'a> Equations<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`], and the reasons of other forces.
     pub(super) fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
-        let [x, _, local] = self.split(unknowns);
+        let [x, _, local] = self.blocks.split(unknowns);
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
         self.body.assemble(&step, request, &self.damped_mass, &mut self.assembly)
@@ -432,7 +406,7 @@ impl<'a> Equations<'a> {
     /// As there.
     pub(super) fn assemble_tangent(&mut self, unknowns: &[f64]) -> Result<()> {
         self.assemble(unknowns, Request::Tangent)?;
-        self.add_external_tangent(self.split(unknowns)[0])
+        self.add_external_tangent(self.blocks.split(unknowns)[0])
     }
 }
 

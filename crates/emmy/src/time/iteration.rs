@@ -5,17 +5,15 @@ use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
+use crate::unknowns::Blocks;
 
 /// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
 pub(super) struct Iteration {
     settings: NewtonSettings,
     newton: Newton,
-    /// The unknowns: rates x_i, `[k][n_nodes][3]`, multipliers of constraints, `[k][n]`, and local unknowns,
-    /// `[function][n]`.
     pub unknowns: Vec<f64>,
-    n_rates: usize,
-    n_multipliers: usize,
+    blocks: Blocks,
     /// Multipliers and local unknowns of the last step; empty before the first one.
     multipliers: Vec<f64>,
     local: Vec<f64>,
@@ -56,33 +54,32 @@ impl Iteration {
     pub(super) fn new(system: &StageSystem<'_>, settings: NewtonSettings) -> Self {
         let k = system.equations.coefficients.rule.degree();
         let n = system.equations.body.n_dofs();
-        let n_unknowns = system.equations.n_unknowns();
+        let blocks = system.equations.blocks;
         Iteration {
             settings,
             newton: Newton::default(),
-            unknowns: vec![0.0; n_unknowns],
-            n_rates: k * n,
-            n_multipliers: system.equations.n_multipliers(),
-            multipliers: Vec::with_capacity(system.equations.n_multipliers()),
-            local: Vec::with_capacity(system.equations.n_local()),
+            unknowns: vec![0.0; blocks.len()],
+            multipliers: Vec::with_capacity(blocks.multipliers),
+            local: Vec::with_capacity(blocks.local),
+            blocks,
             prediction: Prediction::new(k, n),
-            residual: vec![0.0; n_unknowns],
+            residual: vec![0.0; blocks.len()],
         }
     }
 
     /// The rates x_i, `[k][n_nodes][3]`.
     pub(super) fn rates(&self) -> &[f64] {
-        &self.unknowns[..self.n_rates]
+        &self.unknowns[..self.blocks.rates]
     }
 
     fn rates_mut(&mut self) -> &mut [f64] {
-        &mut self.unknowns[..self.n_rates]
+        &mut self.unknowns[..self.blocks.rates]
     }
 
     /// Sets the unknowns beside the rates: multipliers to those of the last step for the same forces, after a failure
     /// to zero; local unknowns to those of the last step, or of the configuration at the start of the step.
     fn set_others(&mut self, system: &mut StageSystem<'_>, step_size: f64, has_failed: bool) -> Result<()> {
-        let (multipliers, local) = self.unknowns[self.n_rates..].split_at_mut(self.n_multipliers);
+        let [_, multipliers, local] = self.blocks.split_mut(&mut self.unknowns);
         let ratio = self.prediction.last_size().filter(|_| !has_failed).map(|last| step_size / last);
         match ratio {
             Some(ratio) if self.multipliers.len() == multipliers.len() => {
@@ -102,7 +99,7 @@ impl Iteration {
     pub(super) fn save(&self, memory: &mut Memory) {
         self.prediction.save(memory);
         memory.save_local("pressures", &self.local);
-        if self.n_multipliers > 0 {
+        if self.blocks.multipliers > 0 {
             memory.save("multipliers", &self.multipliers);
         }
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
@@ -119,7 +116,7 @@ impl Iteration {
         self.prediction.restore(memory)?;
         self.local.clear();
         self.local.extend_from_slice(memory.list("pressures")?);
-        if self.n_multipliers > 0 {
+        if self.blocks.multipliers > 0 {
             self.multipliers.clear();
             self.multipliers.extend_from_slice(memory.list("multipliers")?);
         }
@@ -164,7 +161,7 @@ impl Iteration {
     pub(super) fn set_rates(&mut self, given: &[f64], system: &mut StageSystem<'_>) -> Result<()> {
         self.rates_mut().copy_from_slice(given);
         system.equations.drive(self.rates_mut());
-        system.equations.set_local_at_start(&mut self.unknowns[self.n_rates + self.n_multipliers..])
+        system.equations.set_local_at_start(&mut self.unknowns[self.blocks.n_global()..])
     }
 
     /// Solves the equations of a step from the first starting point with a solution; given rates come first.
@@ -188,11 +185,11 @@ impl Iteration {
             match self.solve_from_here(system, line_search) {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
-                        let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
+                        let (rates, residual) = (&mut self.unknowns[..self.blocks.rates], &mut self.residual);
                         self.prediction.balance(
                             &mut system.equations,
                             rates,
-                            &mut residual[..self.n_rates],
+                            &mut residual[..self.blocks.rates],
                         )?;
                         outcome.rounding = self.rounding(system, state)?;
                     }
@@ -225,7 +222,7 @@ impl Iteration {
             return Ok(outcome);
         }
         // Nothing moves freely, so no correction has taken the local unknowns to those of the rates.
-        let local = &mut self.unknowns[self.n_rates + self.n_multipliers..];
+        let local = &mut self.unknowns[self.blocks.n_global()..];
         system.equations.body.copy_local(&system.equations.assembly, local);
         self.newton.solve(system, &mut self.unknowns, &self.settings, line_search)
     }
@@ -233,8 +230,8 @@ impl Iteration {
     /// Change of energy and momenta by the residual of the step, relative to them.
     fn rounding(&mut self, system: &mut StageSystem<'_>, state: &State) -> Result<f64> {
         system.residual(&self.unknowns, &mut self.residual)?;
-        let rates = &self.unknowns[..self.n_rates];
-        let residual = &self.residual[..self.n_rates];
+        let rates = &self.unknowns[..self.blocks.rates];
+        let residual = &self.residual[..self.blocks.rates];
         let [work, impulse, moment] = self.prediction.imbalance(&system.equations, rates, residual);
         let kinetic = 0.5 * system.equations.body.space.dot(&state.momentum, &state.velocity);
         let moved = system.equations.mean_kinetic_energy(rates);
@@ -280,9 +277,9 @@ impl Iteration {
 
     /// Keeps what the next step needs of this one.
     pub(super) fn remember(&mut self, system: &StageSystem<'_>, step_size: f64) {
-        let rates = &self.unknowns[..self.n_rates];
+        let rates = &self.unknowns[..self.blocks.rates];
         self.prediction.remember(&system.equations.coefficients, rates, step_size);
-        let (multipliers, local) = self.unknowns[self.n_rates..].split_at(self.n_multipliers);
+        let [_, multipliers, local] = self.blocks.split(&self.unknowns);
         self.multipliers.clear();
         self.multipliers.extend_from_slice(multipliers);
         self.local.clear();
@@ -309,7 +306,7 @@ impl Iteration {
 
     /// Predicts the rates by a carry of the last deviation.
     fn carry(&mut self, carry: Carry, system: &StageSystem<'_>, step_size: f64) {
-        let rates = &mut self.unknowns[..self.n_rates];
+        let rates = &mut self.unknowns[..self.blocks.rates];
         self.prediction.predict(carry, &system.equations.coefficients, step_size, rates);
     }
 
@@ -356,7 +353,7 @@ fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
 /// The error of an iteration whose residual is not a number, at the first such node.
 fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_size: f64) -> Error {
     let body = system.equations.body;
-    let of_rates = residual.iter().take(system.equations.n_rates());
+    let of_rates = residual.iter().take(system.equations.blocks.rates);
     let dofs = of_rates.enumerate().filter(|(_, r)| !r.is_finite()).map(|(at, _)| at % body.n_dofs());
     let own = dofs.map(|dof| dof / 3).find(|node| body.space.own_nodes().contains(node));
     let node = body.space.lowest_node(own).unwrap_or(0);

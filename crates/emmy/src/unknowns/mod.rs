@@ -6,10 +6,12 @@
 #![allow(non_snake_case)]
 
 mod affine;
+mod blocks;
 mod constraint;
 mod constraints;
 mod rigid_link;
 
+pub(crate) use blocks::Blocks;
 pub(crate) use constraint::ConstraintSource;
 pub(crate) use constraints::{Constraints, Derivatives};
 pub use rigid_link::RigidLink;

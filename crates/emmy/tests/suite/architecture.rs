@@ -110,7 +110,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "load",
         ],
     ),
-    ("unknowns", &["affine", "constraint", "rigid_link", "constraints"]),
+    ("unknowns", &["blocks", "affine", "constraint", "rigid_link", "constraints"]),
     (
         "body",
         &[

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::shared::schemes::{DGM, at};
-use emmy::body::TimeFunction;
+use crate::shared::schemes::{DGM, at, dgm};
+use emmy::body::{Formulation, TimeFunction, Viscosity};
 use emmy::internals::unknowns::RigidLink;
 use emmy::material::Link;
 use emmy::mesh::MeshBuilder;
@@ -18,8 +18,17 @@ fn pendulum() -> Body {
     hung(Support::fixed("pivot"), |mass| RigidLink::Ground(mass, [0.0; 3]))
 }
 
+/// The same in a medium with a drag.
+fn pendulum_in(drag: f64) -> Body {
+    hung_in(drag, Support::fixed("pivot"), |mass| RigidLink::Ground(mass, [0.0; 3]))
+}
+
 /// The same on a link of a kind, with a pivot under a support.
 fn hung(support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
+    hung_in(0.0, support, link)
+}
+
+fn hung_in(drag: f64, support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
     let mut mesh = MeshBuilder::new();
     let pivot = mesh.point([0.0; 3]);
     let mass = mesh.point([2.5f64.sin(), 0.0, -(2.5f64.cos())]);
@@ -35,6 +44,7 @@ fn hung(support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
         })
         .support(support)
         .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
+        .drag(drag)
         .constraint(link(mass))
         .build()
         .unwrap()
@@ -178,4 +188,128 @@ fn a_link_names_a_node_of_the_mesh() {
     let rubber = Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0);
     let error = Body::builder(mesh).region(rubber).constraint(RigidLink::Nodes([0, 8])).build().unwrap_err();
     assert_eq!(error.to_string(), "group \"rigid link\" names node 8, but the mesh has 8 nodes");
+}
+
+/// A driven pendulum in a medium: `theta'' = -g sin theta - r theta'`, by the method of Runge and Kutta.
+#[test]
+fn a_pendulum_with_drag_follows_its_equation() {
+    const RATE: f64 = 0.4;
+    let acceleration = |[angle, speed]: [f64; 2]| [speed, -GRAVITY * angle.sin() - RATE * speed];
+    let mut state = [2.5, 0.0];
+    let h = 1e-4;
+    for _ in 0..20_000 {
+        let at = |slope: [f64; 2], part: f64| [0, 1].map(|i| state[i] + part * h * slope[i]);
+        let first = acceleration(state);
+        let second = acceleration(at(first, 0.5));
+        let third = acceleration(at(second, 0.5));
+        let fourth = acceleration(at(third, 1.0));
+        let slope = [0, 1].map(|i| (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]) / 6.0);
+        state = at(slope, 1.0);
+    }
+    let expected = [state[0].sin(), 0.0, -state[0].cos()];
+    let body = pendulum_in(RATE);
+    let mut motion = Motion::new(&body, at(DGM, 3)).unwrap();
+    for _ in 0..40 {
+        let record = motion.step(0.05).unwrap();
+        assert!(record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12);
+    }
+    let position = motion.state().position(&body, 1);
+    assert!((distance(position, [0.0; 3]) - 1.0).abs() < 1e-12);
+    assert!(distance(position, expected) < 1e-6, "{position:?} is not {expected:?}");
+    // The energy that is left, by the speed of the equation.
+    let left = state[1] * state[1] - 2.0 * GRAVITY * state[0].cos();
+    let lost = -2.0 * GRAVITY * 2.5f64.cos() - left;
+    assert!((motion.record().dissipated_energy / lost - 1.0).abs() < 1e-6);
+}
+
+/// With cells and schemes of every kind the length is kept and every balance closes, by each linear solver.
+#[test]
+fn links_and_all_kinds_of_cells_keep_every_balance() {
+    let mesh = mesh::block([1.0; 3], [2; 3]).unwrap();
+    let node = |X: [f64; 3]| mesh.points().iter().position(|Y| distance(*Y, X) < 1e-12).unwrap() as u32;
+    let link = [[0.0; 3], [1.0; 3]].map(node);
+    let viscosity = Viscosity { time: 0.02, ..Viscosity::default() };
+    let soft = || Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0);
+    let rubber = || {
+        let stiff = NeoHooke::new(1e5, 50.0).unwrap();
+        Region::new(stiff, 1.0).with_formulation(Formulation::ProjectedVolume(None))
+    };
+    let cases = [
+        ("viscous", soft().with_viscosity(viscosity), 0.0, DGM),
+        ("projected volume", rubber(), 0.0, DGM),
+        ("viscous projected volume", rubber().with_viscosity(viscosity), 0.0, DGM),
+        ("incompatible modes", soft().with_formulation(Formulation::IncompatibleModes), 0.0, DGM),
+        ("drag", soft(), 0.3, DGM),
+        ("dissipative", soft(), 0.0, dgm(0.8)),
+        ("dissipative projected volume", rubber(), 0.0, dgm(0.8)),
+    ];
+    for (name, region, drag, scheme) in cases {
+        let builder = Body::builder(mesh.clone()).region(region).drag(drag);
+        let body = builder.constraint(RigidLink::Nodes(link)).build().unwrap();
+        let flies = InitialVelocity {
+            velocity: [0.3, -0.2, 0.1],
+            angular_velocity: [1.0, 2.0, -3.0],
+            ..InitialVelocity::default()
+        };
+        let mut ends = Vec::new();
+        for (solver, exact_tangent) in
+            [(Solver::Direct, false), (Solver::Iterative, false), (Solver::Direct, true)]
+        {
+            let settings = NewtonSettings { solver, exact_tangent, ..NewtonSettings::default() };
+            for k in 1..=2 {
+                let start = State::initial(&body, 0.0, std::slice::from_ref(&flies)).unwrap();
+                let mut motion = Motion::starting(&body, at(scheme, k), settings, start).unwrap();
+                for _ in 0..15 {
+                    let record = motion.step(0.04).unwrap().clone();
+                    let [a, b] = link.map(|node| motion.state().position(&body, node as usize));
+                    let length = (distance(a, b) - 3f64.sqrt()).abs();
+                    assert!(length < 1e-12, "{name}, k = {k}, {solver:?}: length {length:e}");
+                    let residuals = [record.linear_momentum_residual, record.angular_momentum_residual];
+                    let energy = record.energy_residual.abs();
+                    assert!(
+                        energy < 2e-12 && residuals.iter().all(|r| *r < 2e-12),
+                        "{name}, k = {k}, {solver:?}: {energy:e}, {residuals:?}"
+                    );
+                }
+                ends.push(motion.state().displacement.clone());
+            }
+        }
+        for (at, end) in ends.iter().enumerate() {
+            let far = end.iter().zip(&ends[at % 2]).map(|(u, v)| (u - v).abs()).fold(0.0, f64::max);
+            assert!(far < 1e-8, "{name}: solvers differ by {far:e}");
+        }
+    }
+}
+
+/// A block hangs on a wall until it is released: then it falls freely, with its link.
+#[test]
+fn a_link_stays_when_supports_are_released() {
+    let mesh = mesh::block([1.0; 3], [2; 3]).unwrap();
+    let node = |X: [f64; 3]| mesh.points().iter().position(|Y| distance(*Y, X) < 1e-12).unwrap() as u32;
+    let link = [[0.0; 3], [1.0; 3]].map(node);
+    let body = Body::builder(mesh.clone())
+        .region(Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0))
+        .support(Support::fixed("x-min").until(0.5))
+        .load(Load::acceleration([0.0, 0.0, -1.0]))
+        .constraint(RigidLink::Nodes(link))
+        .build()
+        .unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+    let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.05 }]).unwrap();
+    let mut at_release = [0.0; 3];
+    while let Some(record) = motion.next_step(&plan, &mut []).unwrap() {
+        let record = record.clone();
+        assert!(
+            record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12,
+            "{record:?}"
+        );
+        if (record.time - 0.5).abs() < 1e-9 {
+            at_release = record.linear_momentum;
+        }
+        let [a, b] = link.map(|node| motion.state().position(&body, node as usize));
+        assert!((distance(a, b) - 3f64.sqrt()).abs() < 1e-12);
+    }
+    // The weight of a mass of 1 acts alone for half a second.
+    let change = [0, 1, 2].map(|d| motion.record().linear_momentum[d] - at_release[d]);
+    assert!(distance(change, [0.0, 0.0, -0.5]) < 1e-11, "{change:?}");
 }

@@ -50,7 +50,7 @@ impl Rule {
     }
 
     /// Derivative of the pressure l of a damping by the rate j of the deformation, with one response for all stages.
-    pub(crate) fn kept_volume_damping(&self, damping: &VolumeDamping, l: usize, j: usize) -> f64 {
+    pub(crate) fn reused_volume_damping(&self, damping: &VolumeDamping, l: usize, j: usize) -> f64 {
         match self.kind {
             Kind::Standard => damping.viscous * self.points[l].basis[j],
             Kind::EnergyMomentum(_) => self.volume_damping(damping, l, j),

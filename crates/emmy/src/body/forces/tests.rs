@@ -150,13 +150,18 @@ fn a_force_bounds_corrections() {
     let corrections = |part: f64| {
         let (body, mut state) = flight(Wall { limit: 9.0, part });
         let element = TimeElement::discrete_gradient(1).unwrap();
-        let mut stepper = TimeElementStepper::new(&body, element, NewtonSettings::default()).unwrap();
-        let outcomes = (0..5).map(|_| stepper.advance(&mut state, 0.1).unwrap().newton.iterations);
-        outcomes.sum::<usize>()
+        let settings = NewtonSettings { max_iterations: 60, ..NewtonSettings::default() };
+        let mut stepper = TimeElementStepper::new(&body, element, settings).unwrap();
+        let outcomes = (0..5).map(|_| stepper.advance(&mut state, 0.1).unwrap().newton);
+        let outcomes: Vec<_> = outcomes.collect();
+        let refactorizations: usize = outcomes.iter().map(|outcome| outcome.refactorizations).sum();
+        assert_eq!(refactorizations, 1, "the tangent is not to blame");
+        outcomes.iter().map(|outcome| outcome.iterations).sum::<usize>()
     };
-    let (all, most) = (corrections(1.0), corrections(0.8));
-    // Each correction leaves a fifth of the error: ten digits take 14 corrections.
+    let [all, most, half] = [1.0, 0.8, 0.5].map(corrections);
+    // Each correction leaves a fifth of the error, or half of it: ten digits take 14 corrections, or 33.
     assert!(most > all + 5 * 3, "{most} corrections, {all} without a bound");
+    assert!(half > most + 5 * 5, "{half} corrections, {most} with another bound");
 }
 
 /// A force `-c v` on the first node along x.

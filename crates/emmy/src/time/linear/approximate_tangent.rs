@@ -285,7 +285,7 @@ impl ApproximateTangent {
         self.turn_back(r);
         z.fill(0.0);
         if let Some(s) = self.time_scale_of_factors.filter(|_| !local.is_empty()) {
-            body.add_kept_local_force(rule, &self.assembly, -s * s, local, &mut self.turned);
+            body.add_reused_local_force(rule, &self.assembly, -s * s, local, &mut self.turned);
             // Supports do not move under a change of local unknowns.
             body.space.clear_inactive(&mut self.turned);
         }
@@ -295,7 +295,7 @@ impl ApproximateTangent {
             dissipative: self.dissipation,
         };
         let factor = self.rate_factor(body);
-        body.add_kept_local_response((rule, &damping), &self.assembly, factor, z, local);
+        body.add_reused_local_response((rule, &damping), &self.assembly, factor, z, local);
         self.turn_forward(z);
         if iterations.is_none() {
             self.solvers.fall_back(body.space.is_shared());
@@ -311,7 +311,7 @@ impl ApproximateTangent {
         let n = self.row_sums.len();
         let mut force = std::mem::take(&mut self.local_force);
         force.fill(0.0);
-        body.add_kept_local_force(rule, &self.assembly, s * s, local, &mut force);
+        body.add_reused_local_force(rule, &self.assembly, s * s, local, &mut force);
         for (stage, R) in force.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, &product(R, &self.orientation));
         }

@@ -30,12 +30,12 @@ impl StageSystem<'_> {
     /// The unknowns that belong to rates; multipliers are zero.
     fn unknowns_at(&mut self, rates: &[f64]) -> Result<Vec<f64>> {
         let mut unknowns = rates.to_vec();
-        unknowns.resize(self.equations.n_unknowns(), 0.0);
-        if self.equations.n_local() > 0 {
+        unknowns.resize(self.equations.blocks.len(), 0.0);
+        if self.equations.blocks.local > 0 {
             // Their residual at zero is the negative of what belongs to the rates.
             let mut residual = vec![0.0; unknowns.len()];
             self.equations.full_residual(&unknowns, &mut residual)?;
-            let first = unknowns.len() - self.equations.n_local();
+            let first = unknowns.len() - self.equations.blocks.local;
             unknowns[first..].iter_mut().zip(&residual[first..]).for_each(|(own, r)| *own = -r);
         }
         Ok(unknowns)

@@ -18,7 +18,7 @@ const DOFS_OF_SMALL_BODY: usize = 500;
 impl StageSystem<'_> {
     /// Computes and factorises the approximate tangent at some unknowns.
     fn refactorize(&mut self, unknowns: &[f64]) -> Result<()> {
-        let [x, _, local] = self.equations.split(unknowns);
+        let [x, _, local] = self.equations.blocks.split(unknowns);
         self.border.forget();
         let Equations { body, displacement, time_scale, .. } = &self.equations;
         self.approximate_tangent.refactorize(body, displacement, x, local, *time_scale)
@@ -26,9 +26,8 @@ impl StageSystem<'_> {
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
-        let (n_rates, n_multipliers) = (self.equations.force.len(), self.equations.n_multipliers());
-        let (dx, others) = correction.split_at_mut(n_rates);
-        let (multipliers, local) = others.split_at_mut(n_multipliers);
+        let blocks = self.equations.blocks;
+        let [dx, multipliers, local] = blocks.split_mut(correction);
         let StageSystem { equations, approximate_tangent, border, local_of_border, negative, .. } = self;
         let Equations { body, coefficients, scheme_force, force, .. } = equations;
         let rule = &coefficients.rule;
@@ -42,11 +41,11 @@ impl StageSystem<'_> {
                 reason: format!("conjugate gradients did not reach {tolerance:e}"),
             })
         };
-        let iterations = solve(&negative[..n_rates], dx, local, tolerance)?;
+        let iterations = solve(&negative[..blocks.rates], dx, local, tolerance)?;
         if multipliers.is_empty() {
             return Ok(iterations);
         }
-        multipliers.copy_from_slice(&negative[n_rates..]);
+        multipliers.copy_from_slice(&negative[blocks.rates..]);
         let solve = |right: &[f64], dx: &mut [f64], tolerance: f64| {
             local_of_border.fill(0.0);
             solve(right, dx, local_of_border, tolerance)
@@ -60,14 +59,14 @@ impl StageSystem<'_> {
     /// Sets the derivatives of the constraints.
     fn set_border(&mut self, unknowns: &[f64]) {
         if !self.equations.body.constraints().is_empty() {
-            let [rates, multipliers, _] = self.equations.split(unknowns);
+            let [rates, multipliers, _] = self.equations.blocks.split(unknowns);
             self.border.set(self.equations.body, &self.equations.step_at(rates), multipliers);
         }
     }
 
     /// Solves with the exact tangent.
     fn solve_exactly(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
-        let n_rates = self.equations.force.len();
+        let n_rates = self.equations.blocks.rates;
         let (dx, local) = correction.split_at_mut(self.negative.len());
         let rule = &self.equations.coefficients.rule;
         let s = self.equations.time_scale;
@@ -140,7 +139,7 @@ impl StageSystem<'_> {
 impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let [inertia, internal, external] = self.equations.full_residual(x, residual)?;
-        let [of_rates, of_constraints, of_local] = self.equations.split_mut(residual);
+        let [of_rates, of_constraints, of_local] = self.equations.blocks.split_mut(residual);
         self.equations.body.space.clear_inactive(of_rates);
         let own = self.condensed_square(of_rates, of_local) + self.square_of_constraints(of_constraints);
         let mut squares = [inertia, internal, external, own];
@@ -161,7 +160,7 @@ impl System for StageSystem<'_> {
         tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        let n_rates = self.equations.force.len();
+        let n_rates = self.equations.blocks.rates;
         let (of_rates, of_local) = residual.split_at(self.negative.len());
         self.negative.iter_mut().zip(of_rates).for_each(|(b, r)| *b = -r);
         let local = &mut dx[of_rates.len()..];
@@ -187,7 +186,7 @@ impl System for StageSystem<'_> {
     }
 
     fn largest_part(&mut self, x: &[f64], dx: &[f64]) -> f64 {
-        let [rates, ..] = self.equations.split(x);
+        let [rates, ..] = self.equations.blocks.split(x);
         self.equations.body.largest_part(
             &self.equations.step_at(rates),
             &self.equations.assembly,

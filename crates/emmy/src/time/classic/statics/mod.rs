@@ -93,7 +93,7 @@ impl<'a> StaticStepper<'a> {
         Ok(StaticStepper {
             newton: Newton::default(),
             settings: NewtonSettings { exact_tangent: true, ..settings },
-            unknowns: vec![0.0; system.n_unknowns()],
+            unknowns: vec![0.0; system.equations.blocks.len()],
             system,
             end: TimePoint::new(body),
             energy: body.strain_energy(&state.displacement),

@@ -56,14 +56,15 @@ impl<'a> StaticSystem<'a> {
     pub(super) fn new(body: &'a Body) -> Result<Self> {
         let zero = vec![0.0; body.n_dofs()];
         let coefficients = stage_coefficients(configurations(&[(1.0, 1.0)]), 0.0, 1.0);
+        let equations = Equations::new(body, coefficients);
         Ok(StaticSystem {
-            equations: Equations::new(body, coefficients),
             time: 0.0,
             inverse: Inverse::new(body)?,
             gmres: Gmres::default(),
             lu: None,
             must_be_definite: true,
-            first: vec![0.0; zero.len() + body.n_local()],
+            first: vec![0.0; equations.blocks.len()],
+            equations,
             shift: zero.clone(),
             predicted: None,
             size: body.mesh().extent().into_iter().fold(0.0, f64::max),
@@ -72,16 +73,6 @@ impl<'a> StaticSystem<'a> {
             right: zero.clone(),
             rest: zero,
         })
-    }
-
-    /// Number of unknowns.
-    pub(super) fn n_unknowns(&self) -> usize {
-        self.equations.n_unknowns()
-    }
-
-    /// Increment and local unknowns among the unknowns.
-    fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
-        unknowns.split_at(self.rest.len())
     }
 
     /// Sets the step from a state.
@@ -265,7 +256,7 @@ impl System for StaticSystem<'_> {
         if tangent != Tangent::LastExact {
             self.factorize(x)?;
         }
-        let (of_displacement, of_local) = self.split(residual);
+        let (of_displacement, of_local) = residual.split_at(self.rest.len());
         self.condense(of_displacement, of_local);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
