@@ -155,8 +155,7 @@ impl Deck {
             for (key, set) in &body.element_sets {
                 let is_taken = self.root.element_sets.contains_key(key);
                 if self.group_names(own, &set.name, is_taken).iter().any(|name| groups.contains(name)) {
-                    let of_body = |member: &Member| Member { instance: member.instance.or(own), ..*member };
-                    members.extend(set.members.iter().map(of_body));
+                    members.extend(set.members.iter().map(|member| member.within(own)));
                 }
             }
         }
