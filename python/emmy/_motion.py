@@ -470,9 +470,7 @@ def _initial(initial: Any) -> tuple[ArrayLike | None, tuple[Initial, ...]]:
     return (initial, ()) if is_array else (None, words.each(initial, Initial, "initial"))
 
 
-def _check_one_start(
-    start: object, velocity: ArrayLike | None, tables: Sequence[Initial], equilibrium: object
-) -> None:
+def _check_one_start(start: object, velocity: ArrayLike | None, tables: Sequence[Initial], equilibrium: object) -> None:
     """Velocities as an array and `start` are whole states, beside which there is no other start."""
     is_array = velocity is not None
     others = {"initial": is_array or len(tables) > 0, "equilibrium": _plan.is_given(equilibrium)}

@@ -249,7 +249,8 @@ def reals(value: Any, place: str) -> NDArray[np.float64]:
     """Numbers as a contiguous array."""
     given = regular(value, place)
     if given.dtype.kind not in "fiub" and given.size:
-        raise TypeError(f"{place}: an array of {given.dtype} in place of numbers")
+        found = f"an array of {given.dtype}" if given.ndim else type(value).__name__
+        raise TypeError(f"{place}: {found} in place of numbers")
     # `ascontiguousarray` would make a number an array of one dimension.
     return np.asarray(given, dtype=np.float64, order="C")
 

@@ -179,7 +179,7 @@ def test_wrong_types_are_named():
 @pytest.mark.parametrize("missing", ["displacement", "velocity"])
 def test_states_have_displacement_and_velocity(missing):
     arrays = dict.fromkeys(("displacement", "velocity"), np.zeros((8, 3))) | {missing: None}
-    with pytest.raises(TypeError, match=f"^{missing}: "):
+    with pytest.raises(TypeError, match=f"^{missing}: NoneType in place of numbers$"):
         emmy.State(0.0, **arrays)
 
 

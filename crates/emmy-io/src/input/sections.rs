@@ -298,14 +298,12 @@ fn read_start(root: &mut Root<'_>, directory: &Path) -> (Option<Start>, Vec<Plac
     let tables = root.tables("initial");
     let state = root.faults.keep(start::read(&tables, equilibrium, directory)).flatten();
     let load_steps = root.one("equilibrium", |table, _| Some(table.must("load_steps")));
-    match equilibrium {
-        _ if names_state => (state.map(Start::Run), Vec::new()),
-        Some(_) => {
-            let start = load_steps.map(|load_steps| Start::Equilibrium { load_steps });
-            (start, tables.iter().map(initial::read).collect())
-        }
-        None => (Some(Start::Undeformed), tables.iter().map(initial::read).collect()),
-    }
+    let start = match equilibrium {
+        _ if names_state => state.map(Start::Run),
+        Some(_) => load_steps.map(|load_steps| Start::Equilibrium { load_steps }),
+        None => Some(Start::Undeformed),
+    };
+    (start, tables.iter().filter(|_| !names_state).map(initial::read).collect())
 }
 
 /// Scheme and plan; an equilibrium without `[time]` is a static analysis.

@@ -49,7 +49,7 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     };
     let mut notes: Vec<String> = deck.notes.iter().cloned().collect();
     deck.bodies().zip(placements(deck)).for_each(|(body, placement)| assembly.add_nodes(body, placement));
-    own_instances(deck).try_for_each(|own| assembly.add_cells(own))?;
+    deck.numbers().try_for_each(|own| assembly.add_cells(own))?;
     assembly.find_faces()?;
     let mut account = deck.account.clone();
     notes.extend(assembly.account_for_elements(&mut account));
@@ -83,11 +83,6 @@ const SURFACES_ALONE: &str = "a body in plane strain lies in the x-y plane; mesh
 fn placements(deck: &Deck) -> impl Iterator<Item = Placement> {
     let placements = deck.instances.iter().map(|instance| instance.placement);
     std::iter::once(Placement::default()).chain(placements)
-}
-
-/// The numbers of [`Deck::bodies`]: none for the contents outside of parts.
-fn own_instances(deck: &Deck) -> impl Iterator<Item = Option<u32>> {
-    std::iter::once(None).chain((0..deck.instances.len() as u32).map(Some))
 }
 
 /// The surface elements among the cells.
@@ -307,7 +302,7 @@ impl<'a> Assembly<'a> {
             return Ok(());
         }
         let mut faces = Faces::default();
-        for instance in own_instances(deck) {
+        for instance in deck.numbers() {
             let first_cell = self.start(instance, Of::Elements);
             for (element, cell) in self.body(instance).elements.iter().zip(first_cell..) {
                 faces.add(cell, element.kind, &self.node_indices(instance, element)?);
