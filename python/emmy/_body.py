@@ -194,7 +194,7 @@ class Body:
         ImportError
             If SciPy is not installed.
         InputError
-            If the array has another shape.
+            If the array has another shape, or a number is not finite.
 
         Examples
         --------
@@ -220,7 +220,7 @@ class Body:
         Raises
         ------
         InputError
-            If the array has another shape.
+            If the array has another shape, or a number is not finite.
         MeshError
             If a cell is inverted by the displacement.
 
@@ -332,7 +332,7 @@ class Body:
         Raises
         ------
         InputError
-            If the array has another shape.
+            If the array has another shape, or a number is not finite.
         MeshError
             If a cell is inverted by the displacement.
 

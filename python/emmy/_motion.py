@@ -6,11 +6,12 @@ import gc
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _adjoint, _emmy, _plan
 from . import _words as words
@@ -47,7 +48,7 @@ class Motion(MotionView):
         End of adaptive steps.
     adaptive : float or Adaptive, optional
         Tolerance of adaptive steps, in place of `steps`.
-    initial : Initial, list of Initial or array (n, 3), optional
+    initial : Initial, list of Initial or array (n, 3) or (3 n,), optional
         Velocities at the start; at rest if not given.
     start : Snapshot or State, optional
         Where the motion goes on, in place of `initial`: of a body with the same mesh and masses, and with its held
@@ -104,7 +105,7 @@ class Motion(MotionView):
         steps: tuple[float, float] | Sequence[tuple[float, float]] | NDArray[Any] | None = None,
         until: float | None = None,
         adaptive: float | Adaptive | None = None,
-        initial: Initial | Iterable[Initial] | NDArray[np.float64] = (),
+        initial: Initial | Iterable[Initial] | ArrayLike = (),
         start: Snapshot | State | None = None,
         tolerance: float = 1e-10,
         max_iterations: int = 20,
@@ -124,16 +125,15 @@ class Motion(MotionView):
             raise TypeError(f"body: {type(body).__name__} is not an emmy.Body")
         if start is not None and not isinstance(start, (Snapshot, State)):
             raise TypeError(f"start: {type(start).__name__} is neither an emmy.Snapshot nor an emmy.State")
-        if not isinstance(initial, np.ndarray):
-            initial = words.each(initial, Initial, "initial")
-        _check_one_start(start, initial, equilibrium)
+        velocity, tables = _initial(initial)
+        _check_one_start(start, velocity, tables, equilibrium)
         given: Snapshot | State | NDArray[np.float64] | None = start
-        if isinstance(initial, np.ndarray):
-            given, initial = words.finite(initial, (body.mesh.n_nodes, 3), "initial"), ()
+        if velocity is not None:
+            given = words.vectors(velocity, body.mesh.n_nodes, "initial")
         outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
         tree = _plan.tree(
             scheme=scheme, degree=degree, steps=steps, until=until, adaptive=adaptive, smallest_step=smallest_step,
-            tolerance=tolerance, max_iterations=max_iterations, solver=solver, initial=initial, equilibrium=equilibrium,
+            tolerance=tolerance, max_iterations=max_iterations, solver=solver, initial=tables, equilibrium=equilibrium,
             limits=limits, outputs=outputs, title=title, units=units,
         )  # fmt: skip
         self._make(body, tree, given, adjoint)
@@ -460,10 +460,20 @@ def _functions(observers: Observer | Iterable[Observer]) -> tuple[Observer, ...]
     return functions
 
 
-def _check_one_start(start: object, initial: Sequence[Initial] | NDArray[Any], equilibrium: object) -> None:
+def _initial(initial: Any) -> tuple[ArrayLike | None, tuple[Initial, ...]]:
+    """Velocities as an array or nested lists, or else as tables."""
+    if isinstance(initial, Iterable) and not isinstance(initial, (np.ndarray, str)):
+        initial = tuple(initial)
+    is_array = isinstance(initial, np.ndarray) or (
+        isinstance(initial, tuple) and len(initial) > 0 and isinstance(initial[0], (Real, Sequence, np.ndarray))
+    )
+    return (initial, ()) if is_array else (None, words.each(initial, Initial, "initial"))
+
+
+def _check_one_start(start: object, velocity: ArrayLike | None, tables: Sequence[Initial], equilibrium: object) -> None:
     """Velocities as an array and `start` are whole states, beside which there is no other start."""
-    is_array = isinstance(initial, np.ndarray)
-    others = {"initial": is_array or len(initial) > 0, "equilibrium": _plan.is_given(equilibrium)}
+    is_array = velocity is not None
+    others = {"initial": is_array or len(tables) > 0, "equilibrium": _plan.is_given(equilibrium)}
     if start is not None:
         for name, is_given in others.items():
             if is_given:

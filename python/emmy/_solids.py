@@ -183,7 +183,7 @@ class Orthotropic(Material):
     Raises
     ------
     InputError
-        If a value is out of its range.
+        If a value is out of its range, or the stiffness is not positive definite.
 
     Examples
     --------

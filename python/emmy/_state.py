@@ -66,8 +66,8 @@ class State:
         object.__setattr__(self, "time", words.real(self.time, "time"))
         for name in ("displacement", "velocity", "momentum", "displacement_low"):
             value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, words.finite_vectors(value, name))
+            if value is not None or name in ("displacement", "velocity"):
+                object.__setattr__(self, name, words.vectors(value, None, name))
         object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:

@@ -161,8 +161,8 @@ class MotionView:
 
         Parameters
         ----------
-        x : array (degree, n, 3) or (3 n degree,)
-            Rates of the displacement, its derivatives by the part of the step that has passed, at the Gauss points of
+        x : array (degree, n, 3), (degree, 3 n) or (3 n degree,)
+            Rates of the displacement, its derivatives with respect to the fraction of the step, at the Gauss points of
             the time element; for degree 1 also an array (n, 3).
         step_size : float
             Size of the step.
@@ -176,7 +176,8 @@ class MotionView:
         Raises
         ------
         InputError
-            If the scheme is not a time element, the array has another shape, or the step size is not positive.
+            If the scheme is not a time element, the array has another shape or a number that is not finite, or the
+            step size is not positive.
         MeshError
             If a cell is inverted by the rates.
 
@@ -195,7 +196,7 @@ class MotionView:
 
         Parameters
         ----------
-        x : array (degree, n, 3) or (3 n degree,)
+        x : array (degree, n, 3), (degree, 3 n) or (3 n degree,)
             Rates, as in `residual`.
         step_size : float
             Size of the step.
@@ -225,10 +226,12 @@ class MotionView:
 
     def _rates(self, x: ArrayLike) -> NDArray[np.float64]:
         """Rates as an array (degree n, 3)."""
-        n, given = self.body.mesh.n_nodes, words.reals(x, "x")
-        if given.ndim == 1 or (self.degree == 1 and given.ndim == 2):
-            return words.vectors(given, self.degree * n, "x")
-        return words.array(given, (self.degree, n, 3), "x").reshape(-1, 3)
+        k, n, given = self.degree, self.body.mesh.n_nodes, words.reals(x, "x")
+        shapes = [(k, n, 3), (k, 3 * n), (3 * n * k,), *([(n, 3)] if k == 1 else [])]
+        if given.shape not in shapes:
+            wanted = " or ".join(map(str, shapes))
+            raise fault("x", f"expected an array of shape {wanted}, found {given.shape}")
+        return words.vectors(given.reshape(-1, 3), k * n, "x")
 
     def field(self, name: str, group: str | None = None) -> NDArray[np.float64]:
         """A field at the present state.

@@ -221,15 +221,7 @@ def real(value: Any, place: str) -> float:
 
 def finite(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.float64]:
     """Finite numbers as a contiguous array of a shape; `None` is any length."""
-    return _finite(array(value, shape, place), place)
-
-
-def finite_vectors(value: Any, place: str) -> NDArray[np.float64]:
-    """Finite vectors of any number of nodes, as `vectors`."""
-    return _finite(vectors(value, None, place), place)
-
-
-def _finite(given: NDArray[np.float64], place: str) -> NDArray[np.float64]:
+    given = array(value, shape, place)
     if not np.isfinite(given).all():
         raise fault(place, "must be finite")
     return given
@@ -246,18 +238,19 @@ def array(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.f
 
 
 def vectors(value: Any, n: int | None, place: str) -> NDArray[np.float64]:
-    """Vectors of n nodes as a contiguous array (n, 3), also from the flat array (3 n,); `None` is any number."""
+    """Finite vectors of n nodes as a contiguous array (n, 3), also from the flat array (3 n,); `None` is any number."""
     given = reals(value, place)
     if given.ndim == 1 and (given.size % 3 == 0 if n is None else given.size == 3 * n):
         given = given.reshape(-1, 3)
-    return array(given, (n, 3), place)
+    return finite(given, (n, 3), place)
 
 
 def reals(value: Any, place: str) -> NDArray[np.float64]:
     """Numbers as a contiguous array."""
     given = regular(value, place)
     if given.dtype.kind not in "fiub" and given.size:
-        raise TypeError(f"{place}: an array of {given.dtype} in place of numbers")
+        found = f"an array of {given.dtype}" if given.ndim else type(value).__name__
+        raise TypeError(f"{place}: {found} in place of numbers")
     # `ascontiguousarray` would make a number an array of one dimension.
     return np.asarray(given, dtype=np.float64, order="C")
 

@@ -150,13 +150,18 @@ impl Body {
         py: Python<'_>,
         u: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Vec<f64>> {
-        let n = self.n_mesh_dofs();
-        if n < self.inner().n_dofs() {
+        self.check_nodes(py)?;
+        u.map_or(Ok(vec![0.0; self.n_mesh_dofs()]), |u| nodal(py, self.inner(), &u, "u"))
+    }
+
+    /// Rejects internal nodes, which no array of the mesh contains.
+    pub(crate) fn check_nodes(&self, py: Python<'_>) -> PyResult<()> {
+        if self.n_mesh_dofs() < self.inner().n_dofs() {
             let message = "a body with incompatible modes has internal nodes, which no array of the mesh \
                            contains; emmy.modes and emmy.equilibrium take them into account";
             return Err(errors::argument(py, "regions", message));
         }
-        u.map_or(Ok(vec![0.0; n]), |u| nodal(py, self.inner(), &u, "u"))
+        Ok(())
     }
 }
 
@@ -341,7 +346,7 @@ impl Body {
 
     /// Damping matrix at rest.
     fn damping<'py>(&self, py: Python<'py>) -> PyResult<Sparse<'py>> {
-        self.displacement(py, None)?;
+        self.check_nodes(py)?;
         let rows = pool::work(py, || self.inner().damping())?;
         sparse(py, &rows.map_err(|error| errors::library(py, &error))?)
     }

@@ -58,8 +58,7 @@ impl Motion {
         rates: &PyReadonlyArray2<'_, f64>,
         equations: impl FnOnce(&mut emmy::motion::Motion<'_>, &[f64]) -> emmy::Result<T> + Send,
     ) -> PyResult<T> {
-        // Internal nodes have no place in the arrays.
-        self.body.get().displacement(py, None)?;
+        self.body.get().check_nodes(py)?;
         let rates: Vec<f64> = rates.as_array().iter().copied().collect();
         let mut work = self.lock()?;
         let running = &mut work.running;

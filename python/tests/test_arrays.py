@@ -217,6 +217,11 @@ def test_velocities_as_an_array():
     body = free_block()
     velocity = np.cross([0.0, 0.0, 2.0], body.mesh.points)
     one = emmy.Motion(body, steps=(0.5, 0.1), initial=velocity)
+    for same in (velocity.ravel(), velocity.tolist(), velocity.ravel().tolist(), list(velocity)):
+        assert np.array_equal(emmy.Motion(body, initial=same).velocity, one.velocity)
+    for wrong in (velocity[:-1], [1.0, 2.0], velocity.T):
+        with pytest.raises(emmy.InputError, match="^initial: expected an array of shape"):
+            emmy.Motion(body, initial=wrong)
     other = emmy.Motion(body, steps=(0.5, 0.1), initial=emmy.Initial(angular_velocity=(0, 0, 2)))
     assert one.momentum == pytest.approx(other.momentum, abs=1e-14)
     one.run(), other.run()

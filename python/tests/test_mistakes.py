@@ -176,6 +176,13 @@ def test_wrong_types_are_named():
             use()
 
 
+@pytest.mark.parametrize("missing", ["displacement", "velocity"])
+def test_states_have_displacement_and_velocity(missing):
+    arrays = dict.fromkeys(("displacement", "velocity"), np.zeros((8, 3))) | {missing: None}
+    with pytest.raises(TypeError, match=f"^{missing}: NoneType in place of numbers$"):
+        emmy.State(0.0, **arrays)
+
+
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -np.inf])
 def test_states_are_finite(value):
     wrong = np.zeros((8, 3))
@@ -190,6 +197,11 @@ def test_states_are_finite(value):
     velocity[1, 2] = value
     with pytest.raises(emmy.InputError, match="^initial: must be finite$"):
         emmy.Motion(free_block(), initial=velocity)
+    for use in (free_block().internal_force, free_block().strain_energy):
+        with pytest.raises(emmy.InputError, match="^u: must be finite$"):
+            use(velocity)
+    with pytest.raises(emmy.InputError, match="^x: must be finite$"):
+        emmy.Motion(free_block()).residual(velocity, 0.1)
     for goal in (emmy.Goal.displacement_at, emmy.Goal.velocity_at):
         with pytest.raises(emmy.InputError, match="^direction: must be finite$"):
             goal(free_block(), node=0, direction=(1, value, 0))

@@ -46,7 +46,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("[0, 1], [1, 2]", "[0, 1], [1, -2]", &["`links` must be at least 0"]),
     ("[0, 1], [1, 2]", "[0, 1, 2]", &["`links` must have 2 whole numbers, not 3"]),
     ("links = [[0, 1], [1, 2], [0, 2]]", "links = []", &["`links` is empty"]),
-    ("links = [", "elements = [", &["unknown key `elements` in network", "did you mean `links`?"]),
+    ("links = [", "elements = [", &["unknown key `elements` in `network`", "did you mean `links`?"]),
     ("points = [[0, 0, 0]", "points = [[0, 0]", &["`points` must have 3 numbers, not 2"]),
     ("feet = [0]", "feet = [9]", &["no number 9 among the 3 points"]),
     ("first = [0]", "first = [3]", &["no number 3 among the 3 links"]),
@@ -57,12 +57,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("mass = 0.5", "weight = 0.5", &["unknown key `weight` in [[mass]]"]),
     ("group = \"head\"", "group = \"heda\"", &["no group `heda`", "did you mean `head`?"]),
     // Links.
-    ("stiffness", "k", &["unknown key `k` in spring", "did you mean `stiffness`?"]),
+    ("stiffness", "k", &["unknown key `k` in `spring`", "did you mean `stiffness`?"]),
     ("stiffness = 10.0", "stiffness = 0", &["`stiffness` must be positive, not 0"]),
     ("rest_length = 1.5", "rest_length = -1", &["`rest_length` must be at least 0, not -1"]),
     ("rest_length", "l0", &["did you mean `rest_length`?"]),
     ("area = 0.5", "area = -0.5", &["`area` must be positive, not -0.5"]),
-    (", area = 0.5", "", &["`area` is missing in bar"]),
+    (", area = 0.5", "", &["`area` is missing in `bar`"]),
     ("youngs_modulus = 100.0", "E = 100.0", &["did you mean `youngs_modulus`?"]),
     (
         "spring = { stiffness = 10.0, rest_length = 1.5 }",
@@ -72,7 +72,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "spring = { stiffness = 10.0, rest_length = 1.5 }",
         "attraction = { g = 1 }",
-        &["unknown key `g` in attraction"],
+        &["unknown key `g` in `attraction`"],
     ),
     (
         "material.spring",

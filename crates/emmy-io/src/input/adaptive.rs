@@ -10,7 +10,7 @@ use super::table::{Item, Table, spelled};
 
 /// `time.adaptive`.
 pub(super) static ADAPTIVE: Described = Described::new(|| {
-    Section::new("`adaptive`", "Steps whose sizes are chosen by the error, in place of `steps`")
+    Section::new("adaptive", "Steps whose sizes are chosen by the error, in place of `steps`")
         .must("tolerance", BELOW_ONE, "", "Largest error of a step, relative to the scales")
         .may("min_size", POSITIVE, "time", "Smallest step; one that is too inaccurate even then ends the run")
         .may("max_size", POSITIVE, "time", "Largest step")
@@ -66,7 +66,7 @@ pub(super) fn plan(
         (None, None) => {
             return Err(Fault::at(
                 time.place,
-                "`until` is missing in [time]: steps of `adaptive` have no end",
+                "`until` is missing in [time]: adaptive steps need an end",
                 "needs `until`",
             ));
         }
@@ -129,7 +129,8 @@ fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
         (None, None) => Ok(None),
         (lowest, Some(highest)) => Ok(Some([lowest.unwrap_or(1), highest])),
         (Some(_), None) => {
-            let message = "`max_degree` is missing in `adaptive`: `min_degree` alone has no choice";
+            let message =
+                "`max_degree` is missing in `adaptive`: with `min_degree` alone there is nothing to choose";
             Err(Fault::at(table.place, message, "needs `max_degree`"))
         }
     }

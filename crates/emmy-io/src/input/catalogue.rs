@@ -11,11 +11,11 @@ pub(super) static ROOT: Described = Described::new(|| {
         .may("title", Kind::Text, "", "Any text; it goes into the summary")
         .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
         .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
-        .must("region", tables(&region::REGION), "", "Material of the cells; one or more")
-        .may("mass", tables(&nodal::MASS), "", "Masses besides those of the cells; none, one or more")
-        .may("load", tables(&load::LOAD), "", "Loads on the body; none, one or more")
-        .may("support", tables(&support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
-        .may("initial", tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
+        .must("region", tables(1, &region::REGION), "", "Material of the cells; one or more")
+        .may("mass", tables(0, &nodal::MASS), "", "Masses besides those of the cells; none, one or more")
+        .may("load", tables(0, &load::LOAD), "", "Loads on the body; none, one or more")
+        .may("support", tables(0, &support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
+        .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
         .absent("at rest")
         .may(
             "equilibrium",
@@ -43,15 +43,13 @@ const MAX_MODELS: usize = 3;
 
 /// Says in which table a key stands: the one around a table, if that has it; all of them if a few materials have it.
 pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
-    let own = section.name.trim_matches('`');
     let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
-    let around = tables.clone().find(|table| table.key_of(own).is_some());
-    let models: Vec<&str> =
-        material::sections().filter(|table| table.key_of(word).is_some()).map(|table| table.name).collect();
+    let around = tables.clone().find(|table| table.key_of(section.name).is_some());
+    let models: Vec<&Section> = material::sections().filter(|table| table.key_of(word).is_some()).collect();
     let table = around.or_else(|| tables.next())?;
     let name = match models.len() {
-        _ if !models.contains(&table.name) => table.name.to_string(),
-        0..=MAX_MODELS => models.join(" or "),
+        _ if !models.iter().any(|model| model.name == table.name) => table.title(),
+        0..=MAX_MODELS => models.iter().map(|model| model.title()).collect::<Vec<_>>().join(" or "),
         _ => "a material".to_string(),
     };
     Some(format!("`{word}` belongs in {name}"))
@@ -61,7 +59,7 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
 pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
     let keys = all().into_iter().flat_map(|section| &section.keys).filter(|own| own.name == key);
     let kind = |own: &'static Key| match own.kind {
-        Kind::Tables(_) => own.kind.inner(),
+        Kind::Tables(..) => own.kind.inner(),
         _ => &own.kind,
     };
     keys.map(kind).find_map(|kind| Some((kind, kind.section()?)))

@@ -53,10 +53,11 @@ fn for_each_table(
     section: &'static Section,
     visit: &mut impl FnMut(&mut Node, &'static Section),
 ) {
-    if let Value::Array(items) = &mut node.value {
-        return items.iter_mut().for_each(|item| for_each_table(item, section, visit));
+    match &mut node.value {
+        Value::Array(items) => return items.iter_mut().for_each(|item| for_each_table(item, section, visit)),
+        Value::Table(_) => visit(node, section),
+        _ => return,
     }
-    visit(node, section);
     for (name, inner) in section.keys.iter().filter_map(|key| Some((key.name, key.kind.section()?))) {
         node.get_mut(name).into_iter().for_each(|value| for_each_table(value, inner, visit));
     }

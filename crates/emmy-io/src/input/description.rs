@@ -16,7 +16,7 @@ pub(super) type Described = LazyLock<Section>;
 /// A table of the input, such as `[mesh]` or `box`.
 #[derive(Debug)]
 pub(super) struct Section {
-    /// Name of the table in messages.
+    /// Its key, its heading in brackets, or words.
     pub(super) name: &'static str,
     /// One sentence on it.
     pub(super) doc: String,
@@ -80,18 +80,18 @@ pub(super) enum Kind {
     Field(Box<Kind>),
     /// A table.
     Table(&'static Section),
-    /// One table or a list of them.
-    Tables(Box<Kind>),
+    /// One table, or a list with a least number of them.
+    Tables(usize, Box<Kind>),
 }
 
 /// The fault of a text, and a label for its place.
 pub(super) type Doubt = fn(&str) -> Option<(Fault, String)>;
 
 /// An entry of a table of the time.
-static ENTRY: LazyLock<Kind> = LazyLock::new(|| exactly(2, NUMBER));
+pub(super) static ENTRY: LazyLock<Kind> = LazyLock::new(|| exactly(2, NUMBER));
 
 /// Members of a group.
-static MEMBERS: LazyLock<Kind> = LazyLock::new(|| list(0, whole(0)));
+pub(super) static MEMBERS: LazyLock<Kind> = LazyLock::new(|| list(0, whole(0)));
 
 /// Rules between the keys of a table.
 #[derive(Debug, Clone)]
@@ -127,9 +127,9 @@ pub(super) fn words(what: &'static str, words: impl IntoIterator<Item = &'static
     Kind::Words(Box::new(word(what, words)))
 }
 
-/// One table or a list of them.
-pub(super) fn tables(section: &'static Section) -> Kind {
-    Kind::Tables(Box::new(Kind::Table(section)))
+/// One table, or a list with a least number of them.
+pub(super) fn tables(least: usize, section: &'static Section) -> Kind {
+    Kind::Tables(least, Box::new(Kind::Table(section)))
 }
 
 /// A whole number from a smallest one on.
@@ -156,11 +156,8 @@ impl Kind {
     /// Kind of the entries of a list, of the values of a table with free names, or of one of several tables.
     pub(super) fn inner(&'static self) -> &'static Kind {
         match self {
-            Kind::Words(of)
-            | Kind::List(_, of)
-            | Kind::Exactly(_, of)
-            | Kind::Field(of)
-            | Kind::Tables(of) => of,
+            Kind::Words(of) | Kind::List(_, of) | Kind::Exactly(_, of) | Kind::Tables(_, of) => of,
+            Kind::Field(of) => of.inner(),
             Kind::TimeFunction(_) => &ENTRY,
             Kind::Groups => &MEMBERS,
             _ => self,
@@ -171,7 +168,7 @@ impl Kind {
     pub(super) fn section(&self) -> Option<&'static Section> {
         match self {
             Kind::Table(section) | Kind::TimeFunction(section) => Some(section),
-            Kind::List(_, of) | Kind::Tables(of) => of.section(),
+            Kind::List(_, of) | Kind::Tables(_, of) => of.section(),
             _ => None,
         }
     }
@@ -258,6 +255,11 @@ impl Section {
             Rule::AtLeastOne(keys) => keys.clone(),
             Rule::Free | Rule::Region | Rule::OneSet(_) => Vec::new(),
         }
+    }
+
+    /// Name of the table in messages: a key in back-quotes.
+    pub(super) fn title(&self) -> String {
+        if self.name.contains(['[', ' ']) { self.name.to_string() } else { format!("`{}`", self.name) }
     }
 
     /// A key by its name.

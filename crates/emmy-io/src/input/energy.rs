@@ -10,7 +10,7 @@ use super::expression::{self, CONSTANTS, Expression, FUNCTIONS, Operator, Vocabu
 use super::fault::Fault;
 use super::finite;
 use super::suggest::{did_you_mean, listed};
-use super::table::{Item, Table};
+use super::table::{Item, Read, Table};
 
 /// Key of the model.
 pub(super) const NAME: &str = "energy";
@@ -108,7 +108,7 @@ fn parameters<'a>(table: &Table<'a>) -> Result<Vec<(&'a str, f64)>, Fault> {
                 let message = format!("`{name}` is {taken} and cannot be a parameter of the formula");
                 return Err(Fault::at(item.key_place, message, "choose another name"));
             }
-            Ok((name, finite::within(&item)?))
+            Ok((name, Read::read(item)))
         })
         .collect()
 }
@@ -162,7 +162,7 @@ mod tests {
     fn read(text: &str) -> Result<Region, String> {
         let mut tree = tree::parse("test", &format!("energy = {{ {text} }}\n")).unwrap();
         let node = tree.get_mut(NAME).unwrap().clone();
-        memory::read_alone(NAME, node, |table| region(table, 1.0))
+        memory::read_alone(NAME, node, |table, faults| faults.keep(region(table, 1.0)))
             .map_err(|error| error.faults()[0].to_string())
     }
 

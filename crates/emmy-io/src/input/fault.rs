@@ -88,6 +88,11 @@ impl Place {
         !self.is_path && self.span.is_empty() && self.span.start == 0
     }
 
+    /// The same for copies of one place only.
+    pub(super) fn id(&self) -> (*const NamedSource<String>, usize) {
+        (Arc::as_ptr(&self.source), self.span.start)
+    }
+
     /// Whether both can be marked in one excerpt.
     fn same_source(&self, other: &Place) -> bool {
         self.is_path && other.is_path || Arc::ptr_eq(&self.source, &other.source)
@@ -191,7 +196,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// All faults of an input, in the order of reading.
+/// All faults of an input, in the order of the file.
 #[derive(Debug, Clone)]
 pub struct InputError {
     faults: Vec<Fault>,
@@ -203,7 +208,7 @@ impl InputError {
         if faults.is_empty() { Ok(()) } else { Err(InputError { faults }) }
     }
 
-    /// The same faults, the last with remarks on the mesh, which may have their cause.
+    /// The same faults; the last has the notes on the mesh, which may explain them.
     pub(super) fn with_notes(mut self, notes: &[String]) -> Self {
         if let Some(last) = self.faults.last_mut().filter(|_| !notes.is_empty()) {
             let notes = format!("notes on the mesh: {}", notes.join("; "));
@@ -267,10 +272,11 @@ impl Faults {
         self.faults.extend(other.faults.into_iter().take(MANY.saturating_sub(self.faults.len())));
     }
 
-    /// Leaves only the first fault, with advice.
-    pub(super) fn keep_first(&mut self, advice: Option<&str>) {
-        self.faults.truncate(1);
-        self.advise_last(advice.map(str::to_string));
+    /// Leaves only the first fault if all say the same.
+    pub(super) fn join_alike(&mut self) {
+        if self.faults.windows(2).all(|pair| pair[0].message == pair[1].message) {
+            self.faults.truncate(1);
+        }
     }
 
     /// Adds advice to the last fault.
@@ -290,13 +296,18 @@ impl Faults {
         self.faults.len() >= MANY
     }
 
-    /// Fails if there was any fault: in the order of the file.
+    /// Fails if there was any fault.
     pub(super) fn finish(&mut self) -> Result<(), InputError> {
+        if self.faults.is_empty() { Ok(()) } else { Err(self.error()) }
+    }
+
+    /// The faults in the order of the file.
+    pub(super) fn error(&mut self) -> InputError {
         let mut faults = std::mem::take(&mut self.faults);
         let of_text = |fault: &Fault| fault.place().filter(|place| !place.is_path).cloned();
         faults.sort_by_cached_key(|fault| {
             of_text(fault).map(|place| (place.source_name().to_string(), place.span.start))
         });
-        InputError::unless_empty(faults)
+        InputError { faults }
     }
 }

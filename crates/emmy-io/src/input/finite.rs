@@ -5,7 +5,7 @@ use emmy::internals::number::short;
 use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Place};
-use super::table::{Item, Read};
+use super::table::Item;
 
 /// Numbers up to this have finite squares; numbers from its inverse on have squares that are not zero.
 pub(super) const LARGEST: f64 = 1e150;
@@ -16,17 +16,6 @@ const LARGEST_LENGTH: f64 = 1e50;
 
 pub(super) const HELP: &str = "choose other units: the squares of numbers above 1e150 overflow, and those of numbers below 1e-150 vanish \
                     (for lengths, whose cubes count, 1e50 and 1e-50)";
-
-/// The number of an item, if its square is finite.
-pub(super) fn within(item: &Item<'_>) -> Result<f64, Fault> {
-    match f64::read(*item) {
-        value if value.abs() > LARGEST => {
-            let message = format!("`{}` must not be beyond {}", item.key, short(LARGEST));
-            Err(item.fault(message, "too large").help(HELP))
-        }
-        value => Ok(value),
-    }
-}
 
 /// Checks the Lame parameters derived from Young's modulus and Poisson's ratio.
 pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {

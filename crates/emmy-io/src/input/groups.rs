@@ -1,5 +1,7 @@
 //! Names of groups against the groups of the mesh, and regions against its cells.
 
+use std::collections::HashSet;
+
 use emmy::body::{InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 
@@ -13,11 +15,12 @@ pub(super) type NamedGroup = (String, Place, Members);
 
 /// Checks that the mesh has the groups that are named.
 pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], faults: &mut Faults) {
+    let mut places = HashSet::new();
     for (name, place, members) in named {
-        if faults.are_many() {
-            break;
+        // A support and its spring have one name.
+        if !faults.are_many() && places.insert(place.id()) {
+            faults.keep(find(mesh, name, place, *members));
         }
-        faults.keep(find(mesh, name, place, *members));
     }
 }
 

@@ -81,6 +81,7 @@ fn check_finite(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::input::fault::Faults;
     use crate::input::{memory, tree};
 
     /// The history of a load in an input of a folder.
@@ -88,7 +89,7 @@ pub(super) mod tests {
         let text = format!("group = 'a'\nforce = [1, 0, 0]\nhistory = {history}");
         let node = tree::parse("test", &text).unwrap();
         let context = Context { directory, run: None, is_undeformed: false };
-        let read = |table: &Table<'_>| read(table.must("history"), context);
+        let read = |table: &Table<'_>, faults: &mut Faults| faults.keep(read(table.must("history"), context));
         memory::read_alone("load", node, read).map_err(|error| error.faults()[0].to_string())
     }
 }

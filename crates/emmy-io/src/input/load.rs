@@ -173,8 +173,7 @@ static ATTRACTION: Described = Described::new(|| {
 /// Reads one load.
 pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<Placed<Acting>, Fault> {
     let value = table.chosen();
-    let row = ROWS.iter().find(|row| row.name == value.key);
-    let row = row.ok_or_else(|| value.fault(format!("`{}` is not a load", value.key), "not known"))?;
+    let row = ROWS.iter().find(|row| row.name == value.key).unwrap_or(&ROWS[0]);
     let group = table.group().map(|(name, _)| name);
     Ok(Placed::new(table, (row.read)(Given { table, value, group, context })?))
 }
@@ -232,6 +231,7 @@ impl FromIterator<Placed<Acting>> for Sorted {
         sorted
     }
 }
+
 /// The fault of a body with a pressure inside.
 pub(super) fn fault(error: &emmy::Error, groups: &[(String, Place)]) -> Option<Fault> {
     let emmy::Error::PressureInside { group, .. } = error else { return None };

@@ -69,15 +69,17 @@ pub fn materials() -> Vec<(&'static str, String)> {
     lines
 }
 
-/// The models that a material names.
-pub(super) fn given(material: &Table<'_>) -> impl Iterator<Item = &'static Model> {
-    MODELS.iter().map(|model| &model.model).filter(|model| material.item(model.name).is_some())
+/// The cells for the models that a material, right or wrong, names.
+pub(super) fn cells(material: Item<'_>) -> impl Iterator<Item = ModelCells> {
+    let of = |name: &str| MODELS.iter().find(|model| model.model.name == name).map(|model| model.model.cells);
+    let models = material.table().into_iter().flat_map(|table| table.items());
+    models.map(move |model| of(model.key).unwrap_or(ModelCells::Solids))
 }
 
-/// Whether a material, right or wrong, is one without mass.
-pub(super) fn is_massless(material: Item<'_>) -> bool {
-    let mut models = material.table().into_iter().flat_map(|table| given(&table).collect::<Vec<_>>());
-    models.any(|model| model.cells == ModelCells::MasslessLinks)
+/// Whether a material, right or wrong, names models, all of them with a mass.
+pub(super) fn has_mass(material: Item<'_>) -> bool {
+    let mut cells = cells(material).peekable();
+    cells.peek().is_some() && cells.all(|cells| cells != ModelCells::MasslessLinks)
 }
 
 /// Reads the one model of a material and creates its region.
@@ -87,12 +89,8 @@ pub(super) fn region(material: &Table<'_>, density: f64) -> Result<Region, Fault
         return energy::region(&material.must(energy::NAME), density);
     };
     let table: Table<'_> = material.must(item.key);
-    let values: Vec<(&str, Value)> = model
-        .model
-        .every_parameter()
-        .filter_map(|parameter| Some((parameter.name, value(&table.item(parameter.name)?, parameter))))
-        .map(|(name, value)| Ok((name, value?)))
-        .collect::<Result<_, Fault>>()?;
+    let given = |parameter: &Parameter| Some((parameter.name, value(table.item(parameter.name)?, parameter)));
+    let values: Vec<(&str, Value)> = model.model.every_parameter().filter_map(given).collect();
     check_terms(&table, &values)?;
     let values = Values::from_iter(values);
     let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
@@ -109,14 +107,14 @@ pub(super) fn region(material: &Table<'_>, density: f64) -> Result<Region, Fault
 }
 
 /// The value of a parameter.
-fn value(item: &Item<'_>, parameter: &Parameter) -> Result<Value, Fault> {
-    Ok(match parameter.kind {
-        ParameterKind::Number(_) => Value::Number(finite::within(item)?),
-        ParameterKind::Numbers => Value::Numbers(Read::read(*item)),
-        ParameterKind::Direction => Value::Direction(Read::read(*item)),
-        ParameterKind::Directions => Value::Directions(Read::read(*item)),
+fn value(item: Item<'_>, parameter: &Parameter) -> Value {
+    match parameter.kind {
+        ParameterKind::Number(_) => Value::Number(Read::read(item)),
+        ParameterKind::Numbers => Value::Numbers(Read::read(item)),
+        ParameterKind::Direction => Value::Direction(Read::read(item)),
+        ParameterKind::Directions => Value::Directions(Read::read(item)),
         ParameterKind::Law => Value::Law(item.one_of(Volumetric::ALL.map(|law| (law.name(), law)))),
-    })
+    }
 }
 
 /// Checks that all lists of numbers have one entry per term.

@@ -108,7 +108,7 @@ const NAME: &str = "emmy-run.toml";
 /// # Errors
 /// [`InputError`] with every fault, whose places are paths in the table.
 pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
-    read_alone("material", tree.node(""), |table| material::region(table, 1.0))
+    read_alone("material", tree.node(""), |table, faults| faults.keep(material::region(table, 1.0)))
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
@@ -125,14 +125,14 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 /// [`InputError`] with every fault, whose places are paths in the table.
 pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
     let context = Context { directory: Path::new(""), run: None, is_undeformed: false };
-    let read: &dyn Fn(&Table<'_>) -> Result<(), Fault> = match section {
-        "region" => &|table| region::read(table).map(drop),
-        "material" => &|table| material::region(table, 1.0).map(drop),
-        "viscosity" => &|table| region::viscosity(table, None).map(drop),
-        "load" => &|table| load::read(table, context).map(drop),
-        "support" => &|table| support::read(table, context).map(drop),
-        "adaptive" => &adaptive::check,
-        _ => &|_| Ok(()),
+    let read = |table: &Table<'_>, faults: &mut Faults| match section {
+        "region" => region::read(table, faults).map(drop),
+        "material" => faults.keep(material::region(table, 1.0).map(drop)),
+        "viscosity" => faults.keep(region::viscosity(table, None).map(drop)),
+        "load" => faults.keep(load::read(table, context).map(drop)),
+        "support" => Some(support::read(table, context, faults)).map(drop),
+        "adaptive" => faults.keep(adaptive::check(table)),
+        _ => Some(()),
     };
     read_alone(section, tree.node(""), read)
 }
@@ -140,21 +140,20 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
 /// The table of a resolved input, whose path is absolute; `None` if the file cannot be read any more.
 pub(crate) fn resolved(history: &toml::Table) -> Option<TimeFunction> {
     let node = tree::parse("history", &toml::to_string(history).ok()?).ok()?;
-    read_alone("history", node, |table| measured::read(table, Path::new(""))).ok()
+    read_alone("history", node, |table, faults| faults.keep(measured::read(table, Path::new("")))).ok()
 }
 
 /// Fills, checks and reads a table that stands in no input; its section is named by its key.
 pub(super) fn read_alone<T>(
     key: &str,
     mut node: Node,
-    read: impl FnOnce(&Table<'_>) -> Result<T, Fault>,
+    read: impl FnOnce(&Table<'_>, &mut Faults) -> Option<T>,
 ) -> Result<T, InputError> {
     let no_section = || Fault::new(format!("`{key}` is not a section of the input"));
     let (kind, section) = catalogue::kind_of(key).ok_or_else(no_section)?;
     complete::fill(&mut node, section)?;
     let mut faults = Faults::default();
     let table = walk::table(Item::of(key, &node, kind), &mut faults);
-    let read = table.and_then(|table| faults.keep(read(&table)));
-    faults.finish()?;
-    Ok(read.ok_or_else(no_section)?)
+    let read = table.and_then(|table| read(&table, &mut faults));
+    read.filter(|_| faults.len() == 0).ok_or_else(|| faults.error())
 }

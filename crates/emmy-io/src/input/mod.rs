@@ -8,7 +8,6 @@
 
 mod adaptive;
 mod catalogue;
-
 mod complete;
 mod derived;
 mod description;

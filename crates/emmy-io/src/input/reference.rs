@@ -103,6 +103,7 @@ fn of(kind: &Kind) -> String {
         Kind::Word(_, words, _) => {
             words.iter().map(|word| code(&format!("\"{word}\""))).collect::<Vec<_>>().join(", ")
         }
+        Kind::Words(of) if matches!(**of, Kind::Text) => "list of texts".to_string(),
         Kind::Words(_) => "list of words".to_string(),
         Kind::Scheme(_) => "scheme, see below".to_string(),
         Kind::True => code("true"),
@@ -122,7 +123,7 @@ fn of(kind: &Kind) -> String {
         Kind::Expression => "number or [expression](#loadbody_force)".to_string(),
         Kind::Field(vector) => of(vector),
         Kind::Table(_) => "table".to_string(),
-        Kind::Tables(_) => "table, or list of tables".to_string(),
+        Kind::Tables(..) => "table, or list of tables".to_string(),
     }
 }
 

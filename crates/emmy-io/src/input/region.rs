@@ -4,7 +4,7 @@ use emmy::body::{Region, Viscosity};
 use emmy::internals::material::ModelCells;
 
 use super::description::{Described, Kind, POSITIVE, Rule, Section};
-use super::fault::Fault;
+use super::fault::{Fault, Faults};
 use super::placed::Placed;
 use super::table::Table;
 use super::{formulation, material};
@@ -46,7 +46,7 @@ pub(super) static REGION: Described = Described::new(|| {
 
 pub(super) static VISCOSITY: Described = Described::new(|| {
     let doc = "Viscosity of Kelvin and Voigt: a stress linear in the strain rate; links have `time` alone";
-    Section::new("`viscosity`", doc)
+    Section::new("viscosity", doc)
         .may(
             "time",
             POSITIVE,
@@ -60,26 +60,29 @@ pub(super) static VISCOSITY: Described = Described::new(|| {
 });
 
 /// Reads one region.
-pub(super) fn read(table: &Table<'_>) -> Result<Placed<Region>, Fault> {
+pub(super) fn read(table: &Table<'_>, faults: &mut Faults) -> Option<Placed<Region>> {
     let material: Table<'_> = table.must("material");
-    let link = material::given(&material).find(|model| model.is_link());
-    if let (Some(ModelCells::MasslessLinks), Some(density)) =
-        (link.map(|model| model.cells), table.item("density"))
-    {
-        let message = format!("`{}` has no mass: `density` must be left out", material.chosen().key);
-        return Err(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"));
+    let model = material.chosen().key;
+    let cells = material::cells(table.must("material")).next().unwrap_or(ModelCells::Solids);
+    if let (ModelCells::MasslessLinks, Some(density)) = (cells, table.item("density")) {
+        let message = format!("`{model}` has no mass: `density` must be left out");
+        faults.push(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"));
     }
-    let mut region = material::region(&material, table.may("density").unwrap_or(0.0))?;
+    let region = faults.keep(material::region(&material, table.may("density").unwrap_or(0.0)));
+    let link = (cells != ModelCells::Solids).then_some(model);
+    let viscosity = table.may("viscosity").map(|own: Table<'_>| faults.keep(viscosity(&own, link)));
+    let formulation = faults.keep(formulation::read(table));
+    let mut region = region?.with_formulation(formulation?);
     if let Some((name, _)) = table.group() {
         region = region.on(name);
     }
     if let Some(thickness) = table.may("thickness") {
         region = region.with_thickness(thickness);
     }
-    if let Some(own) = table.may("viscosity") {
-        region = region.with_viscosity(viscosity(&own, link.map(|model| model.name))?);
+    if let Some(viscosity) = viscosity {
+        region = region.with_viscosity(viscosity?);
     }
-    Ok(Placed::new(table, region.with_formulation(formulation::read(table)?)))
+    Some(Placed::new(table, region))
 }
 
 /// The viscosity: a time, viscosities, or both; of a material of links, by its name, a time.

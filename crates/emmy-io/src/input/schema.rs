@@ -7,7 +7,7 @@ use emmy::body::Formulation;
 use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
-use super::description::{Key, Kind, Rule, Section, list, whole};
+use super::description::{ENTRY, Key, Kind, MEMBERS, Rule, Section};
 use super::{catalogue, material};
 
 /// The JSON schema of an input file, draft 7.
@@ -51,7 +51,7 @@ fn table(section: &Section) -> Value {
 
 /// Schema of one table or a list of them. It is not a choice of two schemas, because a validator can only report that
 /// no alternative fits, and not which key is wrong.
-fn tables(section: &Section) -> Value {
+fn tables(least: usize, section: &Section) -> Value {
     let one = table(section);
     let rules = rules(section);
     let mut schema = one.clone();
@@ -61,6 +61,7 @@ fn tables(section: &Section) -> Value {
     schema["then"] = rules.into();
     schema["type"] = json!(["object", "array"]);
     schema["items"] = one;
+    schema["minItems"] = json!(least);
     schema
 }
 
@@ -117,7 +118,7 @@ fn property(key: &Key) -> Value {
         IfAbsent::Means(meaning) if !meaning.is_empty() => format!("; left out: {meaning}"),
         _ => String::new(),
     };
-    if !matches!(key.kind, Kind::Table(_) | Kind::Tables(_)) {
+    if !matches!(key.kind, Kind::Table(_) | Kind::Tables(..)) {
         schema["description"] = json!(format!("{}{unit}{absent}", key.doc).replace('`', ""));
         if let IfAbsent::Value(value) = key.if_absent {
             schema["default"] = default(value);
@@ -150,12 +151,12 @@ fn of(kind: &Kind) -> Value {
         Kind::Exactly(length, entry) => {
             json!({ "type": "array", "items": of(entry), "minItems": length, "maxItems": length })
         }
-        Kind::Groups => json!({ "type": "object", "additionalProperties": of(&list(0, whole(0))) }),
+        Kind::Groups => json!({ "type": "object", "additionalProperties": of(&MEMBERS) }),
         Kind::TimeFunction(section) => history(section),
         Kind::Expression => json!({ "type": ["number", "string"], "pattern": "\\S" }),
         Kind::Field(vector) => of(vector),
         Kind::Table(section) => table(section),
-        Kind::Tables(one) => one.section().map_or(Value::Null, tables),
+        Kind::Tables(least, one) => one.section().map_or(Value::Null, |section| tables(*least, section)),
     }
 }
 
@@ -181,12 +182,11 @@ fn bound(value: f64) -> Value {
 
 /// A table of the time, here or in a file, or an expression.
 fn history(measured: &Section) -> Value {
-    let entry = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
     let mut schema = table(measured);
     let rules = [
         ("type", json!(["string", "array", "object"])),
         ("pattern", json!("\\S")),
-        ("items", entry),
+        ("items", of(&ENTRY)),
         ("minItems", json!(1)),
     ];
     rules.into_iter().for_each(|(rule, value)| schema[rule] = value);

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use emmy::body::{InitialVelocity, Load, Region, Support};
+use emmy::internals::material::ModelCells;
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, Solver};
 use emmy::time::Scheme;
@@ -25,8 +26,8 @@ use super::table::{Item, Table};
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
-    derived, equilibrium, groups, initial, load, nodal, placed, plausible, quantities, region, settings,
-    shape, start, support, time, units, walk,
+    derived, equilibrium, groups, initial, load, material, nodal, placed, plausible, quantities, region,
+    settings, shape, start, support, time, units, walk,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -49,6 +50,8 @@ pub(super) struct Sections {
     pub(super) output: Output,
     requested: Requested,
     limits: Limits,
+    /// Groups of the regions of links: lines of a mesh file that are cells.
+    link_groups: Vec<String>,
 }
 
 /// The root of the tree. Every table is checked before it is read, and one with faults does not hinder the others.
@@ -58,19 +61,25 @@ struct Root<'a> {
 }
 
 impl<'a> Root<'a> {
+    /// The tables of a section, right or wrong.
+    fn raw(&self, key: &str) -> impl Iterator<Item = Table<'a>> + use<'a> {
+        let items = self.table.item(key).map(|item| item.items());
+        items.into_iter().flatten().filter_map(|item| item.table())
+    }
+
     /// The tables of a section that are right.
     fn tables(&mut self, key: &str) -> Vec<Table<'a>> {
         self.table.item(key).map(|item| walk::tables(item, &mut self.faults)).unwrap_or_default()
     }
 
     /// Reads every table of a section that is right.
-    fn each<T>(&mut self, key: &str, read: impl Fn(&Table<'a>) -> Result<T, Fault>) -> Vec<T> {
+    fn each<T>(&mut self, key: &str, read: impl Fn(&Table<'a>, &mut Faults) -> Option<T>) -> Vec<T> {
         let tables = self.tables(key);
-        tables.iter().filter_map(|table| self.faults.keep(read(table))).collect()
+        tables.iter().filter_map(|table| read(table, &mut self.faults)).collect()
     }
 
     /// Reads the table of a section.
-    fn one<T>(&mut self, key: &str, read: impl Fn(&Table<'a>) -> Result<T, Fault>) -> Option<T> {
+    fn one<T>(&mut self, key: &str, read: impl Fn(&Table<'a>, &mut Faults) -> Option<T>) -> Option<T> {
         self.each(key, read).pop()
     }
 }
@@ -79,53 +88,50 @@ impl Sections {
     pub(super) fn read(tree: &Node, directory: &Path, overrides: &Overrides) -> Result<Sections, InputError> {
         let mut faults = Faults::default();
         let Some(table) = walk::root(Item::of("input", tree, &ROOT_KIND), &mut faults) else {
-            return Err(finished(faults));
+            return Err(faults.error());
         };
         let mut root = Root { table, faults };
         let title = table.item("title").filter(|item| walk::is_right(*item, &mut root.faults));
         let title = title.map(|title| title.text().unwrap_or_default().to_string());
-        let units = root.one("units", |table| Ok(units::read(table))).unwrap_or_default();
+        let units = root.one("units", |table, _| Some(units::read(table))).unwrap_or_default();
         let shape = match table.item("mesh").map(|item| (item.value(), item.place())) {
             Some((Value::Mesh(mesh), place)) => Some(shape::given(mesh, place)),
-            _ => root.one("mesh", |table| shape::read(table, directory)),
+            _ => root.one("mesh", |table, faults| faults.keep(shape::read(table, directory))),
         };
         let regions = root.each("region", region::read);
-        if let Some(item) = table.item("region").filter(|item| item.items().is_empty()) {
-            root.faults.push(item.fault("`region` is empty: a body needs at least one region", "empty"));
-        }
+        let link_groups = link_groups(root.raw("region"));
         let (start, initial) = read_start(&mut root, directory);
-        let time = read_time(&mut root, &start, overrides);
+        let time = read_time(&mut root, start.as_ref(), overrides);
         let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
-        let context = Context { directory, run, is_undeformed: start == Start::Undeformed };
+        let context = Context { directory, run, is_undeformed: start == Some(Start::Undeformed) };
         let load::Sorted { loads, attractions, drags } =
-            root.each("load", |table| load::read(table, context)).into_iter().collect();
-        let held = root.each("support", |table| support::read(table, context));
+            root.each("load", |table, faults| faults.keep(load::read(table, context))).into_iter().collect();
+        let held = root.each("support", |table, faults| Some(support::read(table, context, faults)));
         let (supports, springs): (Vec<_>, Vec<_>) =
             held.into_iter().map(|held| (held.support, held.spring)).unzip();
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
-        let masses = root.each("mass", |table| Ok(nodal::read(table)));
+        let masses = root.each("mass", |table, _| Some(nodal::read(table)));
         let nodal = PlacedNodal { masses, springs, attractions, drags };
-        let start = if table.item("time").is_some() { start } else { Start::Undeformed };
-        let newton = root.one("newton", |table| Ok(settings::newton(table))).unwrap_or_default();
-        let solver = root.one("solver", |table| Ok(settings::solver(table))).unwrap_or(Solver::Auto);
-        let limits = root.one("limits", |table| Ok(settings::limits(table))).unwrap_or_default();
+        let start = start.map(|start| if table.item("time").is_some() { start } else { Start::Undeformed });
+        let newton = root.one("newton", |table, _| Some(settings::newton(table))).unwrap_or_default();
+        let solver = root.one("solver", |table, _| Some(settings::solver(table))).unwrap_or(Solver::Auto);
+        let limits = root.one("limits", |table, _| Some(settings::limits(table))).unwrap_or_default();
         let plan = time.as_ref().map(|time| match time.scheme {
             // The load fraction is no time.
             Scheme::Static => time.plan.clone(),
             _ => support::plan_with_releases(&time.plan, &supports),
         });
-        let output = root.one("output", |table| {
-            let (output, requested) = (settings::output(table)?, quantities::read(table)?);
+        let output = root.one("output", |table, faults| {
+            let (output, requested) = (faults.keep(settings::output(table)), quantities::read(table, faults));
             let place = table.item("interval").map_or(table.place, |item| item.place());
-            let plan =
-                plan.clone().map(|plan| settings::plan_with_frames(plan, &output, place)).transpose()?;
-            Ok((output, requested, plan))
+            let plan = faults.keep(settings::plan_with_frames(plan.clone()?, output.as_ref()?, place));
+            Some((output?, requested, plan?))
         });
         let named = named_groups(&regions, &loads, &supports, &initial, &nodal);
         let Root { mut faults, .. } = root;
-        match (shape, time, output) {
-            (Some(shape), Some(time), Some((output, requested, Some(plan)))) if faults.len() == 0 => {
+        match (shape, start, time, output) {
+            (Some(shape), Some(start), Some(time), Some((output, requested, plan))) if faults.len() == 0 => {
                 Ok(Sections {
                     title,
                     units,
@@ -141,13 +147,14 @@ impl Sections {
                     supports,
                     nodal,
                     initial,
+                    link_groups,
                 })
             }
             (shape, ..) => {
                 // Further faults: the groups, if the mesh can be made despite faults elsewhere.
-                let mesh = shape.and_then(|shape| faults.keep(shape.mesh(&link_groups(&regions))));
+                let mesh = shape.and_then(|shape| faults.keep(shape.mesh(&link_groups)));
                 mesh.into_iter().for_each(|file| groups::check(&file.mesh, &named, &mut faults));
-                Err(finished(faults))
+                Err(faults.error())
             }
         }
     }
@@ -172,7 +179,7 @@ impl Sections {
 
     /// The mesh with every group found.
     fn checked_mesh(&self) -> Result<CheckedMesh, InputError> {
-        let mut file = self.shape.mesh(&link_groups(&self.regions))?;
+        let mut file = self.shape.mesh(&self.link_groups)?;
         let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
         let mesh = &file.mesh;
         let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
@@ -284,27 +291,28 @@ impl Sections {
     }
 }
 
-/// The state from which the motion starts, and the velocities there.
-fn read_start(root: &mut Root<'_>, directory: &Path) -> (Start, Vec<Placed<InitialVelocity>>) {
+/// The state from which the motion starts, unless it has a fault, and the velocities there.
+fn read_start(root: &mut Root<'_>, directory: &Path) -> (Option<Start>, Vec<Placed<InitialVelocity>>) {
     let equilibrium = root.table.item("equilibrium").map(|item| item.key_place);
+    let names_state = root.raw("initial").any(|table| table.item("state").is_some());
     let tables = root.tables("initial");
     let state = root.faults.keep(start::read(&tables, equilibrium, directory)).flatten();
-    let load_steps = root.one("equilibrium", |table| Ok(table.must("load_steps")));
-    match (state, load_steps) {
-        (Some(state), _) => (Start::Run(state), Vec::new()),
-        (None, Some(load_steps)) => {
-            (Start::Equilibrium { load_steps }, tables.iter().map(initial::read).collect())
-        }
-        (None, None) => (Start::Undeformed, tables.iter().map(initial::read).collect()),
-    }
+    let load_steps = root.one("equilibrium", |table, _| Some(table.must("load_steps")));
+    let start = match equilibrium {
+        _ if names_state => state.map(Start::Run),
+        Some(_) => load_steps.map(|load_steps| Start::Equilibrium { load_steps }),
+        None => Some(Start::Undeformed),
+    };
+    (start, tables.iter().filter(|_| !names_state).map(initial::read).collect())
 }
 
 /// Scheme and plan; an equilibrium without `[time]` is a static analysis.
-fn read_time(root: &mut Root<'_>, start: &Start, overrides: &Overrides) -> Option<Time> {
+fn read_time(root: &mut Root<'_>, start: Option<&Start>, overrides: &Overrides) -> Option<Time> {
     if root.table.item("time").is_some() {
-        return root.one("time", |table| time::read(table, overrides.until, overrides.step));
+        return root
+            .one("time", |table, faults| faults.keep(time::read(table, overrides.until, overrides.step)));
     }
-    let Start::Equilibrium { load_steps } = *start else { return None };
+    let Some(&Start::Equilibrium { load_steps }) = start else { return None };
     let time = match (root.table.item("initial"), overrides.until, overrides.step) {
         (Some(initial), ..) => {
             let message = "a static analysis has no velocities: without `[time]` the body does not move";
@@ -334,10 +342,14 @@ fn named_groups(
     all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members))).collect()
 }
 
-/// Groups of the regions of links: lines of a mesh file that are cells.
-fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
-    let links = regions.iter().filter(|region| region.value.link().is_some());
-    let names = links.map(|region| region.value.group.clone().unwrap_or_else(|| LINKS.to_string()));
+/// Groups of the regions of links, right or wrong. A region whose material is not known may be one.
+fn link_groups<'a>(regions: impl Iterator<Item = Table<'a>>) -> Vec<String> {
+    let is_solid = |region: &Table<'_>| {
+        let mut cells = region.item("material").into_iter().flat_map(material::cells);
+        cells.any(|cells| cells == ModelCells::Solids)
+    };
+    let links = regions.filter(|region| !is_solid(region));
+    let names = links.map(|region| region.group().map_or_else(|| LINKS.to_string(), |(name, _)| name));
     // `cells:NAME` means the cells of a group, unless a group itself has such a name.
     let with_own = |name: String| {
         let own = name.strip_prefix("cells:").map(str::to_string);
@@ -348,10 +360,6 @@ fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
 
 /// Group of all links of a mesh in memory.
 const LINKS: &str = "links";
-
-fn finished(mut faults: Faults) -> InputError {
-    faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
-}
 
 /// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
 /// there: loads and supports themselves tell them apart.

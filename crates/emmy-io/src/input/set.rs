@@ -40,7 +40,8 @@ pub(crate) fn alternatives(flag: &str) -> Result<Vec<String>, InputError> {
     Ok(values.into_iter().map(|value| format!("{key}={}", flag[offset..][value].trim())).collect())
 }
 
-/// Says of faulty values with commas that a sweep takes them one by one.
+/// Faults in the order of their flags, before those of the file. Of values with commas they say that a sweep takes them
+/// one by one.
 pub(super) fn of_one_run(error: InputError, flags: &[String]) -> InputError {
     let has_many = |place: &Place| {
         let text = place.text();
@@ -52,7 +53,10 @@ pub(super) fn of_one_run(error: InputError, flags: &[String]) -> InputError {
             .help("a run has one value: `emmy sweep` runs each value between commas; a list is [1, 2, 3]"),
         false => fault.clone(),
     };
-    let faults = error.faults().iter().map(advised).collect();
+    let mut faults: Vec<Fault> = error.faults().iter().map(advised).collect();
+    let flag =
+        |fault: &Fault| flags.iter().position(|flag| fault.place().is_some_and(|place| place.text() == flag));
+    faults.sort_by_cached_key(|fault| flag(fault).unwrap_or(flags.len()));
     InputError::unless_empty(faults).err().unwrap_or(error)
 }
 

@@ -7,7 +7,7 @@ use emmy::motion::StepPlan;
 use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, list, vector, word};
-use super::fault::{Fault, Place};
+use super::fault::{Fault, Faults, Place};
 use super::history::{self, Context};
 use super::measured::MEASURED;
 use super::placed::{self, Placed};
@@ -78,21 +78,22 @@ pub(super) struct Held {
 }
 
 /// Reads one support.
-pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<Held, Fault> {
-    let spring = table.may("spring").map(|stiffness| spring(table, stiffness)).transpose()?;
+pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) -> Held {
+    let spring = table.may("spring").and_then(|stiffness| faults.keep(spring(table, stiffness)));
     if SUPPORT.choice().iter().all(|key| *key == "spring" || table.item(key).is_none()) {
-        return Ok(Held { support: None, spring });
+        return Held { support: None, spring };
     }
+    let own = table.may("rotate");
     let support = Support {
         group: table.must::<Item<'_>>("group").name(),
         fix: fixed(table.may("fix").unwrap_or_default()),
-        displacement: displacement(table, context)?,
-        rotation: table.may("rotate").map(|own| rotation(&own, context)).transpose()?,
+        displacement: displacement(table, context, faults),
+        rotation: own.and_then(|own: Table<'_>| faults.keep(rotation(&own, context))),
         symmetry: table.item("symmetry").is_some(),
         until: table.may("until"),
     };
-    check(table, &support)?;
-    Ok(Held { support: Some(Placed::new(table, support)), spring })
+    faults.keep(check(table, &support));
+    Held { support: Some(Placed::new(table, support)), spring }
 }
 
 fn spring(table: &Table<'_>, stiffness: f64) -> Result<Placed<GroundSpring>, Fault> {
@@ -108,7 +109,7 @@ fn fixed(components: Vec<&str>) -> [bool; 3] {
 }
 
 /// Displacements of components, given by themselves or by their accelerations.
-fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeFunction>; 3], Fault> {
+fn displacement(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) -> [Option<TimeFunction>; 3] {
     let mut displacement = [const { None }; 3];
     for (key, read) in DRIVES {
         let Some(components) = table.may::<Table<'_>>(key) else { continue };
@@ -117,12 +118,12 @@ fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeF
             let Some(item) = item else { continue };
             if history.is_some() {
                 let message = format!("component `{}` is both moved and accelerated", item.key);
-                return Err(Fault::at(item.key_place, message, "twice"));
+                faults.push(Fault::at(item.key_place, message, "twice"));
             }
-            *history = Some(read(item, context)?);
+            *history = faults.keep(read(item, context));
         }
     }
-    Ok(displacement)
+    displacement
 }
 
 /// Reads the displacement of a component.

@@ -42,8 +42,11 @@ static NOTHING: LazyLock<Node> =
 impl<'a> Table<'a> {
     /// The value of a key, if it is there.
     pub(super) fn item(&self, key: &str) -> Option<Item<'a>> {
-        let entry = self.entries.iter().find(|entry| entry.key == key)?;
-        let kind = self.section.key_of(key).map(|key| &key.kind);
+        self.item_of(self.entries.iter().find(|entry| entry.key == key)?)
+    }
+
+    fn item_of(&self, entry: &'a Entry) -> Option<Item<'a>> {
+        let kind = self.section.key_of(&entry.key).map(|key| &key.kind);
         let kind = kind.or(self.section.others.as_ref().map(|others| &others.kind))?;
         Some(Item { key: &entry.key, node: &entry.node, kind, key_place: &entry.place })
     }
@@ -74,7 +77,7 @@ impl<'a> Table<'a> {
     /// Keys and values.
     pub(super) fn items(&self) -> impl Iterator<Item = Item<'a>> + use<'a> {
         let table = *self;
-        self.entries.iter().filter_map(move |entry| table.item(&entry.key))
+        self.entries.iter().filter_map(move |entry| table.item_of(entry))
     }
 
     /// Keys and values whose names are free.
@@ -125,12 +128,7 @@ impl<'a> Item<'a> {
         match (self.kind, self.value()) {
             (_, Value::Array(nodes)) => nodes.iter().map(|node| Item { node, kind, ..*self }).collect(),
             (Kind::Groups, Value::Table(entries)) => {
-                let of = |entry: &'a Entry| Item {
-                    key: &entry.key,
-                    node: &entry.node,
-                    kind,
-                    key_place: &entry.place,
-                };
+                let of = |Entry { key, node, place }: &'a Entry| Item { key, node, kind, key_place: place };
                 entries.iter().map(of).collect()
             }
             _ => vec![Item { kind, ..*self }],

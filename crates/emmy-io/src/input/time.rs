@@ -58,11 +58,10 @@ pub(super) struct Time {
 
 /// Reads the table; `until` is the end given on the command line, `step` a time and the step size after it.
 pub(super) fn read(table: &Table<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
-    let scheme_item: Item<'_> = table.must("scheme");
-    let scheme = scheme(&scheme_item)?;
-    let degree_item: Item<'_> = table.must("degree");
-    let scheme = scheme.with_degree(table.must("degree")).map_err(|error| {
-        let fault = scheme_item.fault(reason(&error), "this scheme");
+    let (scheme_item, degree_item): (Item<'_>, Item<'_>) = (table.must("scheme"), table.must("degree"));
+    let scheme = Scheme::from_name(table.must("scheme"));
+    let scheme = scheme.and_then(|scheme| scheme.with_degree(table.must("degree"))).map_err(|error| {
+        let fault = scheme_item.fault(error.to_string(), "this scheme");
         fault.label(degree_item.place(), "with this degree")
     })?;
     let plan = match table.item("adaptive") {
@@ -90,11 +89,6 @@ pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
     }
 }
 
-fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
-    Scheme::from_name(item.text().unwrap_or_default())
-        .map_err(|error| item.fault(reason(&error), "this scheme"))
-}
-
 /// The fault of a scheme's name.
 fn doubt(text: &str) -> Option<(Fault, String)> {
     let error = Scheme::from_name(text).err()?;
@@ -108,11 +102,7 @@ fn doubt(text: &str) -> Option<(Fault, String)> {
         (_, Some(word)) => format!("did you mean \"{word}\"?"),
         _ => "not a scheme".to_string(),
     };
-    Some((Fault::new(reason(&error)).help("`emmy list schemes` explains them"), label))
-}
-
-fn reason(error: &emmy::Error) -> String {
-    error.to_string()
+    Some((Fault::new(error.to_string()).help("`emmy list schemes` explains them"), label))
 }
 
 /// Names of schemes with numbers in brackets.
@@ -160,10 +150,7 @@ fn meant(text: &str) -> Option<String> {
 }
 
 fn plan(table: &Table<'_>) -> Result<StepPlan, Fault> {
-    let Some(item) = table.item("steps") else {
-        return Err(Fault::at(table.place, "`steps` is missing in [time]", "needs `steps`"));
-    };
-    let tables: Vec<Table<'_>> = table.must("steps");
+    let (item, tables): (Item<'_>, Vec<Table<'_>>) = (table.must("steps"), table.must("steps"));
     let phase = |table: &Table<'_>| Phase { until: table.must("until"), size: table.must("size") };
     StepPlan::new(0.0, tables.iter().map(phase).collect()).map_err(|error| match error {
         emmy::Error::Plan { phase, reason } => {

@@ -1,9 +1,11 @@
 //! One walk checks a value, and everything in it, against its description. It stores every fault.
 
 use emmy::internals::material::{Bounds, IfAbsent, Parameter};
+use emmy::internals::number::short;
 
 use super::description::{Kind, Rule, Section};
 use super::fault::{Fault, Faults};
+use super::finite::{HELP, LARGEST};
 use super::suggest::{did_you_mean, listed, nearest};
 use super::table::{Item, Table, spelled};
 use super::tree::Value;
@@ -30,12 +32,13 @@ pub(super) fn root<'a>(item: Item<'a>, faults: &mut Faults) -> Option<Table<'a>>
 
 /// The tables of a section of the input: each whose keys and values are right.
 pub(super) fn tables<'a>(section: Item<'a>, faults: &mut Faults) -> Vec<Table<'a>> {
-    match (section.kind, section.value()) {
-        (Kind::Tables(_), Value::Array(_) | Value::Table(_)) => {
-            section.items().into_iter().filter_map(|item| table(item, faults)).collect()
-        }
-        _ => table(section, faults).into_iter().collect(),
-    }
+    let mut items = match (section.kind, section.value()) {
+        (Kind::Tables(..), Value::Array(_) | Value::Table(_)) => section.items(),
+        _ => vec![section],
+    };
+    faults.keep(length(section, items.len()));
+    keep_right(&mut items, faults);
+    items.into_iter().filter_map(|item| item.table()).collect()
 }
 
 /// Checks a value and everything in it.
@@ -48,32 +51,36 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
             .table()
             .is_some_and(|table| are_keys_right(&table, faults) & are_values_right(&table, faults)),
         (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
-        (Kind::Field(of), _) => is_right(Item { kind: of, ..item }, faults),
-        (Kind::Groups | Kind::Tables(_), Value::Table(_))
-        | (
-            Kind::TimeFunction(_) | Kind::Tables(_) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(_),
+        (Kind::Field(of), _) if !is_of_program(item) => is_right(Item { kind: of, ..item }, faults),
+        (
+            Kind::TimeFunction(_) | Kind::Tables(..) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(_),
             Value::Array(_),
-        ) => {
-            let items = item.items();
-            let is_long = faults.keep(length(item, items.len())).is_some();
-            is_long
-                && are_right(item, &items, faults)
+        )
+        | (Kind::Groups | Kind::Tables(..), Value::Table(_))
+            if !is_entry(item) =>
+        {
+            let mut items = item.items();
+            let n = items.len();
+            if faults.keep(length(item, n)).is_none() {
+                return false;
+            }
+            keep_right(&mut items, faults);
+            items.len() == n
                 && (!matches!(item.kind, Kind::Words(_)) || faults.keep(are_different(&items)).is_some())
         }
         _ => faults.keep(value(item)).is_some(),
     }
 }
 
-/// Checks the entries of a list. If all are wrong, that is one mistake: a fault of the list, except of a list of
-/// tables.
-fn are_right(list: Item<'_>, items: &[Item<'_>], faults: &mut Faults) -> bool {
+/// Keeps the entries of a list that are right. The same mistake in all of them is one fault, except in tables.
+fn keep_right(items: &mut Vec<Item<'_>>, faults: &mut Faults) {
     let mut own = Faults::default();
-    let n_wrong = items.iter().filter(|item| !is_right(**item, &mut own)).count();
-    if n_wrong > 1 && n_wrong == items.len() && items[0].kind.section().is_none() {
-        own.keep_first(is_entry(list).then_some(BRACKETS));
+    let are_tables = items.iter().any(|item| item.table().is_some());
+    items.retain(|item| is_right(*item, &mut own));
+    if items.is_empty() && !are_tables && !own.are_many() {
+        own.join_alike();
     }
     faults.append(own);
-    n_wrong == 0
 }
 
 fn are_values_right(table: &Table<'_>, faults: &mut Faults) -> bool {
@@ -123,8 +130,8 @@ fn value(item: Item<'_>) -> Result<(), Fault> {
             {
                 Err(item.fault(format!("`{key}` must not be empty"), "empty"))
             }
-            Kind::Exactly(..) | Kind::Expression | Kind::TimeFunction(_) if text.starts_with(FUNCTION) => {
-                let message = format!("`{key}` was a function of a program, which no file holds");
+            _ if is_of_program(item) => {
+                let message = format!("`{key}`: a file cannot hold the function that a program gave here");
                 Err(item.fault(message, "here").help("a run with it continues only in that program"))
             }
             Kind::Text | Kind::Expression | Kind::TimeFunction(_) => Ok(()),
@@ -148,34 +155,33 @@ fn value(item: Item<'_>) -> Result<(), Fault> {
     }
 }
 
-/// Beginning of the text that stands in a file for a function of a program.
-const FUNCTION: &str = "<function";
+/// Whether a text stands in a file for a function of a program.
+fn is_of_program(item: Item<'_>) -> bool {
+    matches!(item.kind, Kind::Field(_) | Kind::TimeFunction(_))
+        && item.text().is_some_and(|text| text.starts_with("<function"))
+}
 
 fn number(item: Item<'_>, bounds: Bounds, value: f64) -> Result<(), Fault> {
     let key = item.key;
     if !value.is_finite() {
         return Err(item.fault(format!("`{key}` must be a finite number, not {value}"), "not finite"));
     }
-    let (is_within, wanted) = match bounds {
-        Bounds::Any => (true, String::new()),
-        Bounds::NotZero if value == 0.0 => return Err(item.fault(format!("`{key}` must not be 0"), "zero")),
-        Bounds::NotZero => (true, String::new()),
-        Bounds::Above(0.0) if value <= 0.0 => {
-            let message = format!("`{key}` must be positive, not {}", spelled(value));
-            return Err(item.fault(message, "not positive"));
+    let (wanted, label) = match bounds {
+        _ if bounds.contains(value) && value.abs() <= LARGEST => return Ok(()),
+        _ if bounds.contains(value) => {
+            let message = format!("`{key}` must not be beyond {}", short(LARGEST));
+            return Err(item.fault(message, "too large").help(HELP));
         }
-        Bounds::Above(least) => (value > least, format!("above {least}")),
-        Bounds::AtLeast(least) => (value >= least, format!("at least {least}")),
+        Bounds::NotZero => return Err(item.fault(format!("`{key}` must not be 0"), "zero")),
+        Bounds::Above(0.0) => ("positive".to_string(), "not positive"),
+        Bounds::Above(least) => (format!("above {least}"), "out of range"),
+        Bounds::AtLeast(least) => (format!("at least {least}"), "out of range"),
         Bounds::Between(low, high) if value == low || value == high => {
-            (false, format!("{bounds}, both excluded"))
+            (format!("{bounds}, both excluded"), "out of range")
         }
-        Bounds::Between(low, high) => (value > low && value < high, bounds.to_string()),
-        Bounds::Within(low, high) => (value >= low && value <= high, bounds.to_string()),
+        _ => (bounds.to_string(), "out of range"),
     };
-    match is_within {
-        true => Ok(()),
-        false => Err(item.fault(format!("`{key}` must be {wanted}, not {}", spelled(value)), "out of range")),
-    }
+    Err(item.fault(format!("`{key}` must be {wanted}, not {}", spelled(value)), label))
 }
 
 fn whole(item: Item<'_>, least: usize, most: Option<usize>, value: i64) -> Result<(), Fault> {
@@ -191,7 +197,7 @@ fn whole(item: Item<'_>, least: usize, most: Option<usize>, value: i64) -> Resul
 fn column(item: Item<'_>, name: &str, taken: &[&str]) -> Result<(), Fault> {
     if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
         let message =
-            format!("`{}` becomes a column: `{name}` may have letters, digits, `_` and `-` only", item.key);
+            format!("`{name}` is used as a column name: it may contain only letters, digits, `_` and `-`");
         return Err(item.fault(message, "not a name"));
     }
     match taken.contains(&name) {
@@ -204,7 +210,7 @@ fn column(item: Item<'_>, name: &str, taken: &[&str]) -> Result<(), Fault> {
 fn length(item: Item<'_>, n: usize) -> Result<(), Fault> {
     let key = item.key;
     match item.kind {
-        Kind::List(least, _) if n < *least && n == 0 => {
+        Kind::List(least, _) | Kind::Tables(least, _) if n < *least && n == 0 => {
             Err(item.fault(format!("`{key}` is empty"), "needs an entry"))
         }
         Kind::Exactly(length, of) if n != *length => {
@@ -219,7 +225,7 @@ fn are_different(words: &[Item<'_>]) -> Result<(), Fault> {
     let is_again = |i: &usize| words[..*i].iter().any(|other| other.text() == words[*i].text());
     match (0..words.len()).find(is_again).map(|i| words[i]) {
         Some(word) => {
-            Err(word.fault(format!("`{}` is there twice", word.text().unwrap_or_default()), "again"))
+            Err(word.fault(format!("`{}` is listed twice", word.text().unwrap_or_default()), "again"))
         }
         None => Ok(()),
     }
@@ -227,11 +233,14 @@ fn are_different(words: &[Item<'_>]) -> Result<(), Fault> {
 
 /// The fault of a value of another kind, with advice.
 fn mismatch(item: Item<'_>) -> Fault {
-    let found = item.value().kind();
+    let found = match item.value() {
+        Value::Array(_) if is_entry(item) => "a single entry",
+        value => value.kind(),
+    };
     let message = format!("`{}` must be {}, not {found}", item.key, wanted(item.kind));
     let fault = item.fault(message, format!("this is {found}"));
     match (item.kind, item.text().map(str::trim)) {
-        (Kind::Number(_) | Kind::Whole(..) | Kind::Expression, Some(text)) if text.parse::<f64>().is_ok() => {
+        (Kind::Number(_) | Kind::Whole(..), Some(text)) if text.parse::<f64>().is_ok() => {
             fault.help("numbers stand without quotes")
         }
         (Kind::Number(_) | Kind::Whole(..), Some(text))
@@ -241,17 +250,18 @@ fn mismatch(item: Item<'_>) -> Fault {
                 "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
             )
         }
-        _ if is_entry(item) => fault.help(BRACKETS),
+        _ if is_entry(item) => fault.help("put square brackets around it"),
         _ => fault,
     }
 }
 
-const BRACKETS: &str = "put square brackets around it";
-
-/// Whether a value that is no list of its kind is an entry of one.
+/// Whether a value that is no list of its kind is an entry of one, right or, for a table, wrong.
 fn is_entry(item: Item<'_>) -> bool {
+    let entry = Item { kind: item.kind.inner(), ..item };
     match item.kind {
-        Kind::List(_, of) | Kind::Words(of) => is_right(Item { kind: of, ..item }, &mut Faults::default()),
+        Kind::List(..) | Kind::Words(_) | Kind::TimeFunction(_) => {
+            entry.table().is_some() || is_right(entry, &mut Faults::default())
+        }
         _ => false,
     }
 }
@@ -265,7 +275,10 @@ fn wanted(kind: &Kind) -> String {
         Kind::Whole(..) => "a whole number".to_string(),
         Kind::Word(_, words, _) => format!("one of {}", listed(words.iter().copied())),
         Kind::True => "true".to_string(),
-        Kind::List(..) => "a list".to_string(),
+        Kind::List(_, of) => match &**of {
+            Kind::Exactly(length, of) => format!("a list of lists of {length} {}", plural(of)),
+            _ => "a list".to_string(),
+        },
         Kind::Words(of) => match &**of {
             Kind::Word(_, words, _) => format!("a list of words, such as {:?}", &words[..1]),
             _ => "a list".to_string(),
@@ -278,7 +291,7 @@ fn wanted(kind: &Kind) -> String {
         }
         Kind::Field(of) => wanted(of),
         Kind::Table(section) => format!("a table with the keys {}", listed(section.names())),
-        Kind::Tables(_) => "a table or a list of tables".to_string(),
+        Kind::Tables(..) => "a table or a list of tables".to_string(),
     }
 }
 
@@ -294,13 +307,16 @@ fn plural(of: &Kind) -> &'static str {
 /// Checks the keys of a table: all known, the required ones there, and their rule.
 fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
     let (section, before) = (table.section, faults.len());
-    let name = section.name;
+    let name = section.title();
     // Known keys that unknown ones are meant to be: these are not missing.
     let (mut meant, mut are_known) = (Vec::new(), true);
     for (key, place) in table.keys().filter(|(key, _)| section.key_of(key).is_none()) {
+        if faults.are_many() {
+            return false;
+        }
         let (own, label) = meaning(section, key);
         meant.extend(own);
-        if (section.others.is_none() || is_misnamed(table, key)) && !faults.are_many() {
+        if section.others.is_none() || is_misnamed(table, key) {
             are_known = false;
             let help = format!("keys of {name}: {}", listed(section.names()));
             let label = label.unwrap_or_else(|| "not a key".to_string());
@@ -313,7 +329,11 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
     let required = section.keys.iter().filter(|key| key.if_absent == IfAbsent::Required);
     required.filter(|key| !is_there(key.name)).for_each(|key| faults.push(missing(key.name)));
     let none = |how: &str, keys: Vec<&str>| {
-        Fault::at(table.place, format!("{name} needs {how} one of {}", listed(keys)), "none of them is here")
+        Fault::at(
+            table.place,
+            format!("{name} needs {how} one of {}", listed(keys)),
+            "none of these is given",
+        )
     };
     match &section.rule {
         Rule::ExactlyOne(sets) => match &sets.iter().filter(|keys| is_there(keys[0])).collect::<Vec<_>>()[..]
@@ -337,8 +357,9 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         Rule::OneSet(sets) if are_known => {
             faults.keep(one_set(table, sets));
         }
+        // What a misspelt material needs is not known.
         Rule::Region
-            if !is_there("density") && !table.item("material").is_some_and(material::is_massless) =>
+            if !is_there("density") && table.item("material").map_or(are_known, material::has_mass) =>
         {
             faults.push(missing("density"));
         }
@@ -357,7 +378,7 @@ fn one_set(table: &Table<'_>, sets: &[&[Parameter]]) -> Result<(), Fault> {
     let name = |parameter: &Parameter| format!("`{}`", parameter.name);
     let names = |set: &&[Parameter]| set.iter().map(name).collect::<Vec<_>>().join(" and ");
     let sets = sets.iter().map(names).collect::<Vec<_>>().join(", or ");
-    let message = format!("`{}` needs exactly one pair of parameters: either {sets}", table.section.name);
+    let message = format!("{} needs exactly one pair of parameters: either {sets}", table.section.title());
     Err(Fault::at(table.place, message, "not one pair"))
 }
 

@@ -115,7 +115,7 @@ fn lines_beside_solid_cells_are_left_out_unless_a_region_wants_links() {
 }
 
 #[test]
-fn elements_between_instances_are_left_out() {
+fn elements_between_instances_are_left_out_unless_a_region_wants_links() {
     let text = format!(
         "*PART, NAME=P\n{BRICKS}*ELEMENT, TYPE=MASS, ELSET=lump\n7, 12\n*END PART\n*ASSEMBLY, NAME=A\n\
          *INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n*INSTANCE, NAME=P-2, PART=P\n5., 0., 0.\n*END INSTANCE\n\
@@ -130,6 +130,14 @@ fn elements_between_instances_are_left_out() {
     ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
     assert_eq!(ends, [[2.0, 1.0, 1.0], [5.0, 1.0, 1.0]]);
     assert_eq!(file.mesh.groups().nodes["lump"].len(), 2);
+    let linked = parse_with("a.inp".as_ref(), text.as_bytes(), &links("springs")).unwrap().mesh;
+    let &[cell] = linked.groups().cells("springs").unwrap() else { panic!("one link") };
+    let ends = linked.cell(cell as usize).nodes.iter().map(|&node| linked.points()[node as usize]);
+    assert_eq!(ends.collect::<Vec<_>>(), [[2.0, 1.0, 1.0], [5.0, 1.0, 1.0]]);
+    assert_eq!(linked.counts_by_kind(), [(CellKind::Hex8, 4), (CellKind::Line2, 1)]);
+    let nowhere = text.replace("1, P-1.12, P-2.8", "1, P-1.12, P-2.99");
+    let error = parse_with("a.inp".as_ref(), nowhere.as_bytes(), &links("springs")).unwrap_err().to_string();
+    assert!(error.contains("element 1 names node 99, which the file does not define"), "{error}");
     let solid =
         text.replace("SPRINGA", "C3D4").replace("1, P-1.12, P-2.8\n", "1, P-1.12, P-1.8, P-1.1, P-1.2\n");
     let error = parse_text("a.inp", &solid).unwrap_err().to_string();

@@ -96,6 +96,20 @@ pub enum Bounds {
     NotZero,
 }
 
+impl Bounds {
+    /// Whether a number lies within.
+    pub fn contains(self, value: f64) -> bool {
+        match self {
+            Bounds::Any => true,
+            Bounds::Above(least) => value > least,
+            Bounds::AtLeast(least) => value >= least,
+            Bounds::Between(low, high) => low < value && value < high,
+            Bounds::Within(low, high) => low <= value && value <= high,
+            Bounds::NotZero => value != 0.0,
+        }
+    }
+}
+
 impl fmt::Display for Bounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

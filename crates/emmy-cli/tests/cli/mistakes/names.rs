@@ -52,7 +52,7 @@ pub(super) fn all() -> Vec<Mistake> {
         ),
         changed("reactions-of-a-free-group", "every = 2", "every = 2\nreactions = [\"y-max\"]").unseen(),
         changed("reactions-of-a-group-misspelt", "every = 2", "every = 2\nreactions = [\"y-mni\"]").unseen(),
-        changed("reactions-twice", "every = 2", "every = 2\nreactions = [\"y-min\", \"y-min\"]").unseen(),
+        changed("reactions-twice", "every = 2", "every = 2\nreactions = [\"y-min\", \"y-min\"]"),
         changed("reactions-not-in-a-list", "every = 2", "every = 2\nreactions = \"y-min\""),
         changed("extreme-of-a-tensor", "every = 2", "every = 2\nextremes = [\"cauchy_stress\"]"),
         changed("extreme-misspelt", "every = 2", "every = 2\nextremes = [\"von_mises\"]"),

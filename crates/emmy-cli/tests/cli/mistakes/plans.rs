@@ -85,7 +85,7 @@ pub(super) fn all() -> Vec<Mistake> {
             .with(&["--set", "time.smallest_step=0.1"])
             .unseen(),
         changed("end-of-a-plan-with-ends", STEPS, &format!("{STEPS}\nuntil = 1.0")).unseen(),
-        changed("plan-without-an-end", STEPS, "steps = [{ until = 1e300, size = 0.1 }]").unseen(),
+        changed("plan-without-an-end", STEPS, "steps = [{ until = 1e100, size = 0.1 }]").unseen(),
         changed("end-without-steps", STEPS, "until = 0.5"),
         adaptive("adaptive-tolerance-below-nothing", "tolerance = -1e-3"),
         changed(

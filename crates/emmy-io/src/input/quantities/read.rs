@@ -4,7 +4,7 @@ use emmy::body::{FieldName, Place as Members};
 
 use super::{GroupValue, Measure, Probe, ProbeQuantity};
 use crate::input::description::{Described, Kind, Section, vector, word, words};
-use crate::input::fault::{Fault, Place};
+use crate::input::fault::{Fault, Faults, Place};
 use crate::input::table::{Item, Table};
 
 /// Names that would repeat columns of the whole body.
@@ -87,14 +87,14 @@ pub(in crate::input) struct Requested {
 }
 
 /// Reads the quantities in `[output]`.
-pub(in crate::input) fn read(table: &Table<'_>) -> Result<Requested, Fault> {
+pub(in crate::input) fn read(table: &Table<'_>, faults: &mut Faults) -> Requested {
     let extremes: Vec<Item<'_>> = table.may("extremes").unwrap_or_default();
-    Ok(Requested {
-        reactions: table.may("reactions").map(reactions).transpose()?,
-        probes: named(table.must("probes"), probe, |probe| &probe.name, "probes")?,
+    Requested {
+        reactions: table.may("reactions").map(reactions),
+        probes: named(table.must("probes"), probe, |probe| &probe.name, "probes", faults),
         extremes: extremes.into_iter().map(|item| (field(item), item.place().clone())).collect(),
-        values: named(table.may("values").unwrap_or_default(), value, |value| &value.name, "values")?,
-    })
+        values: named(table.may("values").unwrap_or_default(), value, |value| &value.name, "values", faults),
+    }
 }
 
 /// The field that a word names.
@@ -102,16 +102,9 @@ pub(in crate::input) fn field(word: Item<'_>) -> FieldName {
     word.one_of(FieldName::ALL.map(|field| (field.name(), field)))
 }
 
-/// Different groups with their places.
-fn reactions(items: Vec<Item<'_>>) -> Result<Vec<(String, Place)>, Fault> {
-    let groups: Vec<(String, Place)> = items.iter().map(|item| (item.name(), item.place().clone())).collect();
-    let is_again = |i: &usize| groups[..*i].iter().any(|(other, _)| *other == groups[*i].0);
-    match (0..groups.len()).find(is_again) {
-        Some(i) => {
-            Err(Fault::at(&groups[i].1, format!("the group `{}` is there twice", groups[i].0), "again"))
-        }
-        None => Ok(groups),
-    }
+/// Groups with their places.
+fn reactions(items: Vec<Item<'_>>) -> Vec<(String, Place)> {
+    items.into_iter().map(|item| (item.name(), item.place().clone())).collect()
 }
 
 /// Entries of a list with different names.
@@ -120,17 +113,19 @@ fn named<T>(
     read: fn(Table<'_>) -> Result<T, Fault>,
     name: fn(&T) -> &str,
     what: &str,
-) -> Result<Vec<(T, Place)>, Fault> {
+    faults: &mut Faults,
+) -> Vec<(T, Place)> {
     let mut entries: Vec<(T, Place)> = Vec::new();
     for table in tables {
-        let (entry, place) = (read(table)?, table.must::<Item<'_>>("name").place().clone());
+        let place = table.must::<Item<'_>>("name").place().clone();
+        let Some(entry) = faults.keep(read(table)) else { continue };
         if let Some((_, first)) = entries.iter().find(|(other, _)| name(other) == name(&entry)) {
             let message = format!("two {what} are named `{}`", name(&entry));
-            return Err(Fault::at(&place, message, "second").label(first, "first"));
+            faults.push(Fault::at(&place, message, "second").label(first, "first"));
         }
         entries.push((entry, place));
     }
-    Ok(entries)
+    entries
 }
 
 fn probe(table: Table<'_>) -> Result<Probe, Fault> {

@@ -43,6 +43,9 @@ fn class(text: &str) -> Option<(Option<&str>, String)> {
             format!("If not exactly one of {sets} is given,\n        or a value is out of its range.")
         }
         (_, 2..) => "If a value is out of its range, or the lists have different lengths.".to_string(),
+        _ if name == "orthotropic" => {
+            "If a value is out of its range, or the stiffness is not positive definite.".to_string()
+        }
         _ => "If a value is out of its range.".to_string(),
     };
     let is_optional =

@@ -48,10 +48,8 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         surfaces: HashMap::new(),
     };
     let mut notes: Vec<String> = deck.notes.iter().cloned().collect();
-    assembly.add_body(&deck.root, Placement::default())?;
-    for instance in &deck.instances {
-        assembly.add_body(&instance.body, instance.placement)?;
-    }
+    deck.bodies().zip(placements(deck)).for_each(|(body, placement)| assembly.add_nodes(body, placement));
+    deck.numbers().try_for_each(|own| assembly.add_cells(own))?;
     assembly.find_faces()?;
     let mut account = deck.account.clone();
     notes.extend(assembly.account_for_elements(&mut account));
@@ -81,12 +79,16 @@ const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y
 
 const SURFACES_ALONE: &str = "a body in plane strain lies in the x-y plane; mesh any other with solid cells";
 
+/// The placements of [`Deck::bodies`].
+fn placements(deck: &Deck) -> impl Iterator<Item = Placement> {
+    let placements = deck.instances.iter().map(|instance| instance.placement);
+    std::iter::once(Placement::default()).chain(placements)
+}
+
 /// The surface elements among the cells.
 fn surfaces(deck: &Deck) -> Surfaces {
-    let placements = deck.instances.iter().map(|instance| instance.placement);
-    let placements = std::iter::once(Placement::default()).chain(placements);
     let mut surfaces = Surfaces::default();
-    for (body, placement) in deck.bodies().zip(placements) {
+    for (body, placement) in deck.bodies().zip(placements(deck)) {
         for element in body.elements.iter().filter(|element| element.kind.dimension() == 2) {
             surfaces.has[usize::from(element.kind.n_corners() == 4)] = true;
             let indices = body.nodes_of(element).iter().filter_map(|node| body.nodes.get(node));
@@ -173,6 +175,11 @@ struct Others {
 /// An instance (`None`: outside of all instances), and a name in lower case.
 type Key = (Option<u32>, String);
 
+/// Place of a body in [`Deck::bodies`].
+fn index_of_body(instance: Option<u32>) -> usize {
+    instance.map_or(0, |index| index as usize + 1)
+}
+
 struct Assembly<'a> {
     file: &'a Path,
     deck: &'a Deck,
@@ -190,20 +197,23 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    fn add_body(&mut self, body: &Body, placement: Placement) -> Result<()> {
-        let first_node = self.n_nodes as u32;
+    fn add_nodes(&mut self, body: &Body, placement: Placement) {
         for &point in &body.points {
             self.builder.point(placement.place(point));
         }
+        self.starts.push([self.n_nodes as u32, 0]);
         self.n_nodes += body.points.len();
+    }
+
+    fn add_cells(&mut self, instance: Option<u32>) -> Result<()> {
         let mut first_cell = None;
-        for element in &body.elements {
-            let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
+        for element in &self.body(instance).elements {
+            let nodes = self.node_indices(instance, element)?;
             let cell = self.builder.cell(element.kind, &nodes);
             let cell = cell.map_err(|reason| MeshError::Mesh { file: self.file.to_path_buf(), reason })?;
             first_cell.get_or_insert(cell);
         }
-        self.starts.push([first_node, first_cell.unwrap_or(0)]);
+        self.starts[index_of_body(instance)][1] = first_cell.unwrap_or(0);
         Ok(())
     }
 
@@ -212,7 +222,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn start(&self, instance: Option<u32>, of: Of) -> u32 {
-        let [node, cell] = self.starts[instance.map_or(0, |index| index as usize + 1)];
+        let [node, cell] = self.starts[index_of_body(instance)];
         if of == Of::Nodes { node } else { cell }
     }
 
@@ -292,10 +302,10 @@ impl<'a> Assembly<'a> {
             return Ok(());
         }
         let mut faces = Faces::default();
-        for (body, &[first_node, first_cell]) in deck.bodies().zip(&self.starts) {
-            for (element, cell) in body.elements.iter().zip(first_cell..) {
-                let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
-                faces.add(cell, element.kind, &nodes);
+        for instance in deck.numbers() {
+            let first_cell = self.start(instance, Of::Elements);
+            for (element, cell) in self.body(instance).elements.iter().zip(first_cell..) {
+                faces.add(cell, element.kind, &self.node_indices(instance, element)?);
             }
         }
         self.faces = Some(faces);
@@ -410,19 +420,25 @@ impl<'a> Assembly<'a> {
         (lower.len() + left_out.len()) as u64
     }
 
-    /// Indices in the mesh of nodes of an element.
-    fn node_indices(&self, body: &Body, element: &Element, nodes: &[u64], first: u32) -> Result<Vec<u32>> {
-        let index = |&node: &u64| {
-            let place = || self.deck.place(element.at);
-            let unknown = || MeshError::UnknownNode { place: place(), element: element.number, node };
-            body.nodes.get(&node).map(|index| first + index).ok_or_else(unknown)
+    /// Indices in the mesh of the nodes of an element.
+    fn node_indices(&self, instance: Option<u32>, element: &Element) -> Result<Vec<u32>> {
+        let (body, first) = (self.body(instance), self.start(instance, Of::Nodes));
+        let unknown = |node: u64| MeshError::UnknownNode {
+            place: self.deck.place(element.at),
+            element: element.number,
+            node,
         };
-        nodes.iter().map(index).collect()
+        if let Some(nodes) = body.joined.get(&element.nodes) {
+            let index = |node: &Member| self.indices(Of::Nodes, instance, *node).0.first().copied();
+            return nodes.iter().map(|node| index(node).ok_or_else(|| unknown(node.first))).collect();
+        }
+        let index = |node: &u64| body.nodes.get(node).map(|index| first + index);
+        body.nodes_of(element).iter().map(|node| index(node).ok_or_else(|| unknown(*node))).collect()
     }
 
     /// Mesh indices of a set's member in a body, and the number of missing ones.
     fn indices(&self, of: Of, instance: Option<u32>, member: Member) -> (Vec<u32>, u64) {
-        let instance = member.instance.or(instance);
+        let instance = member.within(instance).instance;
         let (mut indices, missing) = member.indices(self.body(instance).index(of));
         indices.iter_mut().for_each(|index| *index += self.start(instance, of));
         (indices, missing)

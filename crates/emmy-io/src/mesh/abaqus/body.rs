@@ -25,6 +25,8 @@ pub(in crate::mesh) struct Body {
     pub(super) left_out: Vec<LeftOut>,
     pub(super) left_out_index: HashMap<u64, u32>,
     pub(in crate::mesh) connectivity: Vec<u64>,
+    /// Nodes of the links that have nodes of instances, by the starts of these elements in the connectivity.
+    pub(super) joined: HashMap<usize, Vec<Member>>,
     pub(in crate::mesh) node_sets: Sets,
     pub(in crate::mesh) element_sets: Sets,
     pub(in crate::mesh) surfaces: Vec<Surface>,
@@ -177,12 +179,11 @@ impl Body {
         for (element, index) in std::mem::take(&mut self.elements).into_iter().zip(0..) {
             match element.element_type {
                 Some(element_type) if element.kind == CellKind::Line2 && !links.contains(&index) => {
-                    if are_edges[element_type as usize] {
+                    if are_edges[element_type as usize] && !self.joined.contains_key(&element.nodes) {
                         self.lower.push(element);
                         continue;
                     }
-                    let nodes = self.nodes_of(&element).iter().map(|&node| Member::one(None, node));
-                    let nodes = nodes.collect();
+                    let nodes = self.members_of(&element);
                     self.left_out_index.insert(element.number, self.left_out.len() as u32);
                     self.left_out.push(LeftOut { element_type, nodes });
                 }
@@ -205,6 +206,12 @@ impl Body {
 
     pub(super) fn nodes_of(&self, element: &Element) -> &[u64] {
         &self.connectivity[element.nodes..][..element.n_nodes]
+    }
+
+    /// The nodes of an element, of this body or of instances.
+    pub(super) fn members_of(&self, element: &Element) -> Vec<Member> {
+        let own = || self.nodes_of(element).iter().map(|&node| Member::one(None, node)).collect();
+        self.joined.get(&element.nodes).cloned().unwrap_or_else(own)
     }
 }
 
@@ -241,6 +248,11 @@ impl Member {
 
     pub(super) fn one(instance: Option<u32>, number: u64) -> Self {
         Member { instance, first: number, last: number, step: 1 }
+    }
+
+    /// The same member; of this instance if it names none.
+    pub(super) fn within(self, instance: Option<u32>) -> Self {
+        Member { instance: self.instance.or(instance), ..self }
     }
 
     /// Indices of the numbers, and the count of unknown numbers.

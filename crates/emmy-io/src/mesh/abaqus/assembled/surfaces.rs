@@ -188,8 +188,7 @@ impl<'a> Assembly<'a> {
                 }
                 Some(Face::Free) => {
                     let element = element();
-                    let nodes = body.nodes_of(&element);
-                    let nodes = self.node_indices(body, &element, nodes, self.start(instance, Of::Nodes))?;
+                    let nodes = self.node_indices(instance, &element)?;
                     let is_free = |&local: &u8| {
                         self.faces.as_ref().is_some_and(|faces| faces.is_free(element.kind, &nodes, local))
                     };

@@ -144,7 +144,6 @@ impl Deck {
         if self.body().has_element(number) {
             return Err(MeshError::Duplicate { place: self.place(elements.at), what: "element", number });
         }
-        // A link between instances has no place in the body of either.
         let joins_instances = elements.pending.iter().any(|node| node.instance.is_some());
         match elements.role {
             Role::Cell(kind) if joins_instances && kind.dimension() > 1 => {
@@ -153,7 +152,7 @@ impl Deck {
                 let advice = "write solid elements into the part that they belong to";
                 return Err(self.malformed(elements.at, problem, advice));
             }
-            Role::Cell(kind) if !joins_instances && !elements.is_grounded() => {
+            Role::Cell(kind) if !elements.is_grounded() => {
                 if kind != CellKind::Line2 && !std::mem::replace(&mut elements.is_noted, true) {
                     self.notes.extend(element::note(&elements.element_type, kind));
                 }
@@ -188,6 +187,9 @@ impl Deck {
         let body = self.body_mut();
         let start = body.connectivity.len();
         body.connectivity.extend(nodes.iter().map(|node| node.first));
+        if nodes.iter().any(|node| node.instance.is_some()) {
+            body.joined.insert(start, nodes.to_vec());
+        }
         let element_type = Some(elements.type_index);
         Element { number, kind, n_nodes: nodes.len(), nodes: start, element_type, at: elements.at }
     }

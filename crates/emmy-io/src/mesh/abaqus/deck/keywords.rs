@@ -168,14 +168,11 @@ impl Deck {
             let lower =
                 member.indices(&body.lower_index).0.into_iter().map(|index| &body.lower[index as usize]);
             for element in cells.chain(lower) {
-                let numbers = body.nodes_of(element);
-                nodes.extend(numbers.iter().map(|&number| Member::one(member.instance, number)));
+                nodes.extend(body.members_of(element).into_iter().map(|node| node.within(member.instance)));
             }
             for index in member.indices(&body.left_out_index).0 {
                 let of_element = body.left_out[index as usize].nodes.iter();
-                nodes.extend(
-                    of_element.map(|node| Member { instance: node.instance.or(member.instance), ..*node }),
-                );
+                nodes.extend(of_element.map(|node| node.within(member.instance)));
             }
         }
         Ok(nodes)

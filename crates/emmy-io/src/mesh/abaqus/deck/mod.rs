@@ -151,12 +151,11 @@ impl Deck {
             return found;
         }
         let mut members = Vec::new();
-        for (body, own) in self.bodies().zip(std::iter::once(None).chain((0..).map(Some))) {
+        for (body, own) in self.bodies().zip(self.numbers()) {
             for (key, set) in &body.element_sets {
                 let is_taken = self.root.element_sets.contains_key(key);
                 if self.group_names(own, &set.name, is_taken).iter().any(|name| groups.contains(name)) {
-                    let of_body = |member: &Member| Member { instance: member.instance.or(own), ..*member };
-                    members.extend(set.members.iter().map(of_body));
+                    members.extend(set.members.iter().map(|member| member.within(own)));
                 }
             }
         }
@@ -185,6 +184,11 @@ impl Deck {
     /// The contents outside of parts, and those of the instances.
     pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> + Clone {
         std::iter::once(&self.root).chain(self.instances.iter().map(|instance| &instance.body))
+    }
+
+    /// The numbers of the instances of [`Deck::bodies`].
+    pub(super) fn numbers(&self) -> impl Iterator<Item = Option<u32>> + use<> {
+        std::iter::once(None).chain((0..self.instances.len() as u32).map(Some))
     }
 
     /// Whether there are cells other than links.
