@@ -59,7 +59,7 @@ pub(crate) fn mesh(
     let Draft { mut builder, faces, notes, .. } = draft;
     let made = pool::interruptible(py, move || {
         let name = "the arrays";
-        // What is called a facet must be one; a surface among the cells may be a shell.
+        // A named facet must be one; a surface among the cells may be a shell.
         builder.find_facets().map_err(|reason| MeshError::Mesh { file: name.into(), reason })?;
         faces.into_iter().for_each(|(name, faces)| builder.facet_group_by_nodes(&name, faces));
         emmy_io::mesh::from_builder(name.as_ref(), builder, notes)

@@ -180,7 +180,7 @@ fn peaks_of_an_oscillator_are_its_amplitude_and_its_largest_force() {
             }
         }
     }
-    // What the input asks for, unless it is always 0.
+    // The columns that the input asks for, unless they are always 0.
     let head = outcome.stdout.lines().next().unwrap();
     for name in ["mass_displacement_x_max", "foot_force_x", "foot_force_x_min", "max_displacement_max"] {
         assert!(head.split("  ").any(|own| own.trim() == name), "{name}\n{head}");

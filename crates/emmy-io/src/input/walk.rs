@@ -357,7 +357,7 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         Rule::OneSet(sets) if are_known => {
             faults.keep(one_set(table, sets));
         }
-        // What a misspelt material needs is not known.
+        // Nobody knows the needs of a misspelt material.
         Rule::Region
             if !is_there("density") && table.item("material").map_or(are_known, material::has_mass) =>
         {

@@ -185,7 +185,7 @@ fn the_files_of_a_run_hold_its_mesh() {
     std::fs::write(temp.path().join("mesh.vtu"), emmy_io::vtk::mesh_file(&mesh())).unwrap();
     std::fs::write(temp.path().join("input.toml"), &function.resolved).unwrap();
     let error = input::read(&temp.path().join("input.toml"), &Overrides::default()).unwrap_err().to_string();
-    assert!(error.contains("was a function of a program"), "{error}");
+    assert!(error.contains("a file cannot hold the function that a program gave here"), "{error}");
     for key in ["traction", "body_force", "acceleration"] {
         let text = function.resolved.replace("\"<function growing>\"", "\"t\"");
         let text = text.replace("traction = [0.0, 0.0, 3.0]", &format!("{key} = \"<function f>\""));
@@ -193,7 +193,7 @@ fn the_files_of_a_run_hold_its_mesh() {
         std::fs::write(temp.path().join("input.toml"), text).unwrap();
         let error =
             input::read(&temp.path().join("input.toml"), &Overrides::default()).unwrap_err().to_string();
-        assert!(error.contains(&format!("`{key}` was a function of a program")), "{error}");
+        assert!(error.contains(&format!("`{key}`: a file cannot hold the function")), "{error}");
     }
     // A table has no name, and is written as it is.
     let table_of_time = TimeFunction::new(vec![(0.0, 0.0), (1.0, 2.0)]).unwrap();

@@ -74,16 +74,16 @@ impl<L: Lane> VolumeAverage<L> {
     /// Keeps what [`Rule::add_pressure`] takes with [`Request::Stress`]: displacement gradients and B_l.
     /// `[n_pressures]`
     #[inline(always)]
-    pub(crate) fn keep_unit_stresses(&self, kept: &mut [(Mat3<L>, Sym<L>)]) {
-        for (kept, parts) in kept.iter_mut().zip(self.gradients.iter().zip(&self.direction)) {
-            *kept = (*parts.0, *parts.1);
+    pub(crate) fn save_unit_stresses(&self, saved: &mut [(Mat3<L>, Sym<L>)]) {
+        for (saved, parts) in saved.iter_mut().zip(self.gradients.iter().zip(&self.direction)) {
+            *saved = (*parts.0, *parts.1);
         }
     }
 
-    /// Takes what [`VolumeAverage::keep_unit_stresses`] kept.
+    /// Takes what [`VolumeAverage::save_unit_stresses`] saved.
     #[inline(always)]
-    pub(crate) fn take_unit_stresses(&mut self, kept: &[(Mat3<L>, Sym<L>)]) {
-        for (l, (gradient, direction)) in kept.iter().enumerate() {
+    pub(crate) fn take_unit_stresses(&mut self, saved: &[(Mat3<L>, Sym<L>)]) {
+        for (l, (gradient, direction)) in saved.iter().enumerate() {
             self.gradients[l] = *gradient;
             self.direction[l] = *direction;
         }

@@ -169,8 +169,8 @@ impl Body {
         }
     }
 
-    /// Begins a step: evaluates what is given over time. Returns whether some force on the right acts. `history`: that of
-    /// the state, `[n_history]`; empty before the first step.
+    /// Begins a step: evaluates what is given over time. Returns whether some force on the right acts. `history`: that
+    /// of the state, `[n_history]`; empty before the first step.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].

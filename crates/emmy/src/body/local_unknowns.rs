@@ -66,12 +66,12 @@ impl Body {
         self.pressure_cells().flat_map(move |cells| {
             let PressureCells { nodes, n_nodes, numbers, .. } = cells;
             let size = 3 * n_nodes * n;
-            let results = assembly.pressure_results(numbers.term).zip(&numbers.kept);
-            results.flat_map(move |(results, kept)| {
+            let results = assembly.pressure_results(numbers.term).zip(&numbers.saved);
+            results.flat_map(move |(results, saved)| {
                 let tables = results.forces.chunks_exact(size).zip(results.responses.chunks_exact(size * k));
                 tables.enumerate().map(move |(index, (forces, responses))| {
-                    let cell = kept.start + index / numbers.n_functions;
-                    let number = numbers.first + kept.start * numbers.n_functions + index;
+                    let cell = saved.start + index / numbers.n_functions;
+                    let number = numbers.first + saved.start * numbers.n_functions + index;
                     Function {
                         number,
                         nodes: &nodes[cell * n_nodes..(cell + 1) * n_nodes],

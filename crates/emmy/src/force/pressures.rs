@@ -12,7 +12,7 @@ pub struct PressureNumbers {
     /// Number of the first function of the first cell.
     pub first: usize,
     /// Cells whose results each part keeps.
-    pub kept: Vec<Range<usize>>,
+    pub saved: Vec<Range<usize>>,
 }
 
 /// Nodes and pressures of the cells of a force.

@@ -315,7 +315,7 @@ impl WithSimd for PartAssembly<'_> {
             }
             force.integrate((Batch::new(simd, 0.0), batch), (step, request), (memory, point_memory))?;
             force.scatter(batch, step, request, memory, sink);
-            force.keep_pressures((batch, part), step, request, memory, results);
+            force.save_pressures((batch, part), step, request, memory, results);
         }
         Ok(())
     }

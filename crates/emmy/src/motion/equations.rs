@@ -15,8 +15,8 @@ impl Motion<'_> {
     /// ```
     ///
     /// (Betsch and Steinmann (2001), equations (28)-(32)), with the terms of damping and of a dissipative element. At
-    /// held degrees of freedom it is h^2 times the reaction. The motion stays where it is; supports whose release is due
-    /// are released, as at the beginning of a step.
+    /// held degrees of freedom it is h^2 times the reaction. The motion stays where it is; supports whose release is
+    /// due are released, as at the beginning of a step.
     ///
     /// ```
     /// use emmy::prelude::*;

@@ -152,11 +152,7 @@ fn a_force_bounds_corrections() {
         let element = TimeElement::discrete_gradient(1).unwrap();
         let settings = NewtonSettings { max_iterations: 60, ..NewtonSettings::default() };
         let mut stepper = TimeElementStepper::new(&body, element, settings).unwrap();
-        let outcomes = (0..5).map(|_| stepper.advance(&mut state, 0.1).unwrap().newton);
-        let outcomes: Vec<_> = outcomes.collect();
-        let refactorizations: usize = outcomes.iter().map(|outcome| outcome.refactorizations).sum();
-        assert_eq!(refactorizations, 1, "the tangent is not to blame");
-        outcomes.iter().map(|outcome| outcome.iterations).sum::<usize>()
+        (0..5).map(|_| stepper.advance(&mut state, 0.1).unwrap().newton.iterations).sum::<usize>()
     };
     let [all, most, half] = [1.0, 0.8, 0.5].map(corrections);
     // Each correction leaves a fifth of the error, or half of it: ten digits take 14 corrections, or 33.
@@ -206,7 +202,7 @@ impl Force for Dashpot {
     }
 }
 
-/// What a dashpot takes from the motion is dissipated; it is no work from outside, and its impulse is booked.
+/// The work of a dashpot is dissipated, not done from outside; its impulse is booked.
 #[test]
 fn the_work_of_a_dashpot_is_lost() {
     for k in 1..=3 {

@@ -195,7 +195,7 @@ fn set_volumes<R: Register>(
         let fields = &mut gradients[point * n_fields..(point + 1) * n_fields];
         cells.set_field_gradients(point, &memory.nodal[..n_fields * n], fields);
         step.rule.set_volume(projection.law.measure(), &fields[0], &fields[1..], Request::Stress, volume);
-        volume.keep_unit_stresses(&mut unit_stresses[point * (n_volumes - 1)..]);
+        volume.save_unit_stresses(&mut unit_stresses[point * (n_volumes - 1)..]);
         let weight = cells.weight(point);
         if damping.is_some() {
             let of_point: &[R] = if step.rule.changes_are_rates() {

@@ -10,21 +10,21 @@ use crate::force::step::StepInput;
 use crate::tensor::{LANES, Packed};
 
 impl SolidForce {
-    /// The numbers of the pressures; a batch is kept by the part with the smallest node of its first cell.
+    /// The numbers of the pressures; a batch is saved by the part with the smallest node of its first cell.
     pub(super) fn numbered(&self, term: usize, first: usize, parts: &[Range<usize>]) -> PressureNumbers {
         let Some(projection) = &self.projection else { return PressureNumbers::default() };
         let n_cells = self.cells.cells.len();
         let mut begin = 0;
-        let mut kept = Vec::new();
+        let mut saved = Vec::new();
         for rows in parts {
             let mut end = begin;
             while end < n_cells && self.smallest_node(end) < rows.end {
                 end = (end + LANES).min(n_cells);
             }
-            kept.push(begin..end);
+            saved.push(begin..end);
             begin = end;
         }
-        PressureNumbers { n_functions: projection.n_functions, term, first, kept }
+        PressureNumbers { n_functions: projection.n_functions, term, first, saved }
     }
 
     fn smallest_node(&self, cell: usize) -> usize {
@@ -49,7 +49,7 @@ impl SolidForce {
 
     /// Keeps the pressures of a batch, and their linearisation after a tangent.
     #[inline(always)]
-    pub(super) fn keep_pressures(
+    pub(super) fn save_pressures(
         &self,
         (batch, part): (usize, usize),
         step: &StepInput<'_>,
@@ -60,14 +60,14 @@ impl SolidForce {
         if self.projection.is_none() {
             return;
         }
-        let kept = &self.pressures.kept[part];
+        let saved = &self.pressures.saved[part];
         let cells = self.cells.cells_of(batch);
-        if !kept.contains(&cells.start) {
+        if !saved.contains(&cells.start) {
             return;
         }
         let volume = &memory.volume;
         let results = &mut results[self.pressures.term];
-        let at = (cells.start - kept.start, kept.len(), cells.len());
+        let at = (cells.start - saved.start, saved.len(), cells.len());
         store(&volume.pressures, at, &mut results.pressures);
         if request == Request::Tangent {
             let k = step.rule.degree();

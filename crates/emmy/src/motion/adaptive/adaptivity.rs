@@ -247,7 +247,7 @@ impl Controller {
             if was_limited && factor >= 1.0 { self.size.max(factor * size) } else { factor * size };
         self.limit = match grows {
             true if is_hard => StepLimit::Corrections,
-            // What set the size from which it grows.
+            // The limit that set the size from which it grows.
             true => self.limit,
             false if was_limited && factor >= 1.0 => self.limit,
             false => StepLimit::Error,

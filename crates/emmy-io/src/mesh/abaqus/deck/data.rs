@@ -103,7 +103,7 @@ impl Deck {
         let wanted = match elements.role {
             Role::Cell(kind) => kind.n_nodes(),
             Role::Lower(_, n_nodes) => n_nodes,
-            // What is left out may have more or fewer nodes.
+            // An element that is left out may have more or fewer nodes.
             Role::LeftOut(n_nodes) if n_numbers == 0 || goes_on && n_nodes.is_none_or(|n| n_numbers <= n) => {
                 return Ok(());
             }
