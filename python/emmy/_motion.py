@@ -176,6 +176,9 @@ class Motion(MotionView):
     def step(self, size: float) -> Step:
         """Does one step.
 
+        A support that is released holds until the first step that starts at the time of release or after it; steps of
+        a plan end there.
+
         Parameters
         ----------
         size : float
@@ -252,7 +255,8 @@ class Motion(MotionView):
         Parameters
         ----------
         until : float, optional
-            Time at which to stop; beyond the plan its last steps are continued.
+            Time at which to stop; beyond the plan its last steps are continued. Within a planned step, this one is cut,
+            and later steps are others than those of a motion that does not stop.
         observers : function or list of function, optional
             Functions ``f(step, motion)``, called after each step; a true answer stops the run.
         progress : bool, optional

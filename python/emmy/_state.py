@@ -31,6 +31,9 @@ class State:
         Number of the step at whose end they hold.
     displacement_low : array (n, 3) or (3 n,), optional
         Low part of the displacement, by which it is known beyond double precision.
+    modes : array (m, 3) or (3 m,), optional
+        Displacement of the internal nodes of incompatible modes beyond the mean over their cells; zero without it. A
+        state in balance has its modes.
 
     Raises
     ------
@@ -61,17 +64,19 @@ class State:
     momentum: NDArray[np.float64] | None = None
     step: int = 0
     displacement_low: NDArray[np.float64] | None = None
+    modes: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", words.real(self.time, "time"))
-        for name in ("displacement", "velocity", "momentum", "displacement_low"):
+        for name in ("displacement", "velocity", "momentum", "displacement_low", "modes"):
             value = getattr(self, name)
             if value is not None or name in ("displacement", "velocity"):
                 object.__setattr__(self, name, words.vectors(value, None, name))
         object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:
-        return (self.time, self.displacement, self.velocity, self.momentum, self.step, self.displacement_low)
+        low, modes = self.displacement_low, self.modes
+        return (self.time, self.displacement, self.velocity, self.momentum, self.step, low, modes)
 
 
 class Snapshot:

@@ -10,8 +10,9 @@ use pyo3::types::PyBytes;
 use crate::errors;
 use crate::mesh::vectors;
 
-/// Time, displacement, velocity, momentum, step, low part of the displacement.
-pub(crate) type StateTuple<'py> = (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>);
+/// Time, displacement, velocity, momentum, step, low part of the displacement, incompatible modes if there are some.
+pub(crate) type StateTuple<'py> =
+    (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>, Option<Array<'py>>);
 type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// The same, given.
@@ -22,9 +23,10 @@ pub(crate) type StateArrays<'py> = (
     Option<PyReadonlyArray2<'py, f64>>,
     usize,
     Option<PyReadonlyArray2<'py, f64>>,
+    Option<PyReadonlyArray2<'py, f64>>,
 );
 
-/// The arrays of a state at the nodes of the mesh.
+/// The arrays of a state.
 pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResult<StateTuple<'py>> {
     let n = body.mesh().n_dofs();
     let array = |numbers: &[f64]| match numbers {
@@ -33,7 +35,9 @@ pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResul
     };
     let [displacement, velocity] = [array(&state.displacement)?, array(&state.velocity)?];
     let [momentum, low] = [array(&state.momentum)?, array(&state.displacement_low)?];
-    Ok((state.time, displacement, velocity, momentum, state.step, low))
+    let modes = body.modes_of(&state.displacement);
+    let modes = if modes.is_empty() { None } else { Some(vectors(py, &modes)?) };
+    Ok((state.time, displacement, velocity, momentum, state.step, low, modes))
 }
 
 /// The numbers of an array `(n, 3)` for the nodes of a body.
@@ -53,11 +57,22 @@ pub(crate) fn nodal(
 
 /// The state of a body with given arrays; without a momentum it has p = M v.
 pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyResult<State> {
-    let (time, displacement, velocity, momentum, step, low) = given;
+    let (time, displacement, velocity, momentum, step, low, modes) = given;
     let n = body.mesh().n_dofs();
     let numbers =
         |array: &PyReadonlyArray2<'_, f64>, name: &str| nodal(py, body, array, &format!("start.{name}"));
-    let displaced = State::displaced(body, time, numbers(&displacement, "displacement")?, &[]);
+    let mut displacement = numbers(&displacement, "displacement")?;
+    if let Some(modes) = modes {
+        let (found, expected) = (modes.as_array().nrows(), (body.n_dofs() - n) / 3);
+        if found != expected {
+            let reason =
+                format!("are {found} vectors, but the incompatible modes of the body need {expected}");
+            return Err(errors::argument(py, "start.modes", &reason));
+        }
+        let modes: Vec<f64> = modes.as_array().iter().copied().collect();
+        displacement = body.with_modes(displacement, &modes);
+    }
+    let displaced = State::displaced(body, time, displacement, &[]);
     let mut state = displaced.map_err(|error| errors::library(py, &error))?;
     state.velocity[..n].copy_from_slice(&numbers(&velocity, "velocity")?);
     if let Some(low) = low {

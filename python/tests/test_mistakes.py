@@ -187,7 +187,7 @@ def test_states_have_displacement_and_velocity(missing):
 def test_states_are_finite(value):
     wrong = np.zeros((8, 3))
     wrong[3, 1] = value
-    for name in ("displacement", "velocity", "momentum", "displacement_low"):
+    for name in ("displacement", "velocity", "momentum", "displacement_low", "modes"):
         arrays = dict.fromkeys(("displacement", "velocity", "momentum"), np.zeros((8, 3))) | {name: wrong}
         with pytest.raises(emmy.InputError, match=f"^{name}: must be finite$"):
             emmy.State(0.0, **arrays)

@@ -42,3 +42,27 @@ def test_two_masses_on_a_spring():
         modes = emmy.modes(body, count)
         assert modes.rigid == min(count, 5) and np.all(modes.residuals < 1e-6)
     assert modes.frequencies[5] == pytest.approx(np.sqrt(10.0) / (2 * np.pi), rel=1e-12)
+
+
+def test_states_have_incompatible_modes():
+    # A state in balance stays at rest, and its modes are those about the snapshot.
+    mesh = emmy.Mesh.box((10, 1, 1), (10, 1, 1))
+    material = emmy.NeoHooke(youngs_modulus=1e4, poissons_ratio=0.3)
+    region = emmy.Region(material, density=1.0, formulation="incompatible-modes")
+    body = emmy.Body(mesh, region, emmy.Support("x-min", fix="xyz"), emmy.Load("x-max", force=(0, 0, -2.0)))
+    state = emmy.equilibrium(body)
+    assert state.modes.shape == (3 * 10, 3)
+    motion = emmy.Motion(body, start=state)
+    same = emmy.Motion(body, equilibrium=True)
+    assert motion.record.strain_energy == pytest.approx(same.record.strain_energy, rel=1e-12)
+    # The work of the force on a cantilever: F w / 2, but for its shortening.
+    w = -state.displacement[mesh.nearest_node((10, 0, 0)), 2]
+    assert motion.record.strain_energy == pytest.approx(w, rel=0.02)
+    for _ in range(5):
+        assert motion.step(0.5).kinetic_energy < 1e-18
+    assert np.allclose(motion.displacement, state.displacement, atol=1e-11)
+    about = [emmy.modes(body, 3, state=about).frequencies for about in (state, same.snapshot(), motion.state)]
+    assert np.allclose(about[0], about[1], rtol=1e-9) and np.allclose(about[2], about[1], rtol=1e-9)
+    standard = emmy.Body(mesh, emmy.Region(material, density=1.0), emmy.Support("x-min", fix="xyz"))
+    with pytest.raises(emmy.InputError, match="start.modes: are 30 vectors, but the incompatible modes"):
+        emmy.Motion(standard, start=state)

@@ -10,6 +10,25 @@ use crate::nodal;
 const OF_ROUNDING: f64 = 1e-8;
 
 impl Body {
+    /// Displacement of the internal nodes less the mean over their cells, `[n_internal][3]`: that of incompatible modes.
+    #[doc(hidden)]
+    pub fn modes_of(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut means = displacement.to_vec();
+        self.space.set_internal_means(&mut means);
+        let dofs = self.mesh().n_dofs()..self.n_dofs();
+        displacement[dofs.clone()].iter().zip(&means[dofs]).map(|(u, mean)| u - mean).collect()
+    }
+
+    /// The displacement of all nodes with some [`Body::modes_of`], from that of the nodes of the mesh.
+    #[doc(hidden)]
+    pub fn with_modes(&self, mut displacement: Vec<f64>, modes: &[f64]) -> Vec<f64> {
+        let n = displacement.len();
+        displacement.resize(self.n_dofs(), 0.0);
+        self.space.set_internal_means(&mut displacement);
+        displacement[n..].iter_mut().zip(modes).for_each(|(u, mode)| *u += mode);
+        displacement
+    }
+
     /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`. Fixed components
     /// are at rest, driven ones follow their motion.
     ///

@@ -313,19 +313,3 @@ fn a_link_stays_when_supports_are_released() {
     let change = [0, 1, 2].map(|d| motion.record().linear_momentum[d] - at_release[d]);
     assert!(distance(change, [0.0, 0.0, -0.5]) < 1e-11, "{change:?}");
 }
-
-#[test]
-fn links_that_say_the_same_are_named() {
-    let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
-    let rubber = Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0);
-    let link = RigidLink::Nodes([0, 7]);
-    let body = Body::builder(mesh).region(rubber).constraint(link).constraint(link).build().unwrap();
-    let spins = InitialVelocity { angular_velocity: [1.0, 2.0, -3.0], ..InitialVelocity::default() };
-    let start = State::initial(&body, 0.0, &[spins]).unwrap();
-    for solver in [Solver::Direct, Solver::Iterative] {
-        let settings = NewtonSettings { solver, ..NewtonSettings::default() };
-        let mut motion = Motion::starting(&body, at(DGM, 1), settings, start.clone()).unwrap();
-        let error = motion.step(0.1).unwrap_err().to_string();
-        assert!(error.contains("the constraints depend on each other"), "{error}");
-    }
-}

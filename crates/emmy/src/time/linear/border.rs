@@ -25,8 +25,6 @@ pub(crate) struct Border {
     /// F, `[n][n]`, once it is computed.
     flexibility: Vec<f64>,
     is_computed: bool,
-    /// Whether the last dense system was singular.
-    is_singular: bool,
     /// Mean mass of a node.
     mass_of_node: f64,
     derivatives: Derivatives,
@@ -125,8 +123,10 @@ impl Border {
         self.right.clear();
         self.right.extend(self.entries.iter().map(|&at| solution[at]));
         self.right.extend_from_slice(multipliers);
-        self.is_singular = !eliminate(&mut self.matrix, &mut self.right, 1);
-        self.check()?;
+        if !eliminate(&mut self.matrix, &mut self.right, 1) {
+            let reason = "the constraints depend on each other, or hold what nothing moves".to_string();
+            return Err(Error::Linear { reason });
+        }
         let (x_B, changes) = self.right.split_at(n);
         multipliers.copy_from_slice(changes);
         let mut force = std::mem::take(&mut self.force);
@@ -137,15 +137,6 @@ impl Border {
         self.force = force;
         solution.iter_mut().zip(&self.column).for_each(|(dx, change)| *dx -= change);
         solved
-    }
-
-    /// Checks the last dense system.
-    ///
-    /// # Errors
-    /// [`Error::Linear`] if it was singular.
-    pub(crate) fn check(&self) -> Result<()> {
-        let reason = "the constraints depend on each other, or hold what nothing moves".to_string();
-        if self.is_singular { Err(Error::Linear { reason }) } else { Ok(()) }
     }
 
     /// `[1 + F Q, F G^T; J, 0]`

@@ -87,7 +87,6 @@ impl StageSystem<'_> {
             self.equations.body.add_local_response(rule, &self.equations.assembly, &dx[..n_rates], local);
             return Ok(solution.iterations);
         }
-        self.border.check()?;
         Err(Error::Linear {
             reason: format!("GMRES did not reach {tolerance:e} in {MAX_LINEAR_ITERATIONS} iterations"),
         })
