@@ -130,7 +130,10 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
         "material" => faults.keep(material::region(table, 1.0).map(drop)),
         "viscosity" => faults.keep(region::viscosity(table, None).map(drop)),
         "load" => faults.keep(load::read(table, context).map(drop)),
-        "support" => Some(support::read(table, context, faults)).map(drop),
+        "support" => {
+            support::read(table, context, faults);
+            Some(())
+        }
         "adaptive" => faults.keep(adaptive::check(table)),
         _ => Some(()),
     };
