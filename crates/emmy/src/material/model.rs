@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Material, Volumetric};
 use crate::error::Result;
 
-/// A material model: its name, its energy, its parameters. [`crate::body::models::MODELS`] lists all of them.
+/// A material model: its name, its energy, its parameters. [`crate::input::models::MODELS`] lists all of them.
 ///
 /// ```
 /// use emmy::internals::material::Modelled;
