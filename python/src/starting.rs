@@ -137,7 +137,7 @@ fn with_sections(
         Begin::Snapshot(snapshot) => Begin::Snapshot(Box::new(fitting(py, &problem, *snapshot)?)),
         begin => begin,
     };
-    if !matches!(begin, Begin::Snapshot(_)) {
+    if has_plan && !matches!(begin, Begin::Snapshot(_)) {
         let stable = pool::work(py, || problem.critical_step(begin.state()))?;
         stable.map_err(|error| errors::input(py, &error))?;
     }
