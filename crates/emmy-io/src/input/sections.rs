@@ -355,7 +355,7 @@ fn named_groups(
 
 /// Groups of the supports, right or wrong; `None` if one of them is not known.
 fn supported_groups(root: &Root<'_>) -> Option<Vec<String>> {
-    if walk::meant(&root.table).any(|key| key == "support") {
+    if root.faults.are_many() || walk::meant(&root.table).any(|key| key == "support") {
         return None;
     }
     let mut groups = Vec::new();
