@@ -423,6 +423,9 @@ def test_a_motion_without_steps_has_no_steps_to_check(beam):
     with pytest.raises(emmy.ConvergenceError, match="critical step"):
         motion.step(1.0)
     assert motion.step(1e-6).number == 1
+    with pytest.warns(emmy.EmmyWarning, match="the equilibrium is the undeformed body"):
+        motion = emmy.Motion(beam, "central-differences", equilibrium=True)
+    assert motion.step(1e-6).number == 1
     with pytest.raises(emmy.InputError, match="steps of 1 are unstable"):
         emmy.Motion(beam, "central-differences", steps=(1.0, 1.0))
 
