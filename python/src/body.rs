@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-use crate::function::Callables;
+use crate::function::{Callables, of_input};
 use crate::mesh::{Mesh, table_of, vectors};
 use crate::snapshot::{Snapshot, StateArrays, StateTuple, arrays, nodal, tuple};
 use crate::tree::tree;
@@ -131,7 +131,7 @@ impl Body {
     ) -> PyResult<Arc<input::Problem>> {
         let overrides = &Overrides::default();
         let tree = Tree::Table([self.tree.clone(), further].concat());
-        let problem = pool::work(py, || input::build(&tree, overrides, Some(&self.problem)))?;
+        let problem = pool::work(py, || of_input(|| input::build(&tree, overrides, Some(&self.problem))))?;
         problem.map(Arc::new).map_err(|error| errors::input(py, &error))
     }
 
@@ -200,7 +200,7 @@ impl Body {
         let mut callables = Callables::default();
         let sections = entries(tree(sections, "", &mut callables)?);
         let whole = Tree::Table([sections.clone(), vec![any_time(), any_start()]].concat());
-        let problem = pool::work(py, || input::build(&whole, &Overrides::default(), None))?;
+        let problem = pool::work(py, || of_input(|| input::build(&whole, &Overrides::default(), None)))?;
         let problem = problem.map_err(|error| errors::input(py, &error))?;
         Ok(Body { tree: sections, callables, problem: Arc::new(problem) })
     }
@@ -331,13 +331,13 @@ impl Body {
         u: Option<PyReadonlyArray2<'py, f64>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let displacement = self.displacement(py, u)?;
-        let force = pool::work(py, || self.inner().external_force(time, &displacement))?;
+        let force = pool::work(py, || of_input(|| self.inner().external_force(time, &displacement)))?;
         vectors(py, &force.map_err(|error| errors::library(py, &error))?)
     }
 
     /// Given displacements and velocities at a time.
     fn prescribed<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Prescribed<'py>> {
-        let given = pool::work(py, || self.inner().prescribed(time))?;
+        let given = pool::work(py, || of_input(|| self.inner().prescribed(time)))?;
         let given = given.map_err(|error| errors::library(py, &error))?;
         let dofs = PyArray1::from_iter(py, given.dofs.iter().map(|&dof| dof as i64));
         let [u, v] = [given.displacement, given.velocity].map(|list| PyArray1::from_vec(py, list));

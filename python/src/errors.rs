@@ -168,10 +168,15 @@ pub(crate) fn place(py: Python<'_>, path: &str) -> PyResult<String> {
     py.import("emmy._errors")?.call_method1("in_words_of_python", (path,))?.extract()
 }
 
-/// A function that has returned no finite number.
-pub(crate) fn not_finite(py: Python<'_>, path: &str, message: &str, time: f64) -> PyErr {
+/// A function that has returned no finite number: a fault of the input, unless a step to a time asked for it.
+pub(crate) fn not_finite(py: Python<'_>, path: &str, message: &str, time: Option<f64>) -> PyErr {
     let place = place(py, path).unwrap_or_default();
-    made(py, "ConvergenceError", (format!("{place}: {message}"), None::<usize>, time))
+    match time {
+        None => argument(py, &place, message),
+        Some(time) => {
+            made(py, "ConvergenceError", (format!("{place}: {message}"), None::<usize>, Some(time)))
+        }
+    }
 }
 
 /// A verb of the command line that has failed.

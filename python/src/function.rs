@@ -21,6 +21,8 @@ thread_local! {
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
     /// Number of the present work.
     static WORK: Cell<u64> = const { Cell::new(0) };
+    /// Whether the present work is the reading of an input, where a number that is not finite fails no step.
+    static IS_INPUT: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Number of works so far.
@@ -29,11 +31,18 @@ static WORKS: AtomicU64 = AtomicU64::new(0);
 /// Does some work, and returns the first exception of a function in it as well.
 pub(crate) fn with_exception<T>(work: impl FnOnce() -> T) -> (T, Option<PyErr>) {
     // Of the work in which this one is done: a function may step another motion.
-    let outer = (RAISED.take(), WORK.get());
+    let outer = (RAISED.take(), WORK.get(), IS_INPUT.take());
     WORK.set(WORKS.fetch_add(1, Ordering::Relaxed) + 1);
     let value = work();
     WORK.set(outer.1);
+    IS_INPUT.set(outer.2);
     (value, RAISED.replace(outer.0))
+}
+
+/// Does the rest of the present work, in which a number that is not finite is a fault of the input.
+pub(crate) fn of_input<T>(work: impl FnOnce() -> T) -> T {
+    IS_INPUT.set(true);
+    work()
 }
 
 /// Forgets an exception of the present work.
@@ -177,7 +186,7 @@ impl Callable {
             Ok(value) if value.is_finite() => value,
             Ok(value) => {
                 let message = format!("{} returned {value} at t = {time}", self.name);
-                self.fail(py, errors::not_finite(py, &self.path, &message, time), time);
+                self.fail(py, self.not_finite(py, &message, time), time);
                 f64::NAN
             }
             Err(error) => {
@@ -199,6 +208,11 @@ impl Callable {
             Ok(kind) => self.mistyped(value.py(), &format!("{kind} in place of a number")),
             Err(error) => error,
         })
+    }
+
+    /// The error for a number that is not finite.
+    fn not_finite(&self, py: Python<'_>, message: &str, time: f64) -> PyErr {
+        errors::not_finite(py, &self.path, message, (!IS_INPUT.get()).then_some(time))
     }
 
     /// The error for a value of another type.
@@ -228,6 +242,13 @@ impl Callable {
             self.mistyped(py, &format!("{what} in place of an array of shape ({}, 3)", points.len()))
         };
         let numpy = py.import("numpy")?;
+        let given = numpy.call_method1("asarray", (&values,)).and_then(|array| array.getattr("dtype"));
+        // NumPy would leave out imaginary parts with a warning.
+        if let Ok(kind) = &given
+            && kind.getattr("kind")?.eq("c")?
+        {
+            return Err(instead(&format!("an array of {kind}")));
+        }
         let array = match numpy.call_method1("asarray", (&values, "float64")) {
             // NumPy makes NaN of None.
             Ok(array) if !values.is_none() => array,
@@ -242,7 +263,7 @@ impl Callable {
         }
         if let Some(value) = view.iter().find(|value| !value.is_finite()) {
             let message = format!("{} returned {value} at t = {time}", self.name);
-            return Err(errors::not_finite(py, &self.path, &message, time));
+            return Err(self.not_finite(py, &message, time));
         }
         Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
     }

@@ -80,10 +80,12 @@ impl Begin {
         (!is_in_step && !is_on_grid).then_some(time)
     }
 
-    fn motion<'a>(&self, problem: &'a Problem) -> Result<Motion<'a>, StartError> {
+    /// The motion at its start; without a plan there are no steps to check.
+    fn motion<'a>(&self, problem: &'a Problem, has_plan: bool) -> Result<Motion<'a>, StartError> {
         let (body, scheme, settings) = (&problem.body, problem.scheme, problem.newton);
         let mut motion = match self {
-            Begin::Input => return problem.motion(&mut []),
+            Begin::Input if has_plan => return problem.motion(&mut []),
+            Begin::Input => return problem.motion_from(problem.start_state(&mut [])?),
             Begin::State(state) => Motion::starting(body, scheme, settings, state.clone())?,
             Begin::Snapshot(own) => Motion::resumed(body, scheme, settings, own.snapshot.clone())?,
         };
@@ -137,7 +139,7 @@ fn with_sections(
         Begin::Snapshot(snapshot) => Begin::Snapshot(Box::new(fitting(py, &problem, *snapshot)?)),
         begin => begin,
     };
-    if !matches!(begin, Begin::Snapshot(_)) {
+    if has_plan && !matches!(begin, Begin::Snapshot(_)) {
         let stable = pool::work(py, || problem.critical_step(begin.state()))?;
         stable.map_err(|error| errors::input(py, &error))?;
     }
@@ -147,7 +149,7 @@ fn with_sections(
         !is_moot && !body.notes().contains(note)
     };
     let notes = problem.notes.iter().filter(is_of_motion).cloned().collect();
-    let begin: &Start<'_> = &|problem: &Problem| begin.motion(problem);
+    let begin: &Start<'_> = &|problem: &Problem| begin.motion(problem, has_plan);
     let running = pool::work(py, || Running::new(problem.clone(), adjoint, begin))?;
     let running = running.map_err(|error| errors::start(py, error))?;
     Ok(Work::new(running, sections, has_plan, notes))

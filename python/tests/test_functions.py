@@ -131,6 +131,33 @@ def test_a_field_of_the_wrong_shape():
         assert any("loads[0].traction" in note for note in raised.value.__notes__)
 
 
+def test_a_complex_field_is_rejected():
+    kind = "<lambda> returned an array of complex128 in place of an array of shape (4, 3)"
+    message = r"loads\[0\].traction: .*" + re.escape(kind)
+    for value in (lambda points, t: points * 1j, lambda points, t: [[1, 2, 3j]] * len(points)):
+        with pytest.raises(TypeError, match=message):
+            beam(traction=value)
+
+
+def test_a_function_that_is_not_finite_outside_of_steps_is_bad_input():
+    nan = float("nan")
+    for load in ({"force": (1, 0, 0), "history": lambda t: nan}, {"traction": lambda points, t: points * nan}):
+        with pytest.raises(emmy.InputError, match=r"loads\[0\].*returned NaN at t = 0"):
+            beam(**load)
+    body = beam(force=(1, 0, 0), history=lambda t: nan if t > 0.2 else 1.0)
+    with pytest.raises(emmy.InputError, match=r"returned NaN at t = 0.5") as raised:
+        body.external_force(0.5)
+    assert [fault.place for fault in raised.value.faults] == ["loads[0].history"]
+    assert body.external_force(0.0)[:, 0].sum() == pytest.approx(1.0)
+
+
+def test_a_motion_in_a_function_fails_in_its_own_step():
+    # The reading of the body asks the function, which steps another motion; that step fails as one.
+    inner = emmy.Motion(beam(force=(1, 0, 0), history=lambda t: 1.0 if t == 0 else float("nan")))
+    with pytest.raises(emmy.ConvergenceError, match=r"loads\[0\].history: .* returned NaN at t = 0.0"):
+        beam(force=(1, 0, 0), history=lambda t: inner.step(0.1).time)
+
+
 def test_a_wrong_signature_shows_in_the_body():
     with pytest.raises(TypeError):
         beam(force=(1, 0, 0), history=lambda: 1.0)

@@ -417,6 +417,19 @@ def test_a_density_of_zero_is_named_as_it_was_given():
         emmy.Region(rubber(), density=0)
 
 
+def test_a_motion_without_steps_has_no_steps_to_check(beam):
+    # The critical step of such cells is far below 1; each step is checked by itself.
+    motion = emmy.Motion(beam, "central-differences")
+    with pytest.raises(emmy.ConvergenceError, match="critical step"):
+        motion.step(1.0)
+    assert motion.step(1e-6).number == 1
+    with pytest.warns(emmy.EmmyWarning, match="the equilibrium is the undeformed body"):
+        motion = emmy.Motion(beam, "central-differences", equilibrium=True)
+    assert motion.step(1e-6).number == 1
+    with pytest.raises(emmy.InputError, match="steps of 1 are unstable"):
+        emmy.Motion(beam, "central-differences", steps=(1.0, 1.0))
+
+
 def test_a_point_that_is_not_finite_has_no_nearest_node():
     with pytest.raises(emmy.InputError, match=r"^point: \[nan, 0.0, 0.0\] is not finite"):
         emmy.Mesh.box((1, 1, 1), (1, 1, 1)).nearest_node((float("nan"), 0, 0))

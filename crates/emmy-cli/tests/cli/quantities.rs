@@ -308,7 +308,7 @@ fn the_group_of_a_probe_has_cells() {
     place.write("sides.inp", SIDES_MESH);
     let failed = place.emmy(&["check", "box.toml"]);
     assert_eq!(failed.code, 2);
-    for part in ["no group of cells `sift` for the probe `side`", "did you mean `soft`?", "`soft`, `stiff`"] {
+    for part in ["the mesh has no group `sift` of cells", "did you mean `soft`?", "`soft`, `stiff`"] {
         assert!(failed.stderr.contains(part), "{}", failed.stderr);
     }
 }

@@ -73,10 +73,10 @@ pub(super) fn plan(
     };
     let plan = StepPlan::adaptive(0.0, end, adaptivity);
     plan.map_err(|_| {
-        let message = format!(
-            "the run must end after t = 0 and within 1e12 steps of `max_size`, not at {}",
-            spelled(end)
-        );
+        let message = match end > 0.0 {
+            true => format!("the run must end within 1e12 steps of `max_size`, not at {}", spelled(end)),
+            false => format!("`until` must be after the start, t = 0, not {}", spelled(end)),
+        };
         Fault::at(&place, message, "this end")
     })
 }

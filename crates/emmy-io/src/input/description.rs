@@ -60,8 +60,8 @@ pub(super) enum Kind {
     Whole(usize, Option<usize>),
     /// One of several words: what they are, the words, and what is wrong with another one.
     Word(&'static str, Vec<&'static str>, Doubt),
-    /// A list of different words.
-    Words(Box<Kind>),
+    /// A list of different words, with a least number of them.
+    Words(usize, Box<Kind>),
     /// A scheme in time.
     Scheme(Doubt),
     /// `true`.
@@ -124,7 +124,7 @@ pub(super) fn word(what: &'static str, words: impl IntoIterator<Item = &'static 
 
 /// A list of different words; `what` they are.
 pub(super) fn words(what: &'static str, words: impl IntoIterator<Item = &'static str>) -> Kind {
-    Kind::Words(Box::new(word(what, words)))
+    Kind::Words(0, Box::new(word(what, words)))
 }
 
 /// One table, or a list with a least number of them.
@@ -156,7 +156,7 @@ impl Kind {
     /// Kind of the entries of a list, of the values of a table with free names, or of one of several tables.
     pub(super) fn inner(&'static self) -> &'static Kind {
         match self {
-            Kind::Words(of) | Kind::List(_, of) | Kind::Exactly(_, of) | Kind::Tables(_, of) => of,
+            Kind::Words(_, of) | Kind::List(_, of) | Kind::Exactly(_, of) | Kind::Tables(_, of) => of,
             Kind::Field(of) => of.inner(),
             Kind::TimeFunction(_) => &ENTRY,
             Kind::Groups => &MEMBERS,

@@ -5,7 +5,7 @@ use emmy::internals::material::Bounds;
 
 use super::description::{Described, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
 use super::expression;
-use super::fault::{Fault, Place};
+use super::fault::{Fault, Faults, Place};
 use super::history::{self, Context};
 use super::measured;
 use super::placed::{self, Members, Placed};
@@ -20,7 +20,7 @@ struct Row {
     /// Whether it needs a group.
     needs_group: bool,
     /// Reads it.
-    read: fn(Given<'_>) -> Result<Acting, Fault>,
+    read: fn(Given<'_>, &mut Faults) -> Result<Acting, Fault>,
 }
 
 /// A load in the input: its table, the value of its kind, its group (empty if there is none).
@@ -49,11 +49,13 @@ const ROWS: [Row; 8] = [
         unit: "stress",
         doc: "Force per reference area of a group of facets",
         needs_group: true,
-        read: |given| match given.value.field().cloned() {
-            Some(field) => given.load(Members::Facets, |group| LoadKind::TractionField { group, field }),
+        read: |given, faults| match given.value.field().cloned() {
+            Some(field) => {
+                given.load(faults, Members::Facets, |group| LoadKind::TractionField { group, field })
+            }
             None => {
                 let traction = Read::read(given.value);
-                given.load(Members::Facets, |group| LoadKind::Traction { group, traction })
+                given.load(faults, Members::Facets, |group| LoadKind::Traction { group, traction })
             }
         },
     },
@@ -63,9 +65,9 @@ const ROWS: [Row; 8] = [
         unit: "force",
         doc: "Resultant, spread evenly over the reference area of a group of facets",
         needs_group: true,
-        read: |given| {
+        read: |given, faults| {
             let force = Read::read(given.value);
-            given.load(Members::Facets, |group| LoadKind::Force { group, force })
+            given.load(faults, Members::Facets, |group| LoadKind::Force { group, force })
         },
     },
     Row {
@@ -74,9 +76,9 @@ const ROWS: [Row; 8] = [
         unit: "force",
         doc: "Force at each node of a group of nodes, facets or cells: n nodes carry n times the force",
         needs_group: true,
-        read: |given| {
+        read: |given, faults| {
             let force = Read::read(given.value);
-            given.load(Members::Nodes, |group| LoadKind::NodalForce { group, force })
+            given.load(faults, Members::Nodes, |group| LoadKind::NodalForce { group, force })
         },
     },
     Row {
@@ -85,9 +87,9 @@ const ROWS: [Row; 8] = [
         unit: "stress",
         doc: "Pressure on the current surface of a group of facets, along its current normal; positive pushes onto the body",
         needs_group: true,
-        read: |given| {
+        read: |given, faults| {
             let pressure = Read::read(given.value);
-            given.load(Members::Facets, |group| LoadKind::Pressure { group, pressure })
+            given.load(faults, Members::Facets, |group| LoadKind::Pressure { group, pressure })
         },
     },
     Row {
@@ -96,13 +98,15 @@ const ROWS: [Row; 8] = [
         unit: "length/time²",
         doc: "Acceleration of every mass in a group of cells, such as gravity; without a group, of every mass",
         needs_group: false,
-        read: |given| {
+        read: |given, faults| {
             let group = given.group.clone();
             match given.value.field().cloned() {
-                Some(field) => given.load(Members::Cells, |_| LoadKind::AccelerationField { group, field }),
+                Some(field) => {
+                    given.load(faults, Members::Cells, |_| LoadKind::AccelerationField { group, field })
+                }
                 None => {
                     let acceleration = Read::read(given.value);
-                    given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
+                    given.load(faults, Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
                 }
             }
         },
@@ -113,10 +117,10 @@ const ROWS: [Row; 8] = [
         unit: "force/length³",
         doc: "Force per reference volume of a group of cells, by reference position and time; without a group, of all cells",
         needs_group: false,
-        read: |given| {
+        read: |given, faults| {
             let field = expression::read_field(&given.value)?;
             let group = given.group.clone();
-            given.load(Members::Cells, |_| LoadKind::BodyForceField { group, field })
+            given.load(faults, Members::Cells, |_| LoadKind::BodyForceField { group, field })
         },
     },
     Row {
@@ -171,23 +175,30 @@ static ATTRACTION: Described = Described::new(|| {
 });
 
 /// Reads one load.
-pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<Placed<Acting>, Fault> {
+pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) -> Option<Placed<Acting>> {
     let value = table.chosen();
     let row = ROWS.iter().find(|row| row.name == value.key).unwrap_or(&ROWS[0]);
     let group = table.group().map(|(name, _)| name);
-    Ok(Placed::new(table, (row.read)(Given { table, value, group, context })?))
+    let acting = (row.read)(Given { table, value, group, context }, faults);
+    Some(Placed::new(table, faults.keep(acting)?))
 }
 
 impl Given<'_> {
-    /// The load of a kind with its factor over time.
-    fn load(self, members: Members, kind: impl FnOnce(String) -> LoadKind) -> Result<Acting, Fault> {
-        let history = self.table.item("history").map(|item| history::read(item, self.context)).transpose()?;
-        let time_function = history.unwrap_or_else(TimeFunction::constant);
+    /// The load of a kind with its factor over time. Whether its group is there does not depend on this factor.
+    fn load(
+        self,
+        faults: &mut Faults,
+        members: Members,
+        kind: impl FnOnce(String) -> LoadKind,
+    ) -> Result<Acting, Fault> {
+        let history = self.table.item("history").map(|item| history::read(item, self.context));
+        let time_function = history.and_then(|history| faults.keep(history));
+        let time_function = time_function.unwrap_or_else(TimeFunction::constant);
         Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), time_function }, members))
     }
 }
 
-fn attraction(given: Given<'_>) -> Result<Acting, Fault> {
+fn attraction(given: Given<'_>, _: &mut Faults) -> Result<Acting, Fault> {
     if let Some(history) = given.table.item("history") {
         let message = "an attraction has no `history`: its potential belongs to the energy, which it keeps";
         return Err(history.fault(message, "leave it out"));
@@ -198,7 +209,7 @@ fn attraction(given: Given<'_>) -> Result<Acting, Fault> {
 }
 
 /// A drag acts on the whole body.
-fn drag(given: Given<'_>) -> Result<Acting, Fault> {
+fn drag(given: Given<'_>, _: &mut Faults) -> Result<Acting, Fault> {
     for key in ["group", "history"] {
         if let Some(item) = given.table.item(key) {
             let message = format!("a drag has no `{key}`: it acts on the whole body at all times");

@@ -129,7 +129,7 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
         "region" => region::read(table, faults).map(drop),
         "material" => faults.keep(material::region(table, 1.0).map(drop)),
         "viscosity" => faults.keep(region::viscosity(table, None).map(drop)),
-        "load" => faults.keep(load::read(table, context).map(drop)),
+        "load" => load::read(table, context, faults).map(drop),
         "support" => {
             support::read(table, context, faults);
             Some(())

@@ -103,13 +103,13 @@ fn of(kind: &Kind) -> String {
         Kind::Word(_, words, _) => {
             words.iter().map(|word| code(&format!("\"{word}\""))).collect::<Vec<_>>().join(", ")
         }
-        Kind::Words(of) if matches!(**of, Kind::Text) => "list of texts".to_string(),
-        Kind::Words(_) => "list of words".to_string(),
+        Kind::Words(_, of) if matches!(**of, Kind::Text) => "list of texts".to_string(),
+        Kind::Words(0, _) => "list of words".to_string(),
+        Kind::Words(_, words) => format!("list of {}", of(words)),
         Kind::Scheme(_) => "scheme, see below".to_string(),
         Kind::True => code("true"),
         Kind::List(_, entry) if matches!(**entry, Kind::Table(_)) => "list of tables".to_string(),
         Kind::List(_, entry) if matches!(**entry, Kind::Number(_)) => "list of numbers".to_string(),
-        Kind::List(_, entry) if matches!(**entry, Kind::Word(..)) => format!("list of {}", of(entry)),
         Kind::List(_, entry) => format!("list: {} each", of(entry)),
         Kind::Exactly(length, entry) => match &**entry {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),

@@ -142,8 +142,8 @@ fn of(kind: &Kind) -> Value {
         Kind::Whole(least, None) => json!({ "type": "integer", "minimum": least }),
         Kind::Whole(least, Some(most)) => json!({ "type": "integer", "minimum": least, "maximum": most }),
         Kind::Word(_, words, _) => json!({ "type": "string", "enum": words }),
-        Kind::Words(word) => {
-            json!({ "type": "array", "items": of(word), "minItems": 0, "uniqueItems": true })
+        Kind::Words(least, word) => {
+            json!({ "type": "array", "items": of(word), "minItems": least, "uniqueItems": true })
         }
         Kind::Scheme(_) => scheme(),
         Kind::True => json!({ "const": true }),

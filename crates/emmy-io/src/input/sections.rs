@@ -105,7 +105,7 @@ impl Sections {
         let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
         let context = Context { directory, run, is_undeformed: start == Some(Start::Undeformed) };
         let load::Sorted { loads, attractions, drags } =
-            root.each("load", |table, faults| faults.keep(load::read(table, context))).into_iter().collect();
+            root.each("load", |table, faults| load::read(table, context, faults)).into_iter().collect();
         let held = root.each("support", |table, faults| Some(support::read(table, context, faults)));
         let (supports, springs): (Vec<_>, Vec<_>) =
             held.into_iter().map(|held| (held.support, held.spring)).unzip();
@@ -122,16 +122,22 @@ impl Sections {
             Scheme::Static => time.plan.clone(),
             _ => support::plan_with_releases(&time.plan, &supports),
         });
+        let supported = supported_groups(&root);
         let output = root.one("output", |table, faults| {
             let (output, requested) = (faults.keep(settings::output(table)), quantities::read(table, faults));
+            supported.iter().for_each(|groups| requested.check_reactions(groups, faults));
             let place = table.item("interval").map_or(table.place, |item| item.place());
-            let plan = faults.keep(settings::plan_with_frames(plan.clone()?, output.as_ref()?, place));
-            Some((output?, requested, plan?))
+            let plan = plan.clone().zip(output.as_ref());
+            let plan = plan.map(|(plan, output)| settings::plan_with_frames(plan, output, place));
+            Some((output, requested, plan.and_then(|plan| faults.keep(plan))))
         });
-        let named = named_groups(&regions, &loads, &supports, &initial, &nodal);
+        let requested = output.as_ref().map(|(_, requested, _)| requested);
+        let named = named_groups(&regions, &loads, &supports, &initial, &nodal, requested);
         let Root { mut faults, .. } = root;
         match (shape, start, time, output) {
-            (Some(shape), Some(start), Some(time), Some((output, requested, plan))) if faults.len() == 0 => {
+            (Some(shape), Some(start), Some(time), Some((Some(output), requested, Some(plan))))
+                if faults.len() == 0 =>
+            {
                 Ok(Sections {
                     title,
                     units,
@@ -161,7 +167,8 @@ impl Sections {
 
     /// The groups that the input names.
     fn named_groups(&self) -> Vec<NamedGroup> {
-        named_groups(&self.regions, &self.loads, &self.supports, &self.initial, &self.nodal)
+        let requested = Some(&self.requested);
+        named_groups(&self.regions, &self.loads, &self.supports, &self.initial, &self.nodal, requested)
     }
 
     /// Checks that the mesh has the groups and cells that the input names.
@@ -298,7 +305,9 @@ fn read_start(root: &mut Root<'_>, directory: &Path) -> (Option<Start>, Vec<Plac
     let tables = root.tables("initial");
     let state = root.faults.keep(start::read(&tables, equilibrium, directory)).flatten();
     let load_steps = root.one("equilibrium", |table, _| Some(table.must("load_steps")));
+    let mut meant = walk::meant(&root.table).filter(|_| !root.faults.are_many());
     let start = match equilibrium {
+        _ if meant.any(|key| ["equilibrium", "initial"].contains(&key)) => None,
         _ if names_state => state.map(Start::Run),
         Some(_) => load_steps.map(|load_steps| Start::Equilibrium { load_steps }),
         None => Some(Start::Undeformed),
@@ -333,13 +342,28 @@ fn named_groups(
     supports: &[Placed<Support>],
     initial: &[Placed<InitialVelocity>],
     nodal: &PlacedNodal,
+    requested: Option<&Requested>,
 ) -> Vec<NamedGroup> {
     let regions = regions.iter().map(|region| (&region.group, Members::Cells));
     let loads = loads.iter().map(|load| (&load.group, load.value.1));
     let supports = supports.iter().map(|support| &support.group);
     let at_nodes = supports.chain(initial.iter().map(|initial| &initial.group)).chain(nodal.groups());
     let all = regions.chain(loads).chain(at_nodes.map(|group| (group, Members::Nodes)));
-    all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members))).collect()
+    let all = all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members)));
+    all.chain(requested.into_iter().flat_map(Requested::groups).cloned()).collect()
+}
+
+/// Groups of the supports, right or wrong; `None` if one of them is not known.
+fn supported_groups(root: &Root<'_>) -> Option<Vec<String>> {
+    if root.faults.are_many() || walk::meant(&root.table).any(|key| key == "support") {
+        return None;
+    }
+    let mut groups = Vec::new();
+    for support in root.table.item("support").into_iter().flat_map(|supports| supports.items()) {
+        groups.push(support.table()?.item("group").filter(|group| group.text().is_some())?.name());
+    }
+    groups.dedup();
+    Some(groups)
 }
 
 /// Groups of the regions of links, right or wrong. A region whose material is not known may be one.

@@ -106,7 +106,7 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "Steps between rows of `newton.csv` and between steps in `run.log`; 0: none",
         )
         .default("1")
-        .may("reactions", Kind::Words(Box::new(Kind::Text)), "", REACTIONS)
+        .may("reactions", Kind::Words(0, Box::new(Kind::Text)), "", REACTIONS)
         .absent("every support's group")
         .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path or fields go into the history")
         .default("[]")

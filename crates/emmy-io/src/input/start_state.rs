@@ -57,12 +57,19 @@ impl Problem {
     /// [`StartError`].
     pub fn motion(&self, observers: &mut [&mut dyn Observer]) -> Result<Motion<'_>, StartError> {
         let state = self.start_state(observers)?;
-        let is_equilibrium = matches!(self.start, Start::Equilibrium { .. });
-        if is_equilibrium {
+        if matches!(self.start, Start::Equilibrium { .. }) {
             self.critical_step(Some(&state))?;
         }
+        self.motion_from(state)
+    }
+
+    /// The motion at its start, whose state is given; the sizes of its steps are not checked.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn motion_from(&self, state: State) -> Result<Motion<'_>, StartError> {
         let mut motion = Motion::starting(&self.body, self.scheme, self.newton, state)?;
-        if is_equilibrium || self.is_static() {
+        if matches!(self.start, Start::Equilibrium { .. }) || self.is_static() {
             motion = motion.with_static_reactions()?;
         }
         motion.allow_cuts(self.smallest_step);

@@ -6,7 +6,7 @@ use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
 use emmy::time::BodyFeature;
 
-use super::description::{Described, Kind, POSITIVE, Section, list, vector, word};
+use super::description::{Described, Kind, POSITIVE, Section, vector, word};
 use super::fault::{Fault, Faults, Place};
 use super::history::{self, Context};
 use super::measured::MEASURED;
@@ -23,7 +23,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         "The facets of the group lie in a plane of symmetry, normal to the x, y or z axis, and stay in it";
     Section::new("[[support]]", "Nodes that are held, moved or turned")
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
-        .may("fix", list(1, word("a component", COMPONENTS)), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
+        .may("fix", Kind::Words(1, Box::new(word("a component", COMPONENTS))), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
         .may(
             "accelerate",

@@ -1,6 +1,7 @@
 //! `[time]`: scheme with its degree, and step plan; `--until`.
 
 use emmy::body::Body;
+use emmy::internals::time::SCHEMES;
 use emmy::motion::{Phase, StepPlan};
 use emmy::time::{MAX_DEGREE, Scheme};
 
@@ -92,61 +93,43 @@ pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
 /// The fault of a scheme's name.
 fn doubt(text: &str) -> Option<(Fault, String)> {
     let error = Scheme::from_name(text).err()?;
-    let is_number = |number: &str| number.trim_end_matches(')').trim().parse::<f64>().is_ok();
-    let are_wrong = |name: &str, numbers: &str| {
-        FAMILIES.contains(&name) && numbers.contains(',') && numbers.split(',').all(is_number)
-    };
-    let label = match (text.split_once('('), meant(text)) {
-        // Only the numbers are wrong.
-        (Some((name, numbers)), _) if are_wrong(name, numbers) => "this scheme".to_string(),
-        (_, Some(word)) => format!("did you mean \"{word}\"?"),
-        _ => "not a scheme".to_string(),
-    };
+    // Only numbers are out of range.
+    let is_known = !error.to_string().contains("not a scheme");
+    let label = if is_known { "this scheme".to_string() } else { meant(text) };
     Some((Fault::new(error.to_string()).help("`emmy list schemes` explains them"), label))
 }
 
-/// Names of schemes with numbers in brackets.
-const FAMILIES: [&str; 7] = ["FE", "AS", "DGM", "Lobatto", "Newmark", "HHT", "generalized-alpha"];
-
-/// Words of schemes, as [`meant`] sees them.
-const WORDS: [&str; 10] = [
-    "fe",
-    "as",
-    "dgm",
-    "trapezoidal",
-    "lobatto",
-    "newmark",
-    "hht",
-    "generalizedalpha",
-    "bathe",
-    "centraldifferences",
-];
-
-/// The scheme meant by a text in another case, without brackets, or with another name.
-fn meant(text: &str) -> Option<String> {
-    let plain: String = text.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
-    let word = plain.trim_end_matches(|c: char| c.is_ascii_digit());
-    let points = match &plain[word.len()..] {
-        "" | "0" => "1",
-        digits => digits,
+/// A label for a text that is no scheme: the scheme that is meant, with the numbers of the text, or else its form.
+fn meant(text: &str) -> String {
+    let word = |form: &'static str| form.split('(').next().unwrap_or(form);
+    let letters = |text: &str| text.to_lowercase().replace(|c: char| !c.is_ascii_alphabetic(), "");
+    let (name, numbers) = text.split_at(text.find(|c: char| "(0123456789".contains(c)).unwrap_or(text.len()));
+    let scheme = match &*letters(name) {
+        "dg" | "discretegradient" | "energymomentum" => "DGM",
+        "midpoint" | "implicitmidpoint" => "FE(1)",
+        "simotarnow" => "AS(1)",
+        "averageacceleration" => "trapezoidal",
+        "cg" => "FE",
+        name => {
+            let known: Vec<String> = SCHEMES.iter().map(|row| letters(word(row.form))).collect();
+            let near = nearest(name, known.iter().map(String::as_str));
+            let Some(row) = known.iter().position(|own| Some(&**own) == near) else {
+                return "not a scheme".to_string();
+            };
+            word(SCHEMES[row].form)
+        }
     };
-    let word = nearest(word, WORDS).unwrap_or(word);
-    let scheme = match word {
-        "dgm" | "dg" | "discretegradient" | "energymomentum" => "DGM".to_string(),
-        "midpoint" | "implicitmidpoint" => "FE(1)".to_string(),
-        "simotarnow" => "AS(1)".to_string(),
-        "trapezoid" | "trapezoidal" | "averageacceleration" => "trapezoidal".to_string(),
-        "newmark" => "Newmark(0.25, 0.5)".to_string(),
-        "hht" => "HHT(0.05)".to_string(),
-        "generalizedalpha" => "generalized-alpha(0.8)".to_string(),
-        "bathe" => "Bathe".to_string(),
-        "centraldifference" | "centraldifferences" => "central-differences".to_string(),
-        "fe" | "cg" => format!("FE({points})"),
-        "as" => format!("AS({points})"),
-        "lobatto" => format!("Lobatto({})", if points == "1" { "2" } else { points }),
-        _ => return None,
+    let numbers = numbers.trim_matches(['(', ')', ' ']).split(',').map(str::trim);
+    let numbers: Vec<&str> = numbers.filter(|number| !number.is_empty()).collect();
+    let own = match &numbers[..] {
+        [] => scheme.to_string(),
+        numbers => format!("{scheme}({})", numbers.join(", ")),
     };
-    Some(scheme)
+    if Scheme::from_name(&own).is_ok() {
+        return format!("did you mean \"{own}\"?");
+    }
+    let forms = SCHEMES.iter().map(|row| row.form).filter(|form| word(form) == word(scheme));
+    format!("did you mean the form {}?", forms.collect::<Vec<_>>().join(" or "))
 }
 
 fn plan(table: &Table<'_>) -> Result<StepPlan, Fault> {
@@ -217,14 +200,32 @@ mod tests {
 
     #[test]
     fn schemes_that_were_meant_are_found() {
-        for (text, scheme) in
-            [("as5", "AS(5)"), ("dgm", "DGM"), ("Mid-Point", "FE(1)"), ("lobatto (3)", "Lobatto(3)")]
-                .into_iter()
-                .chain([("DMG", "DGM"), ("newmrk", "Newmark(0.25, 0.5)"), ("HTT(0.1)", "HHT(0.05)")])
-        {
-            assert_eq!(meant(text).as_deref(), Some(scheme));
+        for (text, scheme) in [
+            ("as5", "AS(5)"),
+            ("dgm", "DGM"),
+            ("Mid-Point", "FE(1)"),
+            ("lobatto (3)", "Lobatto(3)"),
+            ("DMG", "DGM"),
+            ("AS(5,)", "AS(5)"),
+            ("HTT(0.1)", "HHT(0.1)"),
+            ("DGM(0.5", "DGM(0.5)"),
+            ("generalised-alpha(0.5)", "generalized-alpha(0.5)"),
+            ("newmrk(0.3, 0.6)", "Newmark(0.3, 0.6)"),
+        ] {
+            assert_eq!(meant(text), format!("did you mean \"{scheme}\"?"));
             Scheme::from_name(scheme).unwrap();
         }
-        assert_eq!(meant("leapfrog"), None);
+        // No numbers are invented.
+        for (text, form) in [
+            ("AS(5.5)", "AS(n) or AS(n,rho)"),
+            ("AS(-1)", "AS(n) or AS(n,rho)"),
+            ("AS", "AS(n) or AS(n,rho)"),
+            ("newmrk", "Newmark(beta,gamma)"),
+            ("generalised-alpha(2)", "generalized-alpha(rho)"),
+            ("trapezoidal(1)", "trapezoidal"),
+        ] {
+            assert_eq!(meant(text), format!("did you mean the form {form}?"));
+        }
+        assert_eq!(meant("leapfrog"), "not a scheme");
     }
 }

@@ -53,7 +53,7 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
         (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
         (Kind::Field(of), _) if !is_of_program(item) => is_right(Item { kind: of, ..item }, faults),
         (
-            Kind::TimeFunction(_) | Kind::Tables(..) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(_),
+            Kind::TimeFunction(_) | Kind::Tables(..) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(..),
             Value::Array(_),
         )
         | (Kind::Groups | Kind::Tables(..), Value::Table(_))
@@ -66,7 +66,7 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
             }
             keep_right(&mut items, faults);
             items.len() == n
-                && (!matches!(item.kind, Kind::Words(_)) || faults.keep(are_different(&items)).is_some())
+                && (!matches!(item.kind, Kind::Words(..)) || faults.keep(are_different(&items)).is_some())
         }
         _ => faults.keep(value(item)).is_some(),
     }
@@ -210,7 +210,7 @@ fn column(item: Item<'_>, name: &str, taken: &[&str]) -> Result<(), Fault> {
 fn length(item: Item<'_>, n: usize) -> Result<(), Fault> {
     let key = item.key;
     match item.kind {
-        Kind::List(least, _) | Kind::Tables(least, _) if n < *least && n == 0 => {
+        Kind::List(least, _) | Kind::Words(least, _) | Kind::Tables(least, _) if n < *least && n == 0 => {
             Err(item.fault(format!("`{key}` is empty"), "needs an entry"))
         }
         Kind::Exactly(length, of) if n != *length => {
@@ -259,7 +259,7 @@ fn mismatch(item: Item<'_>) -> Fault {
 fn is_entry(item: Item<'_>) -> bool {
     let entry = Item { kind: item.kind.inner(), ..item };
     match item.kind {
-        Kind::List(..) | Kind::Words(_) | Kind::TimeFunction(_) => {
+        Kind::List(..) | Kind::Words(..) | Kind::TimeFunction(_) => {
             entry.table().is_some() || is_right(entry, &mut Faults::default())
         }
         _ => false,
@@ -279,7 +279,7 @@ fn wanted(kind: &Kind) -> String {
             Kind::Exactly(length, of) => format!("a list of lists of {length} {}", plural(of)),
             _ => "a list".to_string(),
         },
-        Kind::Words(of) => match &**of {
+        Kind::Words(_, of) => match &**of {
             Kind::Word(_, words, _) => format!("a list of words, such as {:?}", &words[..1]),
             _ => "a list".to_string(),
         },
@@ -380,6 +380,13 @@ fn one_set(table: &Table<'_>, sets: &[&[Parameter]]) -> Result<(), Fault> {
     let sets = sets.iter().map(names).collect::<Vec<_>>().join(", or ");
     let message = format!("{} needs exactly one pair of parameters: either {sets}", table.section.title());
     Err(Fault::at(table.place, message, "not one pair"))
+}
+
+/// The keys of a table that its unknown words are meant to be.
+pub(super) fn meant<'a>(table: &Table<'a>) -> impl Iterator<Item = &'static str> + use<'a> {
+    let section = table.section;
+    let unknown = table.keys().filter(|(key, _)| section.key_of(key).is_none());
+    unknown.filter_map(|(key, _)| meaning(section, key).0)
 }
 
 /// The key of a table meant by an unknown word; advice: this key, or the table to which the word belongs.

@@ -176,6 +176,21 @@ fn one_mistake_is_one_fault() {
         ("density = 1\nmaterial", "materil"),
         ("[[support]]\ngroup = \"x-min\"\nfix", "[[support]]\ngroup = \"floor\"\nspring = 1\nfix"),
         ("[time]", "region = [1, 2, 3]\n[time]"),
+        // Nobody knows whether a misspelt material has a mass.
+        ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "material.sprng = { stiffness = 2 }"),
+        ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "material.atraction = { strength = 1 }"),
+        ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "mterial.spring = { stiffness = 2 }"),
+        ("[time]", "[units]\nlength = \"mm\"\n[time]"),
+        ("[\"x\"]", "[\"x\", \"y\", \"x\"]"),
+        // A support without a group that can be read may be the one of a reaction.
+        (
+            "group = \"x-min\"\nfix = [\"x\"]",
+            "grup = \"x-min\"\nfix = [\"x\"]\n[output]\nreactions = [\"x-min\"]",
+        ),
+        (
+            "[[support]]\ngroup = \"x-min\"\nfix = [\"x\"]",
+            "[[suport]]\ngroup = \"x-min\"\nfix = [\"x\"]\n[output]\nreactions = [\"x-min\"]",
+        ),
     ] {
         let changed = changed(key, other);
         assert_eq!(changed.len(), 1, "{other}: {changed:?}");
@@ -187,7 +202,14 @@ fn one_mistake_is_one_fault() {
 fn a_faulty_start_has_no_further_faults() {
     let moved = GOOD.replacen("fix = [\"x\"]", "move = { x = \"cos(t)\" }", 1);
     assert_eq!(faults(&moved, &[]).len(), 1);
-    for start in ["[initial]\nstate = 3\n", "[equilibrium]\nload_steps = 0\n"] {
+    for start in [
+        "[initial]\nstate = 3\n",
+        "[equilibrium]\nload_steps = 0\n",
+        "[equilibrium]\nload_steps = \"abc\"\n",
+        "[equilibrium]\nload_seps = 5\n",
+        "[equiibrium]\nload_steps = 5\n",
+        "[inital]\nstate = \"another-run\"\n",
+    ] {
         assert_eq!(faults(&(moved.clone() + start), &[]).len(), 1, "{start}");
     }
     let (body, _) = GOOD.split_once("[time]").unwrap();
@@ -217,7 +239,7 @@ fn an_entry_alone_needs_brackets() {
     let hgo = "holzapfel-gasser-ogden = { mu = 1, bulk_modulus = 1, k1 = 1, k2 = 1, fibres = [1, 1, 0] }";
     for (from, to, message) in [
         ("[{ until = 1, size = 0.1 }]", "{ until = 1, size = 0 }", "`steps` must be a list, not a table"),
-        ("[\"x\"]", "\"x\"", "`fix` must be a list, not a string"),
+        ("[\"x\"]", "\"x\"", "such as [\"x\"], not a string"),
         ("pressure = 1", "pressure = 1\nhistory = [0, 1]", "such as \"sin(2*pi*t)\", not a single entry"),
         ("neo-hooke = { lambda = 1, mu = 1 }", hgo, "a list of lists of 3 numbers, not a single entry"),
     ] {
@@ -231,6 +253,59 @@ fn an_entry_alone_needs_brackets() {
         assert!(line[place.column() - 1..].starts_with(['[', '{', '"']), "{line}");
         assert!(line[..place.column() - 1].ends_with(" = "), "{line}");
     }
+}
+
+/// Unknown groups are reported at once, each at its name, beside other faults of the same table.
+#[test]
+fn unknown_groups_of_the_whole_input_are_reported_at_once() {
+    let text = r#"mesh.box = { size = [1, 1, 1], cells = [1, 1, 1] }
+[[region]]
+density = 1
+material.neo-hooke = { lambda = 1, mu = 1 }
+[[load]]
+group = "x-mx"
+history = "t +"
+pressure = 1
+[[support]]
+group = "floor"
+fix = ["x"]
+[output]
+reactions = [
+"floor",
+"flor",
+"x-min",
+]
+[[output.probes]]
+name = "a"
+point = [0, 0, 0]
+group = "bdy"
+[[output.probes]]
+name = "b"
+point = [0, 0, 0]
+group = "x-min"
+[[output.values]]
+name = "c"
+quantity = "velocity"
+group = "y-mx"
+[[output.values]]
+name = "d"
+quantity = "velocity"
+group = "y-max"
+[time]
+scheme = "DGM"
+steps = [{ until = 1, size = 0.1 }]
+"#;
+    assert_eq!(lines_of_faults(text), [6, 7, 10, 15, 16, 21, 25, 29]);
+    // The groups of `[output]` alone.
+    let text = text.replacen("x-mx", "x-max", 1).replacen("t +", "t", 1).replace("floor", "y-min");
+    assert_eq!(lines_of_faults(&text), [15, 16, 21, 25, 29]);
+    let text = text.replacen("\"flor\",\n\"x-min\",", "\n", 1);
+    assert_eq!(lines_of_faults(&text), [21, 25, 29]);
+    // Fields that the body does not have.
+    let input = format!(
+        "{GOOD}[output]\nextremes = [\"axial_force\"]\n[[output.values]]\nname = \"a\"\nquantity = \"axial_force\""
+    );
+    assert_eq!(faults(&input, &[]).len(), 2);
 }
 
 /// Different mistakes in all entries of a list are different faults; the same mistake in all of them is one.

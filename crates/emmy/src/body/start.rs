@@ -10,7 +10,8 @@ use crate::nodal;
 const OF_ROUNDING: f64 = 1e-8;
 
 impl Body {
-    /// Displacement of the internal nodes less the mean over their cells, `[n_internal][3]`: that of incompatible modes.
+    /// Displacement of the incompatible modes, `[n_internal][3]`: that of the internal nodes less the mean over their
+    /// cells.
     #[doc(hidden)]
     pub fn modes_of(&self, displacement: &[f64]) -> Vec<f64> {
         let mut means = displacement.to_vec();

@@ -5,6 +5,9 @@ use emmy::body::{FieldName, Place as Members};
 use super::{GroupValue, Measure, Probe, ProbeQuantity};
 use crate::input::description::{Described, Kind, Section, vector, word, words};
 use crate::input::fault::{Fault, Faults, Place};
+use crate::input::groups::NamedGroup;
+use crate::input::placed::Members as MemberKind;
+use crate::input::suggest::{did_you_mean, listed};
 use crate::input::table::{Item, Table};
 
 /// Names that would repeat columns of the whole body.
@@ -84,12 +87,41 @@ pub(in crate::input) struct Requested {
     pub(super) probes: Vec<(Probe, Place)>,
     pub(super) extremes: Vec<(FieldName, Place)>,
     pub(super) values: Vec<(GroupValue, Place)>,
+    /// Groups of the probes and the values.
+    pub(super) groups: Vec<NamedGroup>,
+}
+
+impl Requested {
+    /// The groups of probes and values, which the mesh must have.
+    pub(in crate::input) fn groups(&self) -> &[NamedGroup] {
+        &self.groups
+    }
+
+    /// Checks that the groups of the reactions are some of those with supports.
+    pub(in crate::input) fn check_reactions(&self, supported: &[String], faults: &mut Faults) {
+        for (group, place) in self.reactions.iter().flatten().filter(|(group, _)| !supported.contains(group))
+        {
+            let known = || supported.iter().map(String::as_str);
+            let label = did_you_mean(group, known()).unwrap_or("not supported".into());
+            let fault = Fault::at(place, format!("the group `{group}` has no support"), label);
+            faults.push(match supported {
+                [] => fault.help("no group has a support, so there are no reactions"),
+                _ => fault.help(format!("groups with supports: {}", listed(known()))),
+            });
+        }
+    }
 }
 
 /// Reads the quantities in `[output]`.
 pub(in crate::input) fn read(table: &Table<'_>, faults: &mut Faults) -> Requested {
     let extremes: Vec<Item<'_>> = table.may("extremes").unwrap_or_default();
+    let groups = [("probes", MemberKind::Cells), ("values", MemberKind::Nodes)].map(|(key, members)| {
+        let tables: Vec<Table<'_>> = table.may(key).unwrap_or_default();
+        let named = tables.into_iter().filter_map(|table| table.group());
+        named.map(|(name, place)| (name, place, members)).collect::<Vec<_>>()
+    });
     Requested {
+        groups: groups.concat(),
         reactions: table.may("reactions").map(reactions),
         probes: named(table.must("probes"), probe, |probe| &probe.name, "probes", faults),
         extremes: extremes.into_iter().map(|item| (field(item), item.place().clone())).collect(),

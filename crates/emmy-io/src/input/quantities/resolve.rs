@@ -7,10 +7,10 @@ use super::{
     GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
 };
 use crate::history::{ColumnInfo, column_of_peak, fixed_names, nodes_of};
-use crate::input::fault::{Fault, Place};
+use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
 use crate::input::placed::Members as MemberKind;
-use crate::input::suggest::{did_you_mean, listed};
+use crate::input::suggest::listed;
 
 impl Requested {
     /// The quantities of a body, with notes on probes whose node is not at the requested point. On a team a call of all
@@ -19,17 +19,22 @@ impl Requested {
         mut self,
         body: &Body,
         notes: &mut Vec<String>,
-    ) -> Result<Quantities, Fault> {
+    ) -> Result<Quantities, InputError> {
+        let mut faults = Faults::default();
         for (probe, place) in &mut self.probes {
-            check_group(body, probe, place)?;
-            find(body, probe, notes);
-            notes.extend(sides(body, probe));
+            if faults.keep(check_group(body, probe, place)).is_some() {
+                find(body, probe, notes);
+                notes.extend(sides(body, probe));
+            }
         }
         for (value, place) in &mut self.values {
-            resolve(body, value, place)?;
+            faults.keep(resolve(body, value, place));
         }
-        self.check_fields(body)?;
-        let reactions = self.reactions(body)?;
+        self.check_fields(body, &mut faults);
+        let supported: Vec<String> = body.supported_groups().map(str::to_string).collect();
+        self.check_reactions(&supported, &mut faults);
+        faults.finish()?;
+        let reactions = self.reactions(supported);
         self.check_columns(&reactions)?;
         Ok(Quantities {
             reactions,
@@ -40,27 +45,19 @@ impl Requested {
         })
     }
 
-    fn reactions(&self, body: &Body) -> Result<Vec<(String, usize)>, Fault> {
-        let known: Vec<&str> = body.supported_groups().collect();
-        let Some(requested) = &self.reactions else {
-            return Ok(known.iter().enumerate().map(|(index, group)| (group.to_string(), index)).collect());
-        };
-        let find = |(group, place): &(String, Place)| match known.iter().position(|name| name == group) {
-            Some(index) => Ok((group.clone(), index)),
-            None => {
-                let label = did_you_mean(group, known.iter().copied()).unwrap_or("not supported".into());
-                let fault = Fault::at(place, format!("the group `{group}` has no support"), label);
-                Err(match &known[..] {
-                    [] => fault.help("no group has a support, so there are no reactions"),
-                    known => fault.help(format!("groups with supports: {}", listed(known.iter().copied()))),
-                })
+    /// Groups whose reactions are asked for, with their places among those with supports.
+    fn reactions(&self, supported: Vec<String>) -> Vec<(String, usize)> {
+        let place = |group: &String| supported.iter().position(|name| name == group);
+        match &self.reactions {
+            None => supported.into_iter().enumerate().map(|(index, group)| (group, index)).collect(),
+            Some(asked) => {
+                asked.iter().filter_map(|(group, _)| Some((group.clone(), place(group)?))).collect()
             }
-        };
-        requested.iter().map(find).collect()
+        }
     }
 
     /// Every field must be one of the body.
-    fn check_fields(&self, body: &Body) -> Result<(), Fault> {
+    fn check_fields(&self, body: &Body, faults: &mut Faults) {
         let of_probe = |(probe, place): &(Probe, Place)| {
             let fields = probe.quantities.iter().filter_map(|quantity| match quantity {
                 ProbeQuantity::Position => None,
@@ -72,16 +69,12 @@ impl Requested {
         all.extend(self.extremes.iter().cloned());
         all.extend(self.values.iter().map(|(value, place)| (value.quantity, place.clone())));
         if all.is_empty() {
-            return Ok(());
+            return;
         }
         let fields = Fields::new(body);
-        match all.into_iter().find(|(field, _)| !fields.has(*field)) {
-            None => Ok(()),
-            Some((field, place)) => {
-                let message =
-                    format!("the body has no field `{field}`: none of its cells has such a quantity");
-                Err(Fault::at(&place, message, "not of this body"))
-            }
+        for (field, place) in all.into_iter().filter(|(field, _)| !fields.has(*field)) {
+            let message = format!("the body has no field `{field}`: none of its cells has such a quantity");
+            faults.push(Fault::at(&place, message, "not of this body"));
         }
     }
 
@@ -285,6 +278,7 @@ mod tests {
             probes: vec![probe("corner", [1.0, 2.0, 1.0]), probe("middle", [0.75, 1.25, 0.25])],
             extremes: vec![(FieldName::Velocity, place())],
             values: vec![value("energy", "body", Measure::Total), value("mean", group, Measure::Mean)],
+            groups: Vec::new(),
         }
     }
 

@@ -111,7 +111,7 @@ impl Adaptivity {
         }
         if self.smallest > self.largest {
             let reason =
-                format!("{} is larger than max_size = {}", short(self.smallest), short(self.largest));
+                format!("= {} is larger than `max_size` = {}", short(self.smallest), short(self.largest));
             return fail("min_size", reason);
         }
         for (setting, value) in
@@ -123,7 +123,7 @@ impl Adaptivity {
         }
         match self.first {
             Some(first) if first > self.largest || first < self.smallest => {
-                fail("first_size", format!("{first} is not between min_size and max_size"))
+                fail("first_size", format!("= {first} is not between `min_size` and `max_size`"))
             }
             _ => Ok(()),
         }
