@@ -62,36 +62,54 @@ pub(super) fn solve(
     Err("does not converge".into())
 }
 
+/// An increment of the load fraction that fails is halved down to this.
+const SMALLEST_INCREMENT: f64 = 1.0 / 64.0;
+
 impl Motion<'_> {
     /// Static equilibria under parts of the loads before time 0, with the same parts of the motion of driven supports.
     ///
     /// # Errors
     /// If one is not found.
     pub fn equilibria(&self, fractions: &[f64]) -> Result<Vec<Vec<f64>>, String> {
-        let (driven, free) = (self.driven(0.0), self.free(0.0));
         let mut u = vec![0.0; self.n()];
         let mut path = Vec::new();
+        let mut at = 0.0;
         for &fraction in fractions {
-            for (dof, drive) in driven.iter().enumerate() {
-                if let Some((drive, _)) = drive {
-                    u[dof] = fraction * drive.displacement(0.0);
+            let mut step = fraction - at;
+            while at < fraction {
+                let next = if fraction - at <= step { fraction } else { at + step };
+                match self.equilibrium(&u, next) {
+                    Ok(found) => (u, at) = (found, next),
+                    Err(_) if step > SMALLEST_INCREMENT => step /= 2.0,
+                    Err(error) => return Err(error),
                 }
             }
-            let with = |x: &[f64]| {
-                let mut all = u.clone();
-                free.iter().zip(x).for_each(|(&dof, x)| all[dof] = *x);
-                all
-            };
-            let residual = |x: &[f64]| {
-                let all = with(x);
-                let (forces, loads) = (self.body.forces(&all), self.body.loads(&all, 0.0, true));
-                free.iter().map(|&dof| forces[dof] - fraction * loads[dof]).collect()
-            };
-            let x = solve(free.iter().map(|&dof| u[dof]).collect(), 1.0, residual)?;
-            u = with(&x);
             path.push(u.clone());
         }
         Ok(path)
+    }
+
+    /// The equilibrium at a load fraction, from that at a smaller one.
+    fn equilibrium(&self, start: &[f64], fraction: f64) -> Result<Vec<f64>, String> {
+        let (driven, free) = (self.driven(0.0), self.free(0.0));
+        let mut u = start.to_vec();
+        for (dof, drive) in driven.iter().enumerate() {
+            if let Some((drive, _)) = drive {
+                u[dof] = fraction * drive.displacement(0.0);
+            }
+        }
+        let with = |x: &[f64]| {
+            let mut all = u.clone();
+            free.iter().zip(x).for_each(|(&dof, x)| all[dof] = *x);
+            all
+        };
+        let residual = |x: &[f64]| {
+            let all = with(x);
+            let (forces, loads) = (self.body.forces(&all), self.body.loads(&all, 0.0, true));
+            free.iter().map(|&dof| forces[dof] - fraction * loads[dof]).collect()
+        };
+        let x = solve(free.iter().map(|&dof| u[dof]).collect(), 1.0, residual)?;
+        Ok(with(&x))
     }
 
     /// Derivative of the forces at a displacement, by differences of the fourth order, less the symmetric part of the
