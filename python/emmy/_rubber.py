@@ -154,7 +154,7 @@ class Gent(Material):
 class ArrudaBoyce(Material):
     """Arruda and Boyce: rubber, eight chains of rigid links.
 
-    ``W = n sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J), C = 1/2, 1/20, 11/1050, 19/7000, 519/673750, n from mu``
+    ``W = n(mu) sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J), C = 1/2, 1/20, 11/1050, 19/7000, 519/673750``
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ fn in_powers_of_the_difference(lambda_m: f64) -> [f64; 5] {
 impl Modelled for ArrudaBoyce {
     const MODEL: Model = Model {
         name: NAME,
-        energy: "n sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J), C = 1/2, 1/20, 11/1050, 19/7000, 519/673750, n from mu",
+        energy: "n(mu) sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J), C = 1/2, 1/20, 11/1050, 19/7000, 519/673750",
         purpose: "rubber, eight chains of rigid links",
         parameters: &[&[
             Parameter::positive("mu", "stress", "Shear modulus at small strain"),
