@@ -176,8 +176,7 @@ class Motion(MotionView):
     def step(self, size: float) -> Step:
         """Does one step.
 
-        A support that is released holds until the first step that starts at the time of release or after it; steps of
-        a plan end there.
+        A released support still holds during a step that begins before the release. A plan ends a step at the release.
 
         Parameters
         ----------
@@ -255,8 +254,8 @@ class Motion(MotionView):
         Parameters
         ----------
         until : float, optional
-            Time at which to stop; beyond the plan its last steps are continued. Within a planned step, this one is cut,
-            and later steps are others than those of a motion that does not stop.
+            Time at which to stop; beyond the plan its last steps are continued. If it lies within a planned step, that
+            step is cut, and later steps differ from those of a motion that does not stop.
         observers : function or list of function, optional
             Functions ``f(step, motion)``, called after each step; a true answer stops the run.
         progress : bool, optional
@@ -466,12 +465,13 @@ def _functions(observers: Observer | Iterable[Observer]) -> tuple[Observer, ...]
 
 def _initial(initial: Any) -> tuple[ArrayLike | None, tuple[Initial, ...]]:
     """Velocities as an array or nested lists, or else as tables."""
-    if isinstance(initial, Iterable) and not isinstance(initial, (np.ndarray, str)):
+    if hasattr(initial, "__array__"):
+        return initial, ()
+    if isinstance(initial, Iterable) and not isinstance(initial, str):
         initial = tuple(initial)
-    is_array = isinstance(initial, np.ndarray) or (
-        isinstance(initial, tuple) and len(initial) > 0 and isinstance(initial[0], (Real, Sequence, np.ndarray))
-    )
-    return (initial, ()) if is_array else (None, words.each(initial, Initial, "initial"))
+        if initial and isinstance(initial[0], (Real, Sequence, np.ndarray)):
+            return initial, ()
+    return None, words.each(initial, Initial, "initial")
 
 
 def _check_one_start(start: object, velocity: ArrayLike | None, tables: Sequence[Initial], equilibrium: object) -> None:

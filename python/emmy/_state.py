@@ -32,8 +32,8 @@ class State:
     displacement_low : array (n, 3) or (3 n,), optional
         Low part of the displacement, by which it is known beyond double precision.
     modes : array (m, 3) or (3 m,), optional
-        Displacement of the internal nodes of incompatible modes beyond the mean over their cells; zero without it. A
-        state in balance has its modes.
+        Displacements of the internal nodes of incompatible modes, minus the mean over their cell; zero if not given. A
+        state from `emmy.equilibrium` contains them.
 
     Raises
     ------

@@ -66,7 +66,7 @@ pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyR
         let (found, expected) = (modes.as_array().nrows(), (body.n_dofs() - n) / 3);
         if found != expected {
             let reason =
-                format!("are {found} vectors, but the incompatible modes of the body need {expected}");
+                format!("{found} vectors given, but the incompatible modes of the body need {expected}");
             return Err(errors::argument(py, "start.modes", &reason));
         }
         let modes: Vec<f64> = modes.as_array().iter().copied().collect();

@@ -64,5 +64,5 @@ def test_states_have_incompatible_modes():
     about = [emmy.modes(body, 3, state=about).frequencies for about in (state, same.snapshot(), motion.state)]
     assert np.allclose(about[0], about[1], rtol=1e-9) and np.allclose(about[2], about[1], rtol=1e-9)
     standard = emmy.Body(mesh, emmy.Region(material, density=1.0), emmy.Support("x-min", fix="xyz"))
-    with pytest.raises(emmy.InputError, match="start.modes: are 30 vectors, but the incompatible modes"):
+    with pytest.raises(emmy.InputError, match="start.modes: 30 vectors given, but the incompatible modes"):
         emmy.Motion(standard, start=state)

@@ -165,9 +165,10 @@ fn compare_until_collapse(case: &Case, columns: &mut BTreeMap<String, Vec<f64>>)
 
 /// Checks that a cell collapses in the reference, too, where the motion of a gradient ends by this; else its message.
 fn confirm_collapse(case: &Case, message: String) -> Result<(), String> {
-    let times = [0.0, 1.0, 2.0, 3.0].map(|steps| steps * case.step());
+    let times: Vec<f64> = (0..MIN_ROWS).map(|step| step as f64 * case.step()).collect();
     match reference_rows(case, &times) {
         Ok(rows) if rows.iter().all(|row| row.determinant >= COLLAPSE) => Err(message),
+        Err(error) if !error.contains("does not converge") => Err(error),
         _ => Ok(()),
     }
 }

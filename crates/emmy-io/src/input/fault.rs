@@ -88,7 +88,7 @@ impl Place {
         !self.is_path && self.span.is_empty() && self.span.start == 0
     }
 
-    /// The same for copies of one place only.
+    /// Identifies a place: its copies have the same number.
     pub(super) fn id(&self) -> (*const NamedSource<String>, usize) {
         (Arc::as_ptr(&self.source), self.span.start)
     }

@@ -17,7 +17,7 @@ pub(super) type NamedGroup = (String, Place, Members);
 pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], faults: &mut Faults) {
     let mut places = HashSet::new();
     for (name, place, members) in named {
-        // A support and its spring have one name.
+        // A support and its spring share one name, which is checked once.
         if !faults.are_many() && places.insert(place.id()) {
             faults.keep(find(mesh, name, place, *members));
         }

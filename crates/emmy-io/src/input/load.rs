@@ -177,14 +177,16 @@ static ATTRACTION: Described = Described::new(|| {
 /// Reads one load.
 pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) -> Option<Placed<Acting>> {
     let value = table.chosen();
-    let row = ROWS.iter().find(|row| row.name == value.key).unwrap_or(&ROWS[0]);
+    let row = ROWS.iter().find(|row| row.name == value.key);
+    let row =
+        faults.keep(row.ok_or_else(|| value.fault(format!("`{}` is not a load", value.key), "not known")))?;
     let group = table.group().map(|(name, _)| name);
     let acting = (row.read)(Given { table, value, group, context }, faults);
     Some(Placed::new(table, faults.keep(acting)?))
 }
 
 impl Given<'_> {
-    /// The load of a kind with its factor over time. Whether its group is there does not depend on this factor.
+    /// The load of a kind with its factor over time. A faulty factor does not hide an unknown group.
     fn load(
         self,
         faults: &mut Faults,

@@ -69,14 +69,14 @@ pub fn materials() -> Vec<(&'static str, String)> {
     lines
 }
 
-/// The cells for the models that a material, right or wrong, names.
+/// The cells for the models that a material names, even if it has faults.
 pub(super) fn cells(material: Item<'_>) -> impl Iterator<Item = ModelCells> {
     let of = |name: &str| MODELS.iter().find(|model| model.model.name == name).map(|model| model.model.cells);
     let models = material.table().into_iter().flat_map(|table| table.items());
     models.map(move |model| of(model.key).unwrap_or(ModelCells::Solids))
 }
 
-/// Whether a material, right or wrong, names models, all of them with a mass.
+/// Whether a material names models, even if it has faults, and all of them have a mass.
 pub(super) fn has_mass(material: Item<'_>) -> bool {
     let mut cells = cells(material).peekable();
     cells.peek().is_some() && cells.all(|cells| cells != ModelCells::MasslessLinks)

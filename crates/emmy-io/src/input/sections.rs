@@ -61,7 +61,7 @@ struct Root<'a> {
 }
 
 impl<'a> Root<'a> {
-    /// The tables of a section, right or wrong.
+    /// The tables of a section, with those that have faults.
     fn raw(&self, key: &str) -> impl Iterator<Item = Table<'a>> + use<'a> {
         let items = self.table.item(key).map(|item| item.items());
         items.into_iter().flatten().filter_map(|item| item.table())
@@ -305,9 +305,10 @@ fn read_start(root: &mut Root<'_>, directory: &Path) -> (Option<Start>, Vec<Plac
     let tables = root.tables("initial");
     let state = root.faults.keep(start::read(&tables, equilibrium, directory)).flatten();
     let load_steps = root.one("equilibrium", |table, _| Some(table.must("load_steps")));
-    let mut meant = walk::meant(&root.table).filter(|_| !root.faults.are_many());
+    let is_meant = !root.faults.are_many()
+        && walk::meant(&root.table).any(|key| ["equilibrium", "initial"].contains(&key));
     let start = match equilibrium {
-        _ if meant.any(|key| ["equilibrium", "initial"].contains(&key)) => None,
+        _ if is_meant => None,
         _ if names_state => state.map(Start::Run),
         Some(_) => load_steps.map(|load_steps| Start::Equilibrium { load_steps }),
         None => Some(Start::Undeformed),
@@ -353,20 +354,22 @@ fn named_groups(
     all.chain(requested.into_iter().flat_map(Requested::groups).cloned()).collect()
 }
 
-/// Groups of the supports, right or wrong; `None` if one of them is not known.
+/// Groups that the supports name, also in tables with faults; `None` if a name cannot be read.
 fn supported_groups(root: &Root<'_>) -> Option<Vec<String>> {
     if root.faults.are_many() || walk::meant(&root.table).any(|key| key == "support") {
         return None;
     }
     let mut groups = Vec::new();
     for support in root.table.item("support").into_iter().flat_map(|supports| supports.items()) {
-        groups.push(support.table()?.item("group").filter(|group| group.text().is_some())?.name());
+        let group = support.table()?.item("group").filter(|group| group.text().is_some())?.name();
+        if !groups.contains(&group) {
+            groups.push(group);
+        }
     }
-    groups.dedup();
     Some(groups)
 }
 
-/// Groups of the regions of links, right or wrong. A region whose material is not known may be one.
+/// Groups of the regions of links, also of regions with faults. A region with an unknown material may be one of them.
 fn link_groups<'a>(regions: impl Iterator<Item = Table<'a>>) -> Vec<String> {
     let is_solid = |region: &Table<'_>| {
         let mut cells = region.item("material").into_iter().flat_map(material::cells);

@@ -63,7 +63,7 @@ impl Problem {
         self.motion_from(state)
     }
 
-    /// The motion at its start, whose state is given; the sizes of its steps are not checked.
+    /// The motion from a given state at the start. Step sizes are not checked.
     ///
     /// # Errors
     /// [`StartError`].

@@ -75,6 +75,8 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("mass", "system"),
     ("time", "system"),
     ("force", "system"),
+    ("stress", "fields"),
+    ("stress", "traction"),
     ("stress", "system"),
     ("variables", "fields"),
     ("arrays", "fields"),

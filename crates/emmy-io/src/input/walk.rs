@@ -77,7 +77,7 @@ fn keep_right(items: &mut Vec<Item<'_>>, faults: &mut Faults) {
     let mut own = Faults::default();
     let are_tables = items.iter().any(|item| item.table().is_some());
     items.retain(|item| is_right(*item, &mut own));
-    if items.is_empty() && !are_tables && !own.are_many() {
+    if items.is_empty() && !are_tables {
         own.join_alike();
     }
     faults.append(own);
@@ -255,7 +255,7 @@ fn mismatch(item: Item<'_>) -> Fault {
     }
 }
 
-/// Whether a value that is no list of its kind is an entry of one, right or, for a table, wrong.
+/// Whether a value is a single entry where a list must be. A table counts even if it has faults.
 fn is_entry(item: Item<'_>) -> bool {
     let entry = Item { kind: item.kind.inner(), ..item };
     match item.kind {
@@ -357,7 +357,7 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         Rule::OneSet(sets) if are_known => {
             faults.keep(one_set(table, sets));
         }
-        // Nobody knows the needs of a misspelt material.
+        // A misspelt material may have no mass.
         Rule::Region
             if !is_there("density") && table.item("material").map_or(are_known, material::has_mass) =>
         {

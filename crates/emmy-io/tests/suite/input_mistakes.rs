@@ -176,7 +176,7 @@ fn one_mistake_is_one_fault() {
         ("density = 1\nmaterial", "materil"),
         ("[[support]]\ngroup = \"x-min\"\nfix", "[[support]]\ngroup = \"floor\"\nspring = 1\nfix"),
         ("[time]", "region = [1, 2, 3]\n[time]"),
-        // Nobody knows whether a misspelt material has a mass.
+        // A misspelt material may have no mass.
         ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "material.sprng = { stiffness = 2 }"),
         ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "material.atraction = { strength = 1 }"),
         ("density = 1\nmaterial.neo-hooke = { lambda = 1, mu = 1 }", "mterial.spring = { stiffness = 2 }"),

@@ -142,8 +142,9 @@ pub trait Force: fmt::Debug + Send + Sync {
         1.0
     }
 
-    /// Number of its history variables: what later steps depend on, zero at first, the same on all ranks. They are a
-    /// part of the state of the motion, [`crate::time::State::history`], so a step that is given up leaves no trace.
+    /// Number of its history variables, on which later steps depend. They are zero at first and the same on all ranks.
+    /// They belong to the state of the motion ([`crate::time::State::history`]), so a step that is given up leaves no
+    /// trace.
     fn n_history(&self) -> usize {
         0
     }
@@ -221,8 +222,7 @@ impl ForceMemory {
     /// # Panics
     /// If it is not of this type, which the force itself has chosen.
     pub fn of<T: 'static>(&self) -> &T {
-        let memory = self.0.as_ref().and_then(|memory| memory.downcast_ref());
-        memory.unwrap_or_else(|| panic!("{NOT_ITS_OWN}"))
+        self.0.as_ref().and_then(|memory| memory.downcast_ref()).expect(OWN_MEMORY)
     }
 
     /// The memory.
@@ -230,12 +230,11 @@ impl ForceMemory {
     /// # Panics
     /// As [`ForceMemory::of`].
     pub fn of_mut<T: 'static>(&mut self) -> &mut T {
-        let memory = self.0.as_mut().and_then(|memory| memory.downcast_mut());
-        memory.unwrap_or_else(|| panic!("{NOT_ITS_OWN}"))
+        self.0.as_mut().and_then(|memory| memory.downcast_mut()).expect(OWN_MEMORY)
     }
 }
 
-const NOT_ITS_OWN: &str = "a force has the memory that it has made";
+const OWN_MEMORY: &str = "a force has the memory that it has made";
 
 impl fmt::Debug for ForceMemory {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -11,7 +11,7 @@ pub struct PressureNumbers {
     pub term: usize,
     /// Number of the first function of the first cell.
     pub first: usize,
-    /// Cells whose results each part keeps.
+    /// Cells whose results each part saves.
     pub saved: Vec<Range<usize>>,
 }
 

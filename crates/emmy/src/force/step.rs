@@ -34,9 +34,7 @@ impl<'a> StepInput<'a> {
             local: None,
         }
     }
-}
 
-impl StepInput<'_> {
     /// Displacement of a degree of freedom at the node of a stage, where constraints hold. Forces act at the points of
     /// the rule, [`StepStart::points`].
     pub(crate) fn displacement_in(&self, stage: usize, dof: usize) -> f64 {

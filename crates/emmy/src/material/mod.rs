@@ -88,9 +88,8 @@ pub(crate) use each_material;
 /// ```
 ///
 /// `W` and `S` must be evaluated without cancellation: their relative error stays at round-off for strains from 1e-8
-/// to 1.
-/// Textbook forms such as `mu/2 (tr C - 3)` cancel; write them in `C - I = 2E`. Components are ordered as in [`Sym`];
-/// see [`Elasticity`] for the shears of `D`.
+/// to 1. Textbook forms such as `mu/2 (tr C - 3)` cancel; write them in `C - I = 2E`. Components are ordered as in
+/// [`Sym`]; see [`Elasticity`] for the shears of `D`.
 ///
 /// ```
 /// use emmy::prelude::*;

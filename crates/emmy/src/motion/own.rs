@@ -23,6 +23,7 @@ impl<'a> Motion<'a> {
         let scheme = Scheme::Own(stepper.name());
         let refused = |reason: String| Err(Error::Scheme { scheme: scheme.name(), reason });
         body.space.check_whole("a stepper from outside")?;
+        scheme.check_body(body)?;
         if let Some(feature) = BodyFeature::of(body).find(|feature| !stepper.integrates(*feature)) {
             return refused(format!(
                 "the body has {}, which the stepper does not integrate (`Stepper::integrates`)",

@@ -236,8 +236,8 @@ impl RunStatistics {
         ratio(self.accumulated_angular_momentum_residual, self.angular_momentum_size().0)
     }
 
-    /// The scale of angular momentum residuals, and its name: the largest |L|, or the largest possible
-    /// one where |L| is round-off.
+    /// The scale of angular momentum residuals, and its name: the largest |L|, or the largest possible one where |L| is
+    /// round-off.
     ///
     /// ```
     /// use emmy::motion::RunStatistics;

@@ -72,6 +72,8 @@ impl Motion<'_> {
         Err(Error::NotANumber { step, time, node, position })
     }
 
+    /// Checks that a step takes time forward.
+    ///
     /// # Errors
     /// [`Error::NoDuration`].
     pub(super) fn check_step_size(&self, step_size: f64) -> Result<()> {

@@ -87,10 +87,10 @@ impl Newton {
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             // A part of a correction leaves the rest of the residual, however good the tangent is.
-            let slow = if self.part < 1.0 { 1.0 - self.part * (1.0 - SLOW) } else { SLOW };
-            let is_slow = ratio > slow || ratio.is_nan();
+            let of_tangent = (ratio - (1.0 - self.part)) / self.part;
+            let is_slow = of_tangent > SLOW || ratio.is_nan();
             if is_slow && is_fresh {
-                if ratio.is_nan() || ratio > system.largest_contraction(slow_corrections) {
+                if ratio.is_nan() || of_tangent > system.largest_contraction(slow_corrections) {
                     self.approximation.fresh = None;
                     return Ok(false);
                 }
@@ -98,7 +98,7 @@ impl Newton {
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
             // Far from the solution, the tangent of the present iterate is better than that of the previous one.
-            if is_slow || !is_fresh && left > system.refactorization_cost() + FRESH {
+            if is_slow || !is_fresh && self.part == 1.0 && left > system.refactorization_cost() + FRESH {
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
             }
         }

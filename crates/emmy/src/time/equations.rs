@@ -18,7 +18,7 @@ use crate::unknowns::Blocks;
 pub(super) struct Equations<'a> {
     pub body: &'a Body,
     pub coefficients: StageCoefficients,
-    /// Its unknowns.
+    /// Blocks of the unknowns.
     pub blocks: Blocks,
     pub assembly: Assembly,
     /// The time s: the step size of a time element.
@@ -400,7 +400,7 @@ impl<'a> Equations<'a> {
         self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
-    /// The exact tangent: [`Equations::assemble`] with the forces from outside.
+    /// The exact tangent: [`Equations::assemble`], and the derivatives of the forces on the right.
     ///
     /// # Errors
     /// As there.

@@ -30,18 +30,18 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Keeps a list that is the same on all ranks.
+    /// Saves a list that is the same on all ranks.
     pub fn save(&mut self, name: &str, list: &[f64]) {
         self.lists.insert(name.to_string(), list.to_vec());
     }
 
-    /// Keeps nodal vectors, `[k][n_nodes][3]`.
+    /// Saves nodal vectors, `[k][n_nodes][3]`.
     pub fn save_nodal(&mut self, name: &str, vectors: &[f64]) {
         self.save(name, vectors);
         self.entries.insert(name.to_string(), Entries::Nodes);
     }
 
-    /// Keeps local unknowns, `[function][n]`.
+    /// Saves local unknowns, `[function][n]`.
     pub fn save_local(&mut self, name: &str, local: &[f64]) {
         self.save(name, local);
         self.entries.insert(name.to_string(), Entries::Local);
@@ -53,22 +53,22 @@ impl Memory {
         self.lists.iter_mut().filter_map(|(name, list)| Some((name.as_str(), *entries.get(name)?, list)))
     }
 
-    /// Keeps a number.
+    /// Saves a number.
     pub fn save_number(&mut self, name: &str, number: f64) {
         self.save(name, &[number]);
     }
 
-    /// Keeps a number that may be missing.
+    /// Saves a number that may be missing.
     pub fn save_option(&mut self, name: &str, number: Option<f64>) {
         self.save(name, number.as_slice());
     }
 
-    /// Keeps a flag.
+    /// Saves a flag.
     pub fn save_flag(&mut self, name: &str, flag: bool) {
         self.save_word(name, if flag { YES } else { NO });
     }
 
-    /// Keeps a word, such as the name of a variant.
+    /// Saves a word, such as the name of a variant.
     pub fn save_word(&mut self, name: &str, word: &str) {
         self.words.insert(name.to_string(), word.to_string());
     }

@@ -32,7 +32,7 @@ pub(crate) struct StageCoefficients {
 }
 
 impl StageCoefficients {
-    /// Whether the step has no inertia: it then takes no time, and neither drag nor viscosity act.
+    /// Whether the step has no inertia; then neither drag nor viscosity acts.
     pub(crate) fn is_static(&self) -> bool {
         self.mass.iter().all(|m| *m == 0.0)
     }

@@ -35,7 +35,7 @@ pub struct State {
     /// ([`crate::equilibrium::Equilibrium::start`]): it then depends on the parameters of the body. A step ends this.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_equilibrium: bool,
-    /// History variables of the forces, in their order: what later steps depend on besides the motion.
+    /// History variables of the forces, in their order; later steps depend on them besides the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub history: Vec<f64>,
 }

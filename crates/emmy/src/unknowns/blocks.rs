@@ -1,6 +1,6 @@
 //! The blocks of the unknowns of a step.
 
-/// Numbers of the unknowns of a step, in their order: a new block is a number here.
+/// Numbers of the unknowns of a step, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Blocks {
     /// Rates, `[k][n_nodes][3]`.

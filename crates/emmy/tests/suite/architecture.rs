@@ -116,6 +116,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
         &[
             "system",
             "forces",
+            "loads",
             "local_unknowns",
             "frequency_bound",
             "team",

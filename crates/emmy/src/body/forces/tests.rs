@@ -10,7 +10,7 @@ use crate::material::NeoHooke;
 use crate::mesh::block;
 use crate::motion::{Adaptivity, GlobalError, Motion, Phase, StepPlan};
 use crate::newton::NewtonSettings;
-use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
+use crate::time::{LocalError, Scheme, State, Stepper, TimeElement, TimeElementStepper};
 
 /// A force that is zero up to a displacement of the first node along x, and refuses what is beyond; it admits a
 /// part of each correction, and counts steps.
@@ -125,6 +125,7 @@ fn forces_with_a_history_need_a_time_element() {
         let error = scheme.check_body(&body).unwrap_err().to_string();
         assert!(error.contains("forces with a history need a time element"), "{error}");
     }
+    assert_eq!(body.without_adjoint(), Some("forces with a history are not covered"));
     let lost = State { history: Vec::new(), ..state };
     let element = TimeElement::discrete_gradient(1).unwrap();
     let error = Motion::starting(&body, element, NewtonSettings::default(), lost).unwrap_err();
@@ -211,6 +212,11 @@ fn the_work_of_a_dashpot_is_lost() {
         let body = builder.force(Dashpot(0.7)).build().unwrap();
         let flies = InitialVelocity { velocity: [1.0, 0.5, 0.0], ..InitialVelocity::default() };
         let state = State::initial(&body, 0.0, &[flies]).unwrap();
+        // Its force at the start, -c v, is in the acceleration from which steps are chosen.
+        let mut inertia = vec![0.0; body.n_dofs()];
+        body.mass_product(&LocalError::acceleration(&body, &state).unwrap(), &mut inertia);
+        assert!((body.space.sum(&inertia)[0] + 0.7).abs() < 1e-12);
+        assert!(body.without_adjoint().is_some_and(|reason| reason.contains("follow the motion")));
         let element = TimeElement::discrete_gradient(k).unwrap();
         let mut motion = Motion::starting(&body, element, NewtonSettings::default(), state).unwrap();
         let start = motion.record().total_energy;

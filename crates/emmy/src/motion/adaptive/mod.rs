@@ -1,6 +1,6 @@
 //! Adaptive steps: settings, and the control of sizes and degrees by the error of each step.
 //!
-//! [`Control`] is what a motion knows of it: estimator of the error, controller of the size, choice of the degree.
+//! [`Control`] holds the estimator of the error, the controller of the size and the choice of the degree.
 
 mod adaptivity;
 mod control;

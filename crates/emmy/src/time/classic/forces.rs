@@ -20,6 +20,8 @@ pub(crate) struct Forces<'a> {
     pub body: &'a Body,
     rule: Rule,
     pub assembly: Assembly,
+    /// History variables of the forces; empty for zeros.
+    history: Vec<f64>,
     rest: Vec<f64>,
     internal: Vec<f64>,
 }
@@ -28,7 +30,8 @@ impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         let rule = configurations(&[(1.0, 1.0)]);
-        Forces { body, assembly: body.assembly(&rule), rule, rest: zero.clone(), internal: zero }
+        let assembly = body.assembly(&rule);
+        Forces { body, assembly, rule, history: Vec::new(), rest: zero.clone(), internal: zero }
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -53,7 +56,7 @@ impl<'a> Forces<'a> {
     pub(crate) fn add_external_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
         let step =
             StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
-        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &[], &mut self.assembly)?;
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &self.history, &mut self.assembly)?;
         self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
@@ -83,7 +86,7 @@ impl<'a> Forces<'a> {
     /// As [`Forces::add_external_tangent`].
     pub(crate) fn external(&mut self, displacement: &[f64], time: f64, external: &mut [f64]) -> Result<()> {
         let step = StepInput::undamped(&self.rule, displacement, &self.rest);
-        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &[], &mut self.assembly)?;
+        self.body.begin(&self.rule, (Span::at(time), Sampling::Points), &self.history, &mut self.assembly)?;
         self.body.evaluate_external(&step, &mut self.assembly)?;
         external.iter_mut().enumerate().for_each(|(at, force)| *force = self.assembly.external(at));
         Ok(())
@@ -110,20 +113,26 @@ impl<'a> Forces<'a> {
 }
 
 impl Forces<'_> {
-    /// Adds viscosity and drag of a state to the force that remains for inertia.
+    /// Adds viscosity, drag and other forces whose work is lost to the force that remains for inertia.
     ///
     /// A mid-point rule on the path `u + (alpha - 1/2) v` sees the displacement u and the rate v.
     fn add_damping(&mut self, state: &State, external: &[f64], net: &mut [f64]) -> Result<()> {
+        if !self.body.dissipates() {
+            return Ok(());
+        }
+        let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
+        let before: Vec<f64> = before.collect();
+        let rule: Rule = Rule::standard(1, &gauss(1));
+        let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
+        let step = StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
         if self.body.is_viscous() {
-            let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
-            let before: Vec<f64> = before.collect();
-            let rule: Rule = Rule::standard(1, &gauss(1));
-            let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
-            let step = StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
             self.body.assemble(&step, Request::Stress, &[0.0], &mut self.assembly)?;
             self.assembly.matrix.copy_force(&mut self.internal);
             let forces = external.iter().zip(&self.internal);
             net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
+        }
+        if self.body.loss_force(&step, &mut self.assembly, &mut self.internal)? {
+            net.iter_mut().zip(&self.internal).for_each(|(net, lost)| *net += lost);
         }
         let rate = self.body.drag();
         net.iter_mut().zip(&state.momentum).for_each(|(net, p)| *net -= rate * p);
@@ -212,7 +221,7 @@ impl TimePoint {
         forces.outside(&self.displacement, &mut self.outside, &mut self.reactions)
     }
 
-    /// Takes displacement and forces of an equilibrium at a time from its equations.
+    /// Takes displacement and forces of an equilibrium at a time from its equations; `residual`: memory.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
@@ -221,6 +230,7 @@ impl TimePoint {
         equations: &mut Equations<'_>,
         unknowns: &[f64],
         time: f64,
+        residual: &mut [f64],
     ) -> Result<()> {
         let n = self.displacement.len();
         let x = &unknowns[..n];
@@ -229,9 +239,8 @@ impl TimePoint {
         }
         // Exactly there, not but for rounding.
         equations.body.space.set_driven_displacement(time, &mut self.displacement);
-        let mut residual = vec![0.0; unknowns.len()];
-        equations.full_residual(unknowns, &mut residual)?;
-        self.force.iter_mut().zip(&residual).for_each(|(net, r)| *net = -r);
+        equations.full_residual(unknowns, residual)?;
+        self.force.iter_mut().zip(&*residual).for_each(|(net, r)| *net = -r);
         self.external.iter_mut().enumerate().for_each(|(at, force)| *force = equations.load(at));
         self.reactions.fill(Reaction::default());
         equations.add_spring_reactions(x, 0, 1.0, &self.displacement, &mut self.reactions);
@@ -275,7 +284,9 @@ impl TimePoint {
 pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reaction>> {
     let mut point = TimePoint::new(body);
     point.displacement.copy_from_slice(&state.displacement);
-    point.evaluate(&mut Forces::new(body), state.time)?;
+    let mut forces = Forces::new(body);
+    forces.history.clone_from(&state.history);
+    point.evaluate(&mut forces, state.time)?;
     point.set_reactions(body, &vec![0.0; body.n_dofs()]);
     Ok(point.reactions)
 }
@@ -311,6 +322,7 @@ impl Start {
         let mut inertia = vec![0.0; n];
         let mut point = TimePoint::new(body);
         point.displacement.copy_from_slice(&state.displacement);
+        forces.history.clone_from(&state.history);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;
         MassSolver::new(body)?.velocity(body, &point.force, &mut acceleration)?;

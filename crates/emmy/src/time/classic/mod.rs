@@ -40,7 +40,7 @@ fn stage_coefficients(rule: Rule, c: f64, w: f64) -> StageCoefficients {
         sampling: Sampling::Points,
         mass: vec![c],
         mass_low: vec![0.0],
-        inverse_mass: vec![1.0 / c],
+        inverse_mass: vec![if c == 0.0 { 0.0 } else { 1.0 / c }],
         response: vec![w],
         damping: None,
     }

@@ -22,6 +22,8 @@ const FLEXIBILITY_TOLERANCE: f64 = 1e-8;
 pub(crate) struct Border {
     /// Entries of the joint nodes among the rates, `[k][n_nodes][3]`.
     entries: Vec<usize>,
+    /// Whether each of them is held: forces of constraints do not move it.
+    is_held: Vec<bool>,
     /// F, `[n][n]`, once it is computed.
     flexibility: Vec<f64>,
     is_computed: bool,
@@ -40,9 +42,12 @@ impl Border {
     pub(crate) fn new(body: &Body, degree: usize) -> Self {
         let n = body.n_dofs();
         let stages = 0..degree;
-        let entries = stages.flat_map(|i| body.constraints().dofs().map(move |dof| i * n + dof)).collect();
-        let mass_of_node = body.total_lumped_mass() / body.mesh().n_nodes() as f64;
-        Border { entries, mass_of_node, ..Border::default() }
+        let entries: Vec<usize> =
+            stages.flat_map(|i| body.constraints().dofs().map(move |dof| i * n + dof)).collect();
+        let is_held = entries.iter().map(|at| body.space.inactive()[at % n]).collect();
+        let mass = if entries.is_empty() { 0.0 } else { body.total_lumped_mass() };
+        let mass_of_node = mass / body.mesh().n_nodes() as f64;
+        Border { entries, is_held, mass_of_node, ..Border::default() }
     }
 
     /// Forgets F: the approximate inverse is another one.
@@ -82,7 +87,8 @@ impl Border {
         let (n, m) = (self.entries.len(), multipliers.len());
         let Derivatives { forces, multipliers: by_multipliers, .. } = &self.derivatives;
         let rows = forces.chunks_exact(n).zip(by_multipliers.chunks_exact(m));
-        for (&at, (forces, by_multipliers)) in self.entries.iter().zip(rows) {
+        let entries = self.entries.iter().zip(&self.is_held).zip(rows).filter(|((_, held), _)| !**held);
+        for ((&at, _), (forces, by_multipliers)) in entries {
             let of_rates: f64 = forces.iter().zip(x_B).map(|(entry, x)| entry * x).sum();
             let own: f64 = by_multipliers.iter().zip(multipliers).map(|(entry, x)| entry * x).sum();
             y[at] += of_rates + own;
@@ -112,7 +118,9 @@ impl Border {
                 self.force.fill(0.0);
                 self.force[at] = 1.0;
                 self.column.fill(0.0);
-                solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
+                if !self.is_held[column] {
+                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
+                }
                 self.entries.iter().enumerate().for_each(|(row, &at)| {
                     self.flexibility[row * n + column] = self.column[at];
                 });

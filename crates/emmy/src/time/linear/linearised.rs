@@ -39,8 +39,6 @@ impl LinearSystem for LinearisedStages<'_> {
         let mut precondition = |x: &[f64], y: &mut [f64]| {
             right.copy_from_slice(x);
             scheme_force.correct(body, right);
-            // Forces of constraints move no held node.
-            body.space.clear_inactive(right);
             approximate_tangent.precondition(right, y);
         };
         precondition(&x[..n_rates], y);

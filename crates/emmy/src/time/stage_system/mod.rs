@@ -35,19 +35,18 @@ impl<'a> StageSystem<'a> {
     /// # Errors
     /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for a factorisation without engine.
     pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
-        let n = body.n_dofs();
         let k = coefficients.rule.degree();
-        let n_local =
-            if body.constraints().is_empty() { 0 } else { body.n_local() * coefficients.rule.n_pressures() };
+        let equations = Equations::new(body, coefficients);
+        let blocks = equations.blocks;
         Ok(StageSystem {
-            approximate_tangent: ApproximateTangent::new(body, &coefficients, solver)?,
+            approximate_tangent: ApproximateTangent::new(body, &equations.coefficients, solver)?,
             border: Border::new(body, k),
-            local_of_border: vec![0.0; n_local],
+            local_of_border: vec![0.0; if blocks.multipliers > 0 { blocks.local } else { 0 }],
             gmres: Gmres::default(),
-            negative: vec![0.0; k * (n + body.constraints().len())],
-            condensed: vec![0.0; if body.n_local() > 0 { k * n } else { 0 }],
+            negative: vec![0.0; blocks.n_global()],
+            condensed: vec![0.0; if blocks.local > 0 { blocks.rates } else { 0 }],
             floor: 0.0,
-            equations: Equations::new(body, coefficients),
+            equations,
         })
     }
 
@@ -68,7 +67,9 @@ impl<'a> StageSystem<'a> {
 
     /// Rotates the approximate tangent with the body in the present step.
     pub(super) fn turn(&mut self, rotation: &RigidStep) {
-        if self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule) {
+        let turned = self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule);
+        // F contains the force of a dissipative scheme, which differs from step to step.
+        if turned || !self.equations.scheme_force.is_zero() {
             self.border.forget();
         }
     }

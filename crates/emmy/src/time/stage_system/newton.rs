@@ -34,8 +34,6 @@ impl StageSystem<'_> {
         let mut solve = |right: &[f64], dx: &mut [f64], local: &mut [f64], tolerance: f64| {
             force.copy_from_slice(right);
             scheme_force.correct(body, force);
-            // Forces of constraints move no held node.
-            body.space.clear_inactive(force);
             let iterations = approximate_tangent.solve((body, rule), force, (dx, local), tolerance);
             iterations.ok_or_else(|| Error::Linear {
                 reason: format!("conjugate gradients did not reach {tolerance:e}"),

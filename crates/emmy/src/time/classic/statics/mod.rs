@@ -157,7 +157,8 @@ impl<'a> StaticStepper<'a> {
 impl Stepper for StaticStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         let newton = self.solve(state, step_size)?;
-        self.end.evaluate_static(&mut self.system.equations, &self.unknowns, self.system.time)?;
+        let StaticSystem { equations, first, time, .. } = &mut self.system;
+        self.end.evaluate_static(equations, &self.unknowns, *time, first)?;
         let body = self.system.equations.body;
         let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.

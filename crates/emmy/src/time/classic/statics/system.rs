@@ -38,7 +38,7 @@ pub(super) struct StaticSystem<'a> {
     /// Whether a stiffness that is not positive definite ends the iteration.
     pub(super) must_be_definite: bool,
     /// Residual at the start of the step, under the loads at its end.
-    first: Vec<f64>,
+    pub(super) first: Vec<f64>,
     /// Displacement of the driven degrees of freedom in the step.
     shift: Vec<f64>,
     /// Norm of the step, linearised at its start.
