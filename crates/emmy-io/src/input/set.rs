@@ -40,7 +40,8 @@ pub(crate) fn alternatives(flag: &str) -> Result<Vec<String>, InputError> {
     Ok(values.into_iter().map(|value| format!("{key}={}", flag[offset..][value].trim())).collect())
 }
 
-/// Puts faults of flags first, in the order of the flags. A fault of a value with commas gets the advice to use a sweep.
+/// Puts faults of flags first, in the order of the flags. A fault of a value with commas gets the advice to use a
+/// sweep.
 pub(super) fn of_one_run(error: InputError, flags: &[String]) -> InputError {
     let has_many = |place: &Place| {
         let text = place.text();

@@ -1,4 +1,4 @@
-//! What a body is given over time: loads and supports that move, their kinks, resultants and smooth functions.
+//! Loads and moving supports over time: their kinks, resultants and smooth functions.
 
 use std::collections::HashSet;
 
