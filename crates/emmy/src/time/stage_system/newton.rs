@@ -2,7 +2,7 @@
 
 use super::StageSystem;
 use crate::error::{Error, Result};
-use crate::newton::{ROUND_OFF, Sizes, System, Tangent};
+use crate::newton::{Ending, ROUND_OFF, Sizes, System, Tangent};
 use crate::time::equations::Equations;
 use crate::time::linear::LinearisedStages;
 
@@ -202,6 +202,21 @@ impl System for StageSystem<'_> {
         match &self.equations.coefficients.mass[..] {
             [_] => ROUND_OFF,
             mass => 2.0 * ROUND_OFF / mass.iter().fold(2.0, |largest: f64, m| largest.max(m.abs())),
+        }
+    }
+
+    /// Constraints, pressures and the force of a dissipative scheme are solved to rounding: the work of what an
+    /// iteration leaves of them is not that of the residual alone.
+    fn ending(&self) -> Ending {
+        let Equations { body, coefficients, blocks, .. } = &self.equations;
+        if coefficients.is_static() || blocks.multipliers > 0 || coefficients.damping.is_some() {
+            Ending::Rounding
+        } else if !coefficients.rule.is_energy_momentum() {
+            Ending::Tolerance
+        } else if body.has_local() {
+            Ending::Rounding
+        } else {
+            Ending::Balanced
         }
     }
 
