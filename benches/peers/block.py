@@ -95,13 +95,14 @@ def peak_megabytes():
 
 
 def report(program, solver, r, cells, dofs, seconds, iterations, energies, tip, rate, same=True,
-           total=None):
+           total=None, peak=None):
     """Print the results as one line of JSON; fail if the energies are not those of the table.
 
     `seconds` and `iterations` have one entry a step. The first two steps, with what is done only
-    once, are left out of the times; `total` is the time of the whole run. `r` is None for another
-    motion than the one of the table. `same`: whether material and scheme are those of the others;
-    if not, the total energy only is compared, roughly.
+    once, are left out of the times; `total` is the time of the whole run, `peak` the memory if
+    another process did the work. `r` is None for another motion than the one of the table. `same`:
+    whether material and scheme are those of the others; if not, the total energy only is compared,
+    roughly.
     """
     later = seconds[2:] or seconds
     line = {
@@ -116,11 +117,11 @@ def report(program, solver, r, cells, dofs, seconds, iterations, energies, tip, 
         "cpu_seconds": round(sum(seconds), 6),
         "cpu_seconds_with_start": total and round(total, 6),
         "newton_per_step": statistics.fmean(iterations),
-        "assembled_cells_per_second": round(rate),
+        "assembled_cells_per_second": rate and round(rate),
         "kinetic_energy": float(energies[0]),
         "strain_energy": float(energies[1]),
         "tip": None if tip is None else [float(x) for x in tip],
-        "peak_megabytes": round(peak_megabytes(), 1),
+        "peak_megabytes": round(peak or peak_megabytes(), 1),
     }
     print(json.dumps(line), flush=True)
     expected = ENERGIES.get(str(r), energies)

@@ -128,6 +128,19 @@ impl Case {
         Case::new("examples/quasi-rigid.toml").cells(r)
     }
 
+    /// The rubber mount on a shaker, by adaptive steps.
+    pub(crate) fn shake() -> Self {
+        Case::new("benches/shake.toml")
+    }
+
+    /// A report on a box with some cells along each edge.
+    pub(crate) fn checked_box(n: u32) -> Self {
+        let mut case = Case::new("benches/spinning-block.toml")
+            .with("mesh", format!("{{ box = {{ size = [1.0, 1.0, 1.0], cells = [{n}, {n}, {n}] }} }}"));
+        case.0.check = true;
+        case
+    }
+
     /// The bracket of steel, clamped at its foot, with a force on its tip.
     pub(crate) fn bracket() -> Self {
         Case::new("examples/steel-bracket.toml")
@@ -136,7 +149,7 @@ impl Case {
     fn new(input: &str) -> Self {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(input);
         let (set, state) = Default::default();
-        Case(Arguments { input, set, threads: 1, assemblies: 0, state })
+        Case(Arguments { input, set, threads: 1, assemblies: 0, state, check: false })
     }
 
     fn cells(self, r: u32) -> Self {
@@ -199,12 +212,13 @@ impl Case {
         let case = &self.0;
         let mut words = vec!["case".to_string(), case.input.display().to_string()];
         let mut flag = |name: &str, value: String| words.extend([format!("--{name}"), value]);
-        case.set.iter().for_each(|set| flag("set", set.clone()));
         flag("threads", case.threads.to_string());
         flag("assemblies", case.assemblies.to_string());
+        case.set.iter().for_each(|set| flag("set", set.clone()));
         if let Some(file) = &case.state {
             flag("state", file.display().to_string());
         }
+        words.extend(case.check.then(|| "--check".to_string()));
         words
     }
 }

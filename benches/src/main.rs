@@ -37,8 +37,8 @@ use crate::session::Session;
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
-    /// step (the default), schemes, degrees, stiff, quasi-rigid, real, solvers, locking, large, assembly, ensembles,
-    /// threads; or all
+    /// step (the default), schemes, degrees, stiff, real, solvers, locking, large, assembly, ensembles, threads, shake,
+    /// check; or all
     items: Vec<String>,
     /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures (`step`,
     /// `stiff`, `real`)
@@ -54,8 +54,8 @@ struct Arguments {
     /// Core for the runs with one thread (with taskset); without it the system chooses
     #[arg(long, value_name = "N")]
     core: Option<usize>,
-    /// Cells a unit length for `step` [default: 1,2,4,6], `stiff` and `quasi-rigid` [default: 4,6,8] and `large`
-    /// [default: 4,6,8,12]
+    /// Cells a unit length for `step` [default: 1,2,4,6], `stiff` [default: 4,6,8] and `large` [default:
+    /// 4,6,8,12]
     #[arg(long, value_name = "R,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=64))]
     cells: Vec<u32>,
     /// `large` takes the one mesh of 1.5 million degrees of freedom

@@ -7,7 +7,7 @@ use clap::Args;
 use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::sparse::inverse;
-use emmy::motion::{Motion, Observer, Record, State, View};
+use emmy::motion::{Observer, Record, State, View};
 use emmy::time::Scheme;
 use emmy_io::input::{self, Overrides, Problem};
 
@@ -31,6 +31,9 @@ pub(crate) struct Arguments {
     /// File for all bits of the last state and of every step's energies and momenta
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
+    /// Only the report of `emmy check`
+    #[arg(long)]
+    pub check: bool,
 }
 
 /// Beginning of the message of a run that cannot solve a step.
@@ -53,10 +56,18 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     let overrides = Overrides { set: arguments.set.clone(), ..Default::default() };
     let problem = input::read(&arguments.input, &overrides);
     let problem = problem.map_err(|error| format!("{}: {error}", arguments.input.display()))?;
-    let body = &problem.body;
-    let state = State::initial(body, problem.plan.start(), &problem.initial).map_err(|e| text(&e))?;
-    let motion = Motion::starting(body, problem.scheme, problem.newton, state);
-    let mut motion = motion.map_err(|error| text(&error))?;
+    if arguments.check {
+        emmy_cli::report_on(&problem).map_err(|error| format!("{error:?}"))?;
+        return Ok(Outcome {
+            cells: problem.body.mesh().n_cells(),
+            dofs: problem.body.n_dofs(),
+            threads: arguments.threads,
+            peak_megabytes: peak_megabytes(),
+            cpu_seconds_with_start: Some(cpu_time().as_secs_f64()),
+            ..Outcome::default()
+        });
+    }
+    let mut motion = problem.motion(&mut []).map_err(|error| text(&error))?;
     let mut steps = Steps::default();
     motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| format!("{UNSOLVED}: {error}"))?;
     // Before any other work.

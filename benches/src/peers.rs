@@ -17,10 +17,8 @@ pub(crate) struct Recorded {
     /// The programs.
     #[serde(rename = "peer")]
     pub peers: Vec<Peer>,
-    /// CPU seconds a step of DOLFINx, and of the whole run, by motion and solver.
+    /// CPU seconds a step of DOLFINx and CalculiX, and of the whole run, by motion and solver.
     pub side_by_side: BTreeMap<String, BTreeMap<String, [f64; 2]>>,
-    /// CPU seconds a step of Emmy before algebraic multigrid, by case, for the quasi-rigid block.
-    pub quasi_rigid_before: BTreeMap<String, f64>,
 }
 
 /// Another program with one of its linear solvers.
@@ -114,8 +112,13 @@ impl Interpreters {
     }
 }
 
+/// What a program's interpreter must import; CalculiX is a program beside it.
 fn module(name: &str) -> &str {
-    if name == "kratos" { "KratosMultiphysics" } else { name }
+    match name {
+        "kratos" => "KratosMultiphysics",
+        "calculix" => "shutil, sys; sys.exit(shutil.which('ccx') is None)",
+        _ => name,
+    }
 }
 
 /// Script of a program.

@@ -1,4 +1,4 @@
-//! Motions that Emmy and DOLFINx compute alike: one description of each for both programs.
+//! Motions that Emmy and other programs compute alike: one description of each for all of them.
 
 use std::fmt;
 use std::path::Path;
@@ -32,7 +32,9 @@ pub(crate) struct Work {
     pub steps: u32,
 }
 
-/// Key words of the materials that the scripts for DOLFINx have too.
+/// Name of CalculiX among the solvers of DOLFINx.
+pub(crate) const CALCULIX: &str = "calculix";
+/// Key words of the materials that the script for DOLFINx has too; CalculiX has the second one.
 pub(crate) const MATERIALS: [&str; 2] = ["neo-hooke", "saint-venant-kirchhoff"];
 
 /// Moduli of a stiff body over those of a soft one.
@@ -45,9 +47,10 @@ const FORCES: [f64; 2] = [100.0, 2000.0];
 const PULSE: &str = "[[0.0, 0.0], [5e-4, 1.0], [1e-3, 0.0]]";
 /// Tolerance of Newton's iteration in DOLFINx: the round-off of a stiff body is above 1e-10.
 const TOLERANCE: &str = "1e-9";
-/// Finest stiff blocks for the factorisations of MUMPS and for BoomerAMG.
+/// Finest stiff blocks for the factorisations of MUMPS, for BoomerAMG and for CalculiX.
 const LARGEST_CHOLESKY: u32 = 6;
 const LARGEST_HYPRE: u32 = 4;
+const LARGEST_CALCULIX: u32 = 4;
 
 impl Work {
     /// The spinning block of neo-Hooke material in hex8 cells.
@@ -97,41 +100,62 @@ impl Work {
         Ok(case.steps(self.steps, self.step_size()))
     }
 
-    /// Solvers of DOLFINx, among which its best one is. BoomerAMG takes more than twice the time of GAMG, so it runs on
-    /// smaller meshes only.
+    /// The case of Emmy with the equations of CalculiX.
+    ///
+    /// # Errors
+    /// As [`Work::case`].
+    pub(crate) fn like_calculix(&self, scratch: &Scratch) -> Result<Case, String> {
+        let work = Work { material: MATERIALS[1], ..*self };
+        Ok(work.case(scratch)?.scheme("Newmark(0.25,0.5)", 1))
+    }
+
+    /// Solvers of DOLFINx, among which its best one is, and CalculiX. BoomerAMG takes more than twice the time of GAMG,
+    /// so it runs on smaller meshes only.
     pub(crate) fn solvers(&self) -> Vec<&'static str> {
         let Work { shape: Shape::Block(CellKind::Hex8, r), stiff: true, .. } = *self else {
-            return if self.stiff { vec!["gamg", "cholesky"] } else { vec!["jacobi", "icc", "cholesky"] };
+            let mut solvers =
+                if self.stiff { vec!["gamg", "cholesky"] } else { vec!["jacobi", "icc", "cholesky"] };
+            solvers.extend((self.material == MATERIALS[1]).then_some(CALCULIX));
+            return solvers;
         };
-        let largest = [("gamg", u32::MAX), ("hypre", LARGEST_HYPRE), ("cholesky", LARGEST_CHOLESKY)];
+        let largest = [
+            ("gamg", u32::MAX),
+            ("hypre", LARGEST_HYPRE),
+            ("cholesky", LARGEST_CHOLESKY),
+            (CALCULIX, LARGEST_CALCULIX),
+        ];
         largest.into_iter().filter(|(_, largest)| r <= *largest).map(|(solver, _)| solver).collect()
     }
 
-    /// The job of DOLFINx.
+    /// The job of a solver of DOLFINx, or of CalculiX by its faster solver.
     pub(crate) fn job(&self, python: &Path, solver: &str) -> Job {
         let (r, kind) = match self.shape {
             Shape::Block(kind, r) => (r, kind),
             Shape::Bracket => (1, CellKind::Tet10),
         };
-        let mut words = vec![r.to_string(), solver.to_string()];
+        let is_calculix = solver == CALCULIX;
+        let of_calculix = if self.stiff { "spooles" } else { "scaling" };
+        let mut words = vec![r.to_string(), if is_calculix { of_calculix } else { solver }.to_string()];
         let mut flag = |name: &str, values: &[String]| {
             words.push(format!("--{name}"));
             words.extend_from_slice(values);
         };
         flag("cells", &[kind.to_string()]);
-        flag("material", &[self.material.to_string()]);
         flag("moduli", &self.moduli().map(|modulus| format!("{modulus:?}")));
         flag("step-size", &[format!("{:?}", self.step_size())]);
         flag("steps", &[self.steps.to_string()]);
-        flag("tolerance", &[TOLERANCE.to_string()]);
-        flag("guess", &[self.guess(solver).to_string()]);
+        if !is_calculix {
+            flag("material", &[self.material.to_string()]);
+            flag("tolerance", &[TOLERANCE.to_string()]);
+            flag("guess", &[self.guess(solver).to_string()]);
+        }
         if self.shape == Shape::Bracket {
             let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/meshes/steel-bracket.msh");
             flag("mesh", &[mesh.display().to_string()]);
             flag("density", &["7.85e-9".to_string()]);
             flag("force", &[format!("{:?}", self.force())]);
         }
-        Job::script(python, &peers::script("dolfinx"), words, None)
+        Job::script(python, &peers::script(if is_calculix { CALCULIX } else { "dolfinx" }), words, None)
     }
 
     /// First guess of DOLFINx for the middle of a step: the motion straight on for half a step saves an iteration; but

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use super::Settings;
 use crate::job::Job;
+use crate::machine::times_faster;
 use crate::peers::{Interpreters, Peer, Recorded};
 use crate::report::{Goal, Limit, Report, Table, number, number_or_dash};
 use crate::session::{Runs, step_seconds};
 
-/// Goals for the speed of a step relative to the fastest of the others, by the mesh (r).
-const TIMES_FASTER: [(u32, f64); 2] = [(4, 10.0), (6, 8.0)];
+/// Meshes (r) with a goal for the fastest of the others.
+const FASTER_AT: [u32; 2] = [4, 6];
 
 /// r of the mesh for the recorded memory and rate of assembly.
 const RECORDED_AT: u32 = 4;
@@ -168,10 +169,10 @@ impl Comparison<'_> {
     /// The goal against the fastest of the others.
     fn fastest(&self, size: usize) -> Option<Goal> {
         let r = self.sizes[size];
-        let (_, times) = TIMES_FASTER.into_iter().find(|(at, _)| *at == r)?;
+        FASTER_AT.contains(&r).then_some(())?;
         let ratios = (0..self.peers.recorded.peers.len()).filter_map(|peer| self.ratio(peer, size));
         let statement = format!("the fastest of the others over Emmy at r = {r}");
-        Some(Goal::new(statement, Limit::AtLeast(times), ratios.reduce(f64::min)?))
+        Some(Goal::new(statement, Limit::AtLeast(times_faster()), ratios.reduce(f64::min)?))
     }
 
     /// The goals against single programs.

@@ -35,7 +35,7 @@ fn soft(settings: &Settings) -> Result<Report, String> {
     );
     let mut report = Report::new("Large meshes", note);
     report.tables.push(table(&sizes, &runs));
-    report.goals.extend(exponent(&runs, Figure::Step));
+    report.goals.extend(exponent(&runs, Figure::Step, ""));
     report.goals.extend(memory(&sizes, &runs, MILLION, MEMORY));
     Ok(report)
 }
@@ -55,18 +55,17 @@ fn stiff(settings: &Settings) -> Result<Report, String> {
     );
     let mut report = Report::new("Large stiff meshes", note);
     report.tables.push(table(&sizes, &runs));
-    report.goals.extend(exponent(&runs, Figure::WithStart));
     report.goals.extend(memory(&sizes, &runs, sizes[sizes.len() - 1], STIFF_MEMORY));
     Ok(report)
 }
 
 /// The goal for the exponent of a time, if there are several meshes.
-fn exponent(runs: &[Runs], figure: Figure) -> Option<Goal> {
+pub(super) fn exponent(runs: &[Runs], figure: Figure, scheme: &str) -> Option<Goal> {
     let of = match figure {
         Figure::Step => "of a step",
         Figure::WithStart => "of all steps with the start",
     };
-    let statement = format!("exponent of the CPU time {of} over degrees of freedom");
+    let statement = format!("exponent of the CPU time {of}{scheme} over degrees of freedom");
     let point = |runs: &Runs| ((runs.last().dofs as f64).ln(), runs.median(|o| figure.of(o)).ln());
     let points: Vec<_> = runs.iter().map(point).collect();
     (runs.len() > 1).then(|| Goal::new(statement, Limit::AtMost(EXPONENT), slope(&points)))

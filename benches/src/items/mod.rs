@@ -1,6 +1,7 @@
 //! The items: measurements with their goals.
 
 mod assembly;
+mod check;
 mod comparison;
 mod degrees;
 mod ensembles;
@@ -8,6 +9,7 @@ mod large;
 mod locking;
 mod real;
 mod schemes;
+mod shake;
 mod side_by_side;
 mod solvers;
 mod step;
@@ -25,7 +27,7 @@ pub(crate) struct Settings {
     pub session: Session,
     /// Interpreters of the other programs, if they should run.
     pub peers: Option<Interpreters>,
-    /// Cells per unit length for `step`, `stiff`, `quasi-rigid` and `large`, ascending, instead of the defaults.
+    /// Cells per unit length for `step`, `stiff` and `large`, ascending, instead of the defaults.
     pub cells: Option<Vec<u32>>,
     /// Whether `large` uses the mesh of 1.5 million degrees of freedom.
     pub million: bool,
@@ -41,12 +43,11 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 12] = [
+pub(crate) const ALL: [Item; 13] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
     Item { name: "stiff", measure: stiff::measure },
-    Item { name: "quasi-rigid", measure: stiff::measure_quasi_rigid },
     Item { name: "real", measure: real::measure },
     Item { name: "solvers", measure: solvers::measure },
     Item { name: "locking", measure: locking::measure },
@@ -54,4 +55,6 @@ pub(crate) const ALL: [Item; 12] = [
     Item { name: "assembly", measure: assembly::measure },
     Item { name: "ensembles", measure: ensembles::measure },
     Item { name: "threads", measure: threads::measure },
+    Item { name: "shake", measure: shake::measure },
+    Item { name: "check", measure: check::measure },
 ];

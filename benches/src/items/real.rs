@@ -3,37 +3,34 @@
 use emmy::mesh::CellKind;
 
 use super::Settings;
-use super::side_by_side::{Figure, SideBySide};
+use super::side_by_side::{Figure, OTHERS, SideBySide};
 use crate::report::Report;
 use crate::session::Session;
 use crate::work::{MATERIALS, Shape, Work};
 
 const SCHEMES: [&str; 2] = ["FE(1)", "DGM"];
-/// Goal for a step: the fastest solver of DOLFINx over Emmy.
-const TIMES_FASTER: f64 = 5.0;
 const STEPS: u32 = 12;
 
-/// Blocks of tet10 and hex20 and a bracket of tet10 beside DOLFINx.
+/// Blocks of tet10 and hex20 and a bracket of tet10 beside other programs.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let works = works(&settings.session);
     let runs = SideBySide::measure(settings, &works, &SCHEMES)?;
     let note = format!(
         "The spinning block in quadratic cells (h = 0.02) and a clamped bracket with a pulse on its tip (h = 5e-5), \
          moduli of 1e3 and 1e7, of steel and 1e-4 of it, {} steps, one thread: CPU seconds a step without the first \
-         two, then of all steps with the start. DOLFINx with the same cells, points and mid-point rule, which is \
-         FE(1), with energies equal to 1e-8; an asterisk marks recorded figures.",
+         two, then of all steps with the start. {OTHERS}",
         works[0].steps
     );
-    let mut report = Report::new("Real cells beside DOLFINx", note);
+    let mut report = Report::new("Real cells beside other programs", note);
     report.tables = vec![runs.table(Figure::Step), runs.table(Figure::WithStart)];
     for scheme in SCHEMES {
-        report.goals.extend(runs.goals(scheme, Figure::Step, TIMES_FASTER));
+        report.goals.extend(runs.goals(scheme, Figure::Step, |_| true));
     }
     Ok(vec![report])
 }
 
 /// Three bodies, soft and stiff, of two materials; in the quick set one of each body.
-pub(super) fn works(session: &Session) -> Vec<Work> {
+fn works(session: &Session) -> Vec<Work> {
     let (r, steps) = session.choose((1, 3), (2, STEPS));
     let mut works = Vec::new();
     for shape in [Shape::Block(CellKind::Tet10, r), Shape::Block(CellKind::Hex20, r), Shape::Bracket] {

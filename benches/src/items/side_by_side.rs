@@ -1,18 +1,23 @@
-//! Motions of Emmy and DOLFINx side by side, with the solvers of DOLFINx measured in the same session or recorded.
+//! Motions of Emmy, DOLFINx and CalculiX side by side, the others measured in the same session or recorded.
 
 use super::Settings;
 use crate::job::Job;
+use crate::machine::times_faster;
 use crate::outcome::Outcome;
 use crate::peers::Recorded;
 use crate::report::{Goal, Limit, Table, number, number_or_dash};
 use crate::scratch::Scratch;
 use crate::session::{Runs, step_seconds};
-use crate::work::Work;
+use crate::work::{CALCULIX, Work};
 
-/// Relative tolerance for the energies of the two programs, over the total energy.
-const AGREEMENT: f64 = 1e-8;
+/// Relative tolerances for the energies of DOLFINx and of CalculiX, which prints seven digits, over the total energy.
+const AGREEMENT: [f64; 2] = [1e-8, 1e-6];
 /// The scheme of DOLFINx.
 const SCHEME: &str = "FE(1)";
+/// What the other programs compute.
+pub(super) const OTHERS: &str = "DOLFINx with the same cells, points and mid-point rule, which is FE(1), with energies \
+    equal to 1e-8. CalculiX with St. Venant-Kirchhoff material and the trapezoidal rule, with energies equal to those \
+    of Newmark(0.25,0.5) to 1e-6. An asterisk marks recorded figures.";
 
 /// A time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,10 +49,12 @@ pub(super) struct SideBySide {
 struct Row {
     work: Work,
     emmy: Vec<Runs>,
+    /// Emmy with the equations of CalculiX.
+    like_calculix: Option<Runs>,
     others: Vec<(&'static str, Seconds)>,
 }
 
-/// Times of a solver of DOLFINx: of a step, of the whole run.
+/// Times of another program or solver: of a step, of the whole run.
 #[derive(Debug)]
 enum Seconds {
     Measured(Runs),
@@ -55,10 +62,10 @@ enum Seconds {
 }
 
 impl SideBySide {
-    /// Runs every motion by every scheme of Emmy and, if it should, every solver of DOLFINx.
+    /// Runs every motion by every scheme of Emmy and, if it should, every solver of DOLFINx, and CalculiX.
     ///
     /// # Errors
-    /// The message of the first run that fails, or if the energies of the two programs differ.
+    /// The message of the first run that fails, or if the energies of two programs differ.
     pub(super) fn measure(
         settings: &Settings,
         works: &[Work],
@@ -66,26 +73,34 @@ impl SideBySide {
     ) -> Result<Self, String> {
         let scratch = Scratch::new("side-by-side")?;
         let recorded = Recorded::read()?.side_by_side;
-        let python = settings.peers.as_ref().and_then(|pythons| pythons.of("dolfinx"));
+        let python = |name| settings.peers.as_ref().and_then(|pythons| pythons.of(name));
+        let pythons = [python("dolfinx"), python(CALCULIX)];
         let mut rows = Vec::new();
         for &work in works {
             let case = work.case(&scratch)?;
             let cases = schemes.iter().map(|scheme| Job::case(&case.clone().scheme(scheme, 1)));
             let mut jobs = cases.collect::<Result<Vec<_>, _>>()?;
             let solvers = work.solvers();
-            if let Some(python) = &python {
-                jobs.extend(solvers.iter().map(|solver| work.job(python, solver)));
+            let job = |solver: &&'static str| {
+                let python = pythons[usize::from(*solver == CALCULIX)].as_ref()?;
+                Some((*solver, work.job(python, solver)))
+            };
+            let (installed, others): (Vec<_>, Vec<_>) = solvers.iter().filter_map(job).unzip();
+            jobs.extend(others);
+            if installed.contains(&CALCULIX) {
+                jobs.push(Job::case(&work.like_calculix(&scratch)?)?);
             }
             let mut emmy = settings.session.in_turns(&jobs)?;
             let measured = emmy.split_off(schemes.len());
-            let others = if measured.is_empty() {
-                let known = recorded.get(&work.to_string());
-                let seconds = |solver| Some((solver, Seconds::Recorded(*known?.get(solver)?)));
-                solvers.into_iter().filter_map(seconds).collect()
-            } else {
-                solvers.into_iter().zip(measured.into_iter().map(Seconds::Measured)).collect()
+            let known = recorded.get(&work.to_string());
+            let seconds = |solver: &'static str| {
+                let index = installed.iter().position(|name| *name == solver);
+                let recorded = || Some(Seconds::Recorded(*known?.get(solver)?));
+                let seconds = index.map(|index| Seconds::Measured(measured[index].clone()));
+                Some((solver, seconds.or_else(recorded)?))
             };
-            let row = Row { work, emmy, others };
+            let others = solvers.iter().copied().filter_map(seconds).collect();
+            let row = Row { work, emmy, like_calculix: measured.get(installed.len()).cloned(), others };
             if let Some(scheme) = schemes.iter().position(|scheme| *scheme == SCHEME) {
                 row.check_energies(scheme)?;
             }
@@ -120,29 +135,37 @@ impl SideBySide {
         table
     }
 
-    /// A goal for each motion with figures of DOLFINx: its fastest solver over a scheme of Emmy.
-    pub(super) fn goals(&self, scheme: &str, figure: Figure, least: f64) -> Vec<Goal> {
+    /// The runs of a scheme, one for each motion.
+    pub(super) fn of(&self, scheme: &str) -> Vec<Runs> {
+        let index = self.schemes.iter().position(|name| *name == scheme);
+        self.rows.iter().filter_map(|row| row.emmy.get(index?).cloned()).collect()
+    }
+
+    /// A goal for each chosen motion with figures of others: the fastest of them over a scheme of Emmy.
+    pub(super) fn goals(&self, scheme: &str, figure: Figure, chosen: impl Fn(&Work) -> bool) -> Vec<Goal> {
         let Some(index) = self.schemes.iter().position(|name| *name == scheme) else { return Vec::new() };
         let what = match figure {
             Figure::Step => "a step",
             Figure::WithStart => "all steps with the start",
         };
         let goal = |row: &Row| {
-            let statement = format!("{}: {what} of DOLFINx over {scheme}", row.work);
-            Some(Goal::new(statement, Limit::AtLeast(least), row.ratio(index, figure)?))
+            let statement = format!("{}: {what} of the fastest of the others over {scheme}", row.work);
+            Some(Goal::new(statement, Limit::AtLeast(times_faster()), row.ratio(index, figure)?))
         };
-        self.rows.iter().filter_map(goal).collect()
+        self.rows.iter().filter(|row| chosen(&row.work)).filter_map(goal).collect()
     }
 }
 
 impl Row {
-    /// An error if energies of DOLFINx are not those of a scheme.
+    /// An error if energies of DOLFINx are not those of a scheme, or those of CalculiX not those of its equations.
     fn check_energies(&self, scheme: usize) -> Result<(), String> {
         for (solver, seconds) in &self.others {
             let Seconds::Measured(runs) = seconds else { continue };
-            let difference = difference(self.emmy[scheme].last(), runs.last());
-            if difference.is_nan() || difference > AGREEMENT {
-                let message = format!("the energies differ from those of DOLFINx, {solver}, by");
+            let is_calculix = *solver == CALCULIX;
+            let emmy = if is_calculix { self.like_calculix.as_ref() } else { self.emmy.get(scheme) };
+            let difference = emmy.map_or(f64::NAN, |emmy| difference(emmy.last(), runs.last()));
+            if difference.is_nan() || difference > AGREEMENT[usize::from(is_calculix)] {
+                let message = format!("the energies differ from those of {solver} by");
                 return Err(format!("{}: {message} {difference:.1e} of the total energy", self.work));
             }
         }
@@ -157,7 +180,7 @@ impl Row {
         }
     }
 
-    /// Time of the fastest solver of DOLFINx over that of a scheme.
+    /// Time of the fastest of the others over that of a scheme.
     fn ratio(&self, scheme: usize, figure: Figure) -> Option<f64> {
         let emmy = &self.emmy[scheme];
         let ratio = |(_, seconds): &(_, Seconds)| match seconds {

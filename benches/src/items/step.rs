@@ -3,8 +3,7 @@
 use super::{Settings, comparison};
 use crate::job::{Case, Job};
 use crate::report::{Goal, Limit, Report, Table, count, number, number_or_dash};
-use crate::roofline::triad;
-use crate::session::{Runs, Session, step_seconds};
+use crate::session::{Runs, step_seconds};
 
 /// Cells a second in the assembly of residual and tangent, at a mesh (r).
 const ASSEMBLED: (u32, f64) = (4, 6e5);
@@ -12,7 +11,7 @@ const ASSEMBLED: (u32, f64) = (4, 6e5);
 /// Assemblies measured after each run.
 const ASSEMBLIES: usize = 5;
 
-/// Emmy's steps by r with one thread, and the other programs; then two threads.
+/// Emmy's steps by r with one thread, and the other programs.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let sizes = settings.cells.clone().unwrap_or(session.choose(vec![1], vec![1, 2, 4, 6]));
@@ -22,11 +21,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     jobs.extend(peers.jobs(&sizes));
     let mut runs = session.in_turns(&jobs)?;
     let of_peers = runs.split_off(sizes.len());
-    Ok(vec![
-        steps(&sizes, &runs),
-        comparison::report(&sizes, &runs, &peers, &of_peers),
-        two_threads(session, &sizes)?,
-    ])
+    Ok(vec![steps(&sizes, &runs), comparison::report(&sizes, &runs, &peers, &of_peers)])
 }
 
 fn steps(sizes: &[u32], runs: &[Runs]) -> Report {
@@ -70,30 +65,4 @@ fn steps(sizes: &[u32], runs: &[Runs]) -> Report {
     }
     report.tables.push(table);
     report
-}
-
-/// Two threads against one, wall time, on the larger meshes; this needs idle cores.
-fn two_threads(session: &Session, sizes: &[u32]) -> Result<Report, String> {
-    let n_large = sizes.iter().filter(|&&r| r >= 4).count().max(1);
-    let sizes = &sizes[sizes.len() - n_large..];
-    let of_memory = triad(2)? / triad(1)?;
-    let note = format!(
-        "Wall seconds a step of the same block, mean without the first. A triad, which memory bounds, is {of_memory:.2} \
-         times as fast with two threads."
-    );
-    let mut report = Report::new("Two threads", note);
-    let mut table = Table::new(0, &["r", "one thread", "two threads", "ratio"]);
-    let cases = |&r: &u32| [1, 2].map(|threads| Case::spinning_block(r).threads(threads));
-    let cases: Vec<Case> = sizes.iter().flat_map(cases).collect();
-    for (r, runs) in sizes.iter().zip(session.cases(&cases)?.chunks_exact(2)) {
-        let seconds = |runs: &Runs| runs.median(|o| o.wall_seconds_per_step_mean);
-        let ratio = runs[0].ratio(&runs[1], |o| o.wall_seconds_per_step_mean);
-        table.push(vec![r.to_string(), number(seconds(&runs[0])), number(seconds(&runs[1])), number(ratio)]);
-        let statement = format!("one thread over two at r = {r}");
-        report.goals.push(Goal::new(statement, Limit::AtLeast(1.7), ratio));
-        let statement = format!("that ratio over the ratio of the triad at r = {r}");
-        report.goals.push(Goal::new(statement, Limit::AtLeast(0.85), ratio / of_memory));
-    }
-    report.tables.push(table);
-    Ok(report)
 }

@@ -1,12 +1,12 @@
 //! An upper bound of the largest natural frequency from the cells alone, without a matrix.
 
 use super::system::Body;
-use crate::element::{element, jacobian};
+use crate::element::{Jacobians, element};
 use crate::input::{Region, RegionMaterial};
 use crate::mesh::{Cell, CellKind, Mesh};
 use crate::space::geometry::{ReferenceTable, inverse, positions};
 use crate::sparse::largest_eigenvalue;
-use crate::tensor::{Mat3, det};
+use crate::tensor::{Mat3, det, dot3, mat3};
 
 impl Body {
     /// Upper bound of `omega_max^2`, the largest eigenvalue of `M^-1 K` with the lumped mass M and the stiffness K at
@@ -48,7 +48,8 @@ impl Body {
                 Some(reference) => reference,
                 None => own.insert(Reference::new(cell.kind)?),
             };
-            largest = largest.max(stiffness[region as usize] * reference.factor(self.mesh(), cell));
+            let stiffness = stiffness[region as usize];
+            largest = largest.max(stiffness * reference.factor(self.mesh(), cell, largest / stiffness));
         }
         Ok(Some(largest))
     }
@@ -71,11 +72,10 @@ struct Reference {
     kind: CellKind,
     /// Largest eigenvalue of the Laplacian with the lumped mass.
     laplacian: f64,
-    energy: ReferenceTable<3>,
-    mass: ReferenceTable<3>,
-    /// Whether both have the same points.
-    has_same_points: bool,
-    /// Determinants of the Jacobians of a cell.
+    at_energy: Jacobians,
+    at_mass: Jacobians,
+    weights_of_mass: Vec<f64>,
+    /// Determinants of the Jacobians of a cell, at the points of the mass.
     dets: Vec<f64>,
 }
 
@@ -106,50 +106,43 @@ impl Reference {
             entry / (lumped[a] * lumped[b]).sqrt()
         };
         let matrix: Vec<f64> = (0..n * n).map(|at| entry(at / n, at % n)).collect();
-        let has_same_points = energy.points == mass.points;
         Ok(Reference {
             kind,
             laplacian: largest_eigenvalue(&matrix)?,
-            energy,
-            mass,
-            has_same_points,
+            at_energy: Jacobians::new(kind, &energy.points),
+            at_mass: Jacobians::new(kind, &mass.points),
+            weights_of_mass: mass.weights,
             dets: Vec::new(),
         })
     }
 
-    /// Bound of a cell, with c / rho = 1.
-    fn factor(&mut self, mesh: &Mesh, cell: Cell<'_>) -> f64 {
+    /// Bound of a cell, with c / rho = 1; 0 if it is at most a known one.
+    fn factor(&mut self, mesh: &Mesh, cell: Cell<'_>, known: f64) -> f64 {
         let X = positions(mesh, cell.nodes);
-        let mut stiffness: f64 = 0.0;
-        self.dets.clear();
-        for q in 0..self.energy.weights.len() {
-            let J = jacobian(self.kind, &X, self.energy.gradients_at(q));
-            let det = det(&J);
-            self.dets.push(det);
+        self.at_mass.dets(&X, &mut self.dets);
+        let (mut least, mut most, mut volume, mut reference) = (f64::INFINITY, 0f64, 0.0, 0.0);
+        for (&weight, &det) in self.weights_of_mass.iter().zip(&self.dets) {
+            (least, most) = (least.min(det), most.max(det));
+            volume += weight * det;
+            reference += weight;
+        }
+        let mass = if is_linear(self.kind) { least } else { volume / reference * least / most };
+        let of_known = known * mass / self.laplacian;
+        let mut stiffness = of_known;
+        for J in self.at_energy.of(&X) {
             // J^-1 times det J.
             let mut adjugate = inverse(&J, 1.0);
             if self.kind.dimension() == 2 {
                 // Nothing changes across the plane.
                 adjugate[2] = [0.0; 3];
             }
-            let gram = gram(&adjugate);
+            let (gram, det) = (gram(&adjugate), det(&J));
             // The largest sum of a row is never smaller, and cheaper.
             if largest_row_sum(&gram) > stiffness * det * (1.0 + ROUNDING) {
                 stiffness = stiffness.max(largest_root(&gram) / det);
             }
         }
-        let (mut least, mut most, mut volume, mut reference) = (f64::INFINITY, 0f64, 0.0, 0.0);
-        for (q, weight) in self.mass.weights.iter().enumerate() {
-            let det = match self.has_same_points {
-                true => self.dets[q],
-                false => det(&jacobian(self.kind, &X, self.mass.gradients_at(q))),
-            };
-            (least, most) = (least.min(det), most.max(det));
-            volume += weight * det;
-            reference += weight;
-        }
-        let mass = if is_linear(self.kind) { least } else { volume / reference * least / most };
-        self.laplacian * stiffness / mass
+        if stiffness > of_known { self.laplacian * stiffness / mass } else { 0.0 }
     }
 }
 
@@ -159,12 +152,12 @@ fn is_linear(kind: CellKind) -> bool {
 
 /// `A A^T`, whose largest eigenvalue is the square of the spectral norm of A.
 fn gram(A: &Mat3<f64>) -> Mat3<f64> {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| A[i][k] * A[j][k]).sum()))
+    mat3(|i, j| dot3(A[i], A[j]))
 }
 
 /// Largest sum of the absolute values of a row.
 fn largest_row_sum(A: &Mat3<f64>) -> f64 {
-    A.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
+    A.iter().map(|row| row[0].abs() + row[1].abs() + row[2].abs()).fold(0.0, f64::max)
 }
 
 /// Largest eigenvalue of a symmetric matrix, by the roots of its characteristic polynomial.

@@ -10,6 +10,7 @@ mod formulation;
 mod hex20;
 mod hex27;
 mod hex8;
+mod jacobian;
 mod kind;
 mod lifted;
 mod line;
@@ -30,6 +31,7 @@ pub use formulation::{Formulation, PressureSpace};
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
+pub use jacobian::{Jacobians, jacobian};
 pub use kind::{CellInfo, CellShape, FacetKind, LocalFacet};
 pub use line::{Line2, Line3};
 pub use pyramid5::Pyramid5;
@@ -42,7 +44,6 @@ pub use wedge6::Wedge6;
 pub use wedge15::Wedge15;
 
 use crate::quadrature::Quadrature;
-use crate::tensor::{Mat3, cross};
 
 // A new kind has its line here.
 kind::cell_kinds! {
@@ -134,46 +135,6 @@ pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
         FacetKind::Quad8 => &Quad8,
         FacetKind::Quad9 => &Quad9,
     }
-}
-
-/// Derivative of the position by the reference coordinates of a cell, `X: [n_nodes][3]`, `dN: [n_nodes][3]`.
-///
-/// ```math
-/// J_ij = dX_i/dxi_j = sum_A X_Ai dN_A/dxi_j
-/// ```
-///
-/// The third column of a plane cell is the unit vector along z: det J is then area per area, negative for clockwise
-/// nodes, and gradients dN/dX have no third component. The other columns of a link are unit vectors across it: det J is
-/// length per length, and gradients dN/dX lie along the link.
-pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
-    let mut J = [[0.0; 3]; 3];
-    for (X, dN) in X.iter().zip(dN) {
-        for i in 0..3 {
-            for j in 0..3 {
-                J[i][j] += X[i] * dN[j];
-            }
-        }
-    }
-    match kind.dimension() {
-        2 => J[2][2] = 1.0,
-        1 => {
-            let across = across([J[0][0], J[1][0], J[2][0]]);
-            (0..3).for_each(|i| (0..2).for_each(|j| J[i][j + 1] = across[j][i]));
-        }
-        _ => {}
-    }
-    J
-}
-
-/// Two unit vectors that form a right-handed system of axes with a vector; NaN for the zero vector.
-fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
-    let unit = |a: [f64; 3]| {
-        let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
-        a.map(|x| x / length)
-    };
-    let axis = (0..3).min_by(|&i, &j| a[i].abs().total_cmp(&a[j].abs())).unwrap_or(0);
-    let b = unit(cross(a, [0, 1, 2].map(|i| f64::from(u8::from(i == axis)))));
-    [b, unit(cross(a, b))]
 }
 
 /// Derivatives of the position by the two coordinates of a facet, `X: [n_nodes][3]`, `dN: [n_nodes][2]`; their cross

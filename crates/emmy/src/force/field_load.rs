@@ -76,13 +76,13 @@ impl FieldLoad {
             }
             FieldDomain::Cells(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_mass_point(mesh, cells.into_iter(), site.kind, &mut |cell, nodes, point| {
+                for_each_mass_point(mesh, cells.into_iter(), site.kind, |cell, nodes, point| {
                     table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
                 });
             }
             FieldDomain::Masses(group) => {
                 let cells = cells_of(mesh, group)?;
-                for_each_mass_point(mesh, cells.into_iter(), site.kind, &mut |cell, nodes, point| {
+                for_each_mass_point(mesh, cells.into_iter(), site.kind, |cell, nodes, point| {
                     table.push(
                         nodes,
                         point.position,

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::input::{Region, Viscosity};
 use crate::mesh::{CellKind, Mesh};
-use crate::space::geometry::{MassKind, for_each_mass_point, for_each_volume_point};
+use crate::space::geometry::{MassKind, for_each_cell, for_each_mass_point, for_each_volume_point};
 use crate::sparse::Pattern;
 
 /// Volume, mass, centre and inertia of a region in the reference configuration.
@@ -161,23 +161,21 @@ pub(crate) fn mass(
     point_masses: &[f64],
 ) -> Vec<f64> {
     let mut mass = vec![0.0; pattern.n_blocks()];
-    let mut positions: Vec<Option<usize>> = Vec::new();
-    let mut last = usize::MAX;
-    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
-        if cell != last {
-            last = cell;
-            positions.clear();
-            let row = |&row: &u32| nodes.iter().map(move |&column| (row as usize, column as usize));
-            positions.extend(nodes.iter().flat_map(row).map(|(row, column)| pattern.position(row, column)));
-        }
-        for (positions, N_A) in positions.chunks_exact(nodes.len()).zip(point.shapes) {
-            let factor = density_of_cell[cell] * point.weight * N_A;
-            for (position, N_B) in positions.iter().zip(point.shapes) {
-                if let Some(position) = *position {
-                    mass[position] += factor * N_B;
-                }
+    let (mut order, mut positions, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+    for_each_cell(mesh, 0..mesh.n_cells() as u32, |cell, _, table, weights| {
+        let nodes = mesh.cell(cell).nodes;
+        find_couplings(pattern, nodes, &mut order, &mut positions);
+        sums.clear();
+        // A coupling that a repeated node has twice is taken once, and both sums are added.
+        sums.extend(positions.iter().map(|&position| std::mem::take(&mut mass[position])));
+        for (point, weight) in weights.iter().enumerate() {
+            let shapes = table.shapes_at(point);
+            for (sums, N_A) in sums.chunks_exact_mut(nodes.len()).zip(shapes) {
+                let factor = density_of_cell[cell] * weight * N_A;
+                sums.iter_mut().zip(shapes).for_each(|(sum, N_B)| *sum += factor * N_B);
             }
         }
+        positions.iter().zip(&sums).for_each(|(&position, &sum)| mass[position] += sum);
     });
     for (node, point_mass) in point_masses.iter().enumerate() {
         if let Some(position) = pattern.position(node, node) {
@@ -185,6 +183,25 @@ pub(crate) fn mass(
         }
     }
     mass
+}
+
+/// Positions of the couplings of the nodes of a cell, `[n_nodes][n_nodes]`; `order` is memory for their order.
+fn find_couplings(pattern: &Pattern, nodes: &[u32], order: &mut Vec<usize>, positions: &mut Vec<usize>) {
+    let n = nodes.len();
+    order.clear();
+    order.extend(0..n);
+    order.sort_unstable_by_key(|&local| nodes[local]);
+    positions.resize(n * n, 0);
+    for (row, own) in nodes.iter().zip(positions.chunks_exact_mut(n)) {
+        let (columns, begin) = (pattern.row(*row as usize), pattern.range(*row as usize).start);
+        let mut at = 0;
+        for &local in &*order {
+            while columns[at] < nodes[local] {
+                at += 1;
+            }
+            own[local] = begin + at;
+        }
+    }
 }
 
 /// Mass of every node in some cells: row sums of the consistent mass, or the lumped mass, which are scaled diagonals
@@ -196,7 +213,7 @@ pub(crate) fn nodal_masses(
     kind: MassKind,
 ) -> Vec<f64> {
     let mut masses = vec![0.0; mesh.n_nodes()];
-    for_each_mass_point(mesh, cells, kind, &mut |cell, nodes, point| {
+    for_each_mass_point(mesh, cells, kind, |cell, nodes, point| {
         let mass = density_of_cell[cell] * point.weight;
         for (&node, share) in nodes.iter().zip(point.shapes) {
             masses[node as usize] += mass * share;
@@ -272,6 +289,24 @@ mod tests {
             builder.cell_group(if y > 0.5 * size[1] { "upper" } else { "lower" }, [index]);
         }
         builder.build().unwrap()
+    }
+
+    #[test]
+    fn a_cell_with_repeated_nodes_has_its_whole_mass() {
+        // Half of a unit cube: a brick whose edges at x = 1 are one edge each.
+        let mut builder = MeshBuilder::new();
+        for z in [0.0, 1.0] {
+            [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(|point| builder.point(point));
+        }
+        builder.cell(CellKind::Hex8, &[0, 1, 1, 2, 3, 4, 4, 5]).unwrap();
+        let mesh = builder.build().unwrap();
+        let pattern = Pattern::new(6, mesh.cells().map(|cell| cell.nodes));
+        let mass = mass(&mesh, &pattern, &[4.0], &[0.0; 6]);
+        let lumped = nodal_masses(&mesh, 0..1, &[4.0], MassKind::Lumped);
+        for (row, lumped) in lumped.iter().enumerate() {
+            assert!((mass[pattern.range(row)].iter().sum::<f64>() - lumped).abs() < 1e-15);
+            assert!((mass[pattern.position(row, 1).unwrap()] > 0.0) && (lumped - 1.0 / 3.0).abs() < 1e-15);
+        }
     }
 
     fn assert_box(summary: &RegionSummary, mass: f64, size: [f64; 3], centre: [f64; 3]) {

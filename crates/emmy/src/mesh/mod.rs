@@ -204,8 +204,10 @@ impl Mesh {
         let mut nodes: Vec<u32> = match kind {
             "facets" => groups.facets.get(name)?.iter().flat_map(|&facet| self.facet_nodes(facet)).collect(),
             "cells" => {
-                let cells = groups.cells.get(name)?.iter();
-                cells.flat_map(|&cell| self.cell(cell as usize).nodes).copied().collect()
+                let mut seen = vec![false; self.n_nodes()];
+                let nodes = groups.cells.get(name)?.iter().flat_map(|&cell| self.cell(cell as usize).nodes);
+                let is_new = |node: &u32| !std::mem::replace(&mut seen[*node as usize], true);
+                nodes.copied().filter(is_new).collect()
             }
             _ => groups.nodes.get(name)?.clone(),
         };

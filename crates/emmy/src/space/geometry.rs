@@ -1,10 +1,10 @@
 //! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
 
-use crate::element::{ReferenceElement, element, facet_element, facet_tangents, jacobian};
+use crate::element::{Jacobians, ReferenceElement, element, facet_element, facet_tangents};
 use crate::error::{Error, Result};
-use crate::mesh::{CellKind, Facet, Mesh};
+use crate::mesh::{Cell, CellKind, Facet, Mesh};
 use crate::quadrature::Quadrature;
-use crate::tensor::{Mat3, cross, det};
+use crate::tensor::{Mat3, cross, det, inlined, mat3};
 
 /// Cells of one kind with the geometry that the internal force needs.
 #[derive(Debug, Clone)]
@@ -38,6 +38,7 @@ impl CellTable {
     pub(crate) fn new(mesh: &Mesh, kind: CellKind, mut cells: Vec<u32>, section: f64) -> Result<Self> {
         cells.sort_by_key(|&cell| mesh.cell(cell as usize).nodes.iter().min().copied());
         let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
+        let jacobians = Jacobians::new(kind, &reference.points);
         let n_points = reference.weights.len();
         let mut table = CellTable {
             nodes: reserved(cells.len() * kind.n_nodes())?,
@@ -53,14 +54,13 @@ impl CellTable {
             let nodes = mesh.cell(cell as usize).nodes;
             let X = positions(mesh, nodes);
             table.nodes.extend_from_slice(nodes);
-            for point in 0..n_points {
-                let jacobian = jacobian(kind, &X, reference.gradients_at(point));
+            for (jacobian, weight) in jacobians.of(&X).zip(&reference.weights) {
                 let det = det(&jacobian);
                 if det <= 0.0 || det.is_nan() {
                     return Err(Error::InvertedCell { cell: cell as usize, kind, det });
                 }
                 table.inverse_jacobians.push(inverse(&jacobian, det));
-                table.weights.push(reference.weights[point] * det * section);
+                table.weights.push(weight * det * section);
             }
         }
         Ok(table)
@@ -108,14 +108,12 @@ impl<const D: usize> ReferenceTable<D> {
 }
 
 /// dxi/dX, `[xi component][X component]`.
+#[inline(always)]
 pub(crate) fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
-    [0, 1, 2].map(|i| {
-        let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-        [0, 1, 2].map(|j| {
-            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
-            (A[j1][i1] * A[j2][i2] - A[j1][i2] * A[j2][i1]) / det
-        })
-    })
+    mat3(inlined!(|i: usize, j: usize| {
+        let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        (A[j1][i1] * A[j2][i2] - A[j1][i2] * A[j2][i1]) / det
+    }))
 }
 
 /// A point of an integral over a cell or facet: weight, position, and the shape functions of its nodes.
@@ -133,9 +131,9 @@ pub(crate) struct QuadraturePoint<'a> {
 pub(crate) fn for_each_volume_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
-    mut visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
+    visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
 ) {
-    for_each_mass_point(mesh, cells, MassKind::Consistent, &mut visit);
+    for_each_mass_point(mesh, cells, MassKind::Consistent, visit);
 }
 
 /// How mass and body forces act on the nodes.
@@ -151,26 +149,17 @@ pub enum MassKind {
     Lumped,
 }
 
-/// The same with the functions of a kind of mass in place of the shape functions.
+/// The same with the functions of a kind of mass in place of the shape functions. Not over `dyn FnMut`: positions that
+/// a visitor does not use are not computed.
 pub(crate) fn for_each_mass_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
     mass: MassKind,
-    visit: &mut dyn FnMut(usize, &[u32], QuadraturePoint<'_>),
+    mut visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
 ) {
-    let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
-    let (mut weights, mut scaled) = (Vec::new(), Vec::new());
-    for cell in cells {
-        let kind = mesh.cell(cell as usize).kind;
-        let table = tables[kind as usize].get_or_insert_with(|| {
-            ReferenceTable::new(element(kind), element(kind).mass_quadrature(), kind.n_nodes())
-        });
-        let nodes = mesh.cell(cell as usize).nodes;
-        let X = positions(mesh, nodes);
-        let weight =
-            |point: usize| table.weights[point] * det(&jacobian(kind, &X, table.gradients_at(point)));
-        weights.clear();
-        weights.extend((0..table.weights.len()).map(weight));
+    let mut scaled = Vec::new();
+    for_each_cell(mesh, cells, |cell, X, table, weights| {
+        let Cell { kind, nodes } = mesh.cell(cell);
         let is_scaled = mass == MassKind::Lumped && nodes.len() > kind.n_corners();
         let (mut volume, mut diagonal) = (0.0, 0.0);
         for (point, weight) in weights.iter().enumerate().filter(|_| is_scaled) {
@@ -179,14 +168,38 @@ pub(crate) fn for_each_mass_point(
         }
         for (point, &weight) in weights.iter().enumerate() {
             let mut shapes = table.shapes_at(point);
-            let position = interpolated(&X, shapes);
+            let position = interpolated(X, shapes);
             if is_scaled {
                 scaled.clear();
                 scaled.extend(shapes.iter().map(|N| N * N * volume / diagonal));
                 shapes = &scaled;
             }
-            visit(cell as usize, nodes, QuadraturePoint { weight, position, shapes });
+            visit(cell, nodes, QuadraturePoint { weight, position, shapes });
         }
+    });
+}
+
+/// Visits some cells with the positions of their nodes, and the quadrature of [`for_each_volume_point`]: shape
+/// functions, and weights times det(dX/dxi).
+pub(crate) fn for_each_cell(
+    mesh: &Mesh,
+    cells: impl Iterator<Item = u32>,
+    mut visit: impl FnMut(usize, &[[f64; 3]], &ReferenceTable<3>, &[f64]),
+) {
+    let mut tables: [Option<(ReferenceTable<3>, Jacobians)>; CellKind::ALL.len()] = Default::default();
+    let (mut X, mut weights) = (Vec::new(), Vec::new());
+    for cell in cells {
+        let Cell { kind, nodes } = mesh.cell(cell as usize);
+        let (table, jacobians) = tables[kind as usize].get_or_insert_with(|| {
+            let table = ReferenceTable::new(element(kind), element(kind).mass_quadrature(), kind.n_nodes());
+            let jacobians = Jacobians::new(kind, &table.points);
+            (table, jacobians)
+        });
+        X.clear();
+        X.extend(nodes.iter().map(|&node| mesh.points()[node as usize]));
+        jacobians.dets(&X, &mut weights);
+        weights.iter_mut().zip(&table.weights).for_each(|(det, weight)| *det *= weight);
+        visit(cell as usize, &X, table, &weights);
     }
 }
 

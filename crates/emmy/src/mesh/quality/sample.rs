@@ -4,9 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::element::{CellShape, ReferenceElement, element, jacobian};
+use crate::element::{CellShape, Jacobians, element};
 use crate::mesh::CellKind;
-use crate::tensor::det;
+use crate::tensor::{det, dot3, three};
 
 /// Measures of one cell.
 pub(super) struct Measures {
@@ -23,13 +23,13 @@ impl Measures {
     }
 }
 
-/// Data shared by the cells of a kind: gradients of the shape functions at all sample points, and the edges.
+/// Data shared by the cells of a kind: Jacobians at all sample points, and the edges.
 pub(in crate::mesh) struct Sample {
     weights: Vec<f64>,
     kind: CellKind,
     /// Points of the mass quadrature, with the weights, then the other points of the internal force.
-    at_quadrature: Vec<Vec<[f64; 3]>>,
-    at_nodes: Vec<Vec<[f64; 3]>>,
+    at_quadrature: Jacobians,
+    at_nodes: Jacobians,
     edges: Vec<[usize; 2]>,
     /// Corners, each with three of its neighbours in the order in which their edges span a positive volume.
     spans: Vec<[usize; 4]>,
@@ -46,14 +46,13 @@ impl Sample {
     fn new(kind: CellKind) -> Self {
         let curved = element(kind);
         let mass = element(kind).mass_quadrature();
-        let mut at_quadrature = gradients(curved, &mass.points);
         let of_force = curved.quadrature().points.into_iter().filter(|point| !mass.points.contains(point));
-        at_quadrature.extend(gradients(curved, &of_force.collect::<Vec<_>>()));
+        let points: Vec<_> = mass.points.iter().copied().chain(of_force).collect();
         Sample {
             kind,
             weights: mass.weights,
-            at_quadrature,
-            at_nodes: gradients(curved, curved.nodes()),
+            at_quadrature: Jacobians::new(kind, &points),
+            at_nodes: Jacobians::new(kind, curved.nodes()),
             edges: edges(kind),
             spans: spans(kind),
             ideal: ideal(kind),
@@ -62,29 +61,30 @@ impl Sample {
 
     /// Whether det(dX/dxi) is negative at the first point of quadrature.
     pub(in crate::mesh) fn begins_negative(&self, X: &[[f64; 3]]) -> bool {
-        self.at_quadrature.first().is_some_and(|dN| det(&jacobian(self.kind, X, dN)) < 0.0)
+        self.at_quadrature.of(X).next().is_some_and(|J| det(&J) < 0.0)
     }
 
     /// Whether det(dX/dxi) is positive at all points of quadrature.
     pub(in crate::mesh) fn is_positive(&self, X: &[[f64; 3]]) -> bool {
-        self.at_quadrature.iter().all(|dN| det(&jacobian(self.kind, X, dN)) > 0.0)
+        self.at_quadrature.of(X).all(|J| det(&J) > 0.0)
     }
 
     /// Measures of a cell by the positions of its nodes.
     pub(super) fn measures(&self, X: &[[f64; 3]]) -> Measures {
-        let dets: Vec<f64> = self.at_quadrature.iter().map(|dN| det(&jacobian(self.kind, X, dN))).collect();
+        let mut dets = Vec::new();
+        self.at_quadrature.dets(X, &mut dets);
         let volume: f64 = self.weights.iter().zip(&dets).map(|(w, det)| w * det).sum();
         let mean = volume / self.weights.iter().sum::<f64>();
-        let smallest_det = dets.into_iter().reduce(smaller).unwrap_or(f64::NAN);
-        let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(self.kind, X, dN)));
-        let lengths: Vec<f64> = self.edges.iter().map(|&[a, b]| distance(X[a], X[b])).collect();
-        let shortest = lengths.iter().copied().reduce(smaller);
-        let longest = lengths.iter().copied().reduce(f64::max);
+        let smallest_det = dets.iter().copied().reduce(smaller).unwrap_or(f64::NAN);
+        self.at_nodes.dets(X, &mut dets);
+        let lengths = self.edges.iter().map(|&[a, b]| length(three(|i| X[a][i] - X[b][i])));
+        let both = lengths.map(|length| [length; 2]).reduce(|a, b| [smaller(a[0], b[0]), a[1].max(b[1])]);
+        let [shortest, longest] = both.unwrap_or([f64::NAN; 2]);
         Measures {
             smallest_det,
-            jacobian_ratio: at_nodes.fold(smallest_det, smaller) / mean.abs(),
+            jacobian_ratio: dets.into_iter().fold(smallest_det, smaller) / mean.abs(),
             scaled_jacobian: self.scaled_jacobian(X),
-            aspect_ratio: longest.unwrap_or(f64::NAN) / shortest.unwrap_or(f64::NAN),
+            aspect_ratio: longest / shortest,
             volume,
         }
     }
@@ -95,11 +95,9 @@ impl Sample {
         }
         let is_plane = self.kind.dimension() == 2;
         let scaled = |&[corner, a, b, c]: &[usize; 4]| {
-            let mut edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
-            if is_plane {
-                edges[2] = [0.0, 0.0, 1.0];
-            }
-            let product: f64 = edges.iter().map(|edge| distance(*edge, [0.0; 3])).product();
+            let edge = |end: usize| three(|i| X[end][i] - X[corner][i]);
+            let edges = [edge(a), edge(b), if is_plane { [0.0, 0.0, 1.0] } else { edge(c) }];
+            let product = length(edges[0]) * length(edges[1]) * length(edges[2]);
             // An edge of length zero spans no volume.
             if product == 0.0 { 0.0 } else { self.ideal * det(&edges) / product }
         };
@@ -114,15 +112,6 @@ fn ideal(kind: CellKind) -> f64 {
         CellShape::Wedge | CellShape::Triangle => 2.0 / 3f64.sqrt(),
         CellShape::Hexahedron | CellShape::Quadrilateral | CellShape::Line => 1.0,
     }
-}
-
-fn gradients(element: &dyn ReferenceElement<3>, points: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
-    let at = |&xi: &[f64; 3]| {
-        let mut dN = vec![[0.0; 3]; element.nodes().len()];
-        element.gradient(xi, &mut dN);
-        dN
-    };
-    points.iter().map(at).collect()
 }
 
 /// Pairs of corners joined by an edge, without repetition.
@@ -181,6 +170,6 @@ fn smaller(a: f64, b: f64) -> f64 {
     crate::tensor::Lane::min(a, b)
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+fn length(a: [f64; 3]) -> f64 {
+    dot3(a, a).sqrt()
 }
