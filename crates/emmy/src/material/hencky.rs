@@ -87,12 +87,8 @@ impl Separable for Hencky {
         (of_mean + change.sum * change.difference * 2.0) * self.mu
     }
     #[inline(always)]
-    fn slope<L: Lane>(&self, e: L) -> L {
-        e * (2.0 * self.mu)
-    }
-    #[inline(always)]
-    fn curvature<L: Lane>(&self, e: L) -> L {
-        e.splat(2.0 * self.mu)
+    fn derivatives<L: Lane>(&self, e: L) -> [L; 2] {
+        [e * (2.0 * self.mu), e.splat(2.0 * self.mu)]
     }
     #[inline(always)]
     fn divided_difference<L: Lane>(&self, e: L, _: L) -> L {

@@ -138,20 +138,15 @@ impl Separable for Ogden {
         )
     }
     #[inline(always)]
-    fn slope<L: Lane>(&self, e: L) -> L {
-        self.sum(
-            e,
-            #[inline(always)]
-            |mu, alpha| (e * alpha).exp_m1() * mu,
-        )
-    }
-    #[inline(always)]
-    fn curvature<L: Lane>(&self, e: L) -> L {
-        self.sum(
-            e,
-            #[inline(always)]
-            |mu, alpha| (e.splat(1.0) + (e * alpha).exp_m1()) * (mu * alpha),
-        )
+    fn derivatives<L: Lane>(&self, e: L) -> [L; 2] {
+        let one = e.splat(1.0);
+        let [mut slope, mut curvature] = [e.splat(0.0); 2];
+        for &(mu, alpha) in &self.terms {
+            let rise = (e * alpha).exp_m1();
+            slope += rise * mu;
+            curvature += (one + rise) * (mu * alpha);
+        }
+        [slope, curvature]
     }
     /// mu alpha exp(alpha e) (exp(alpha difference) - 1) / (alpha difference).
     #[inline(always)]
