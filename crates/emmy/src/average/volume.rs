@@ -102,8 +102,7 @@ impl<L: Lane> VolumeAverage<L> {
     ) {
         let factor = strain[0].splat(factor);
         self.gradients[l] = *gradient;
-        self.change[l] = measure.change(strain);
-        self.direction[l] = measure.direction(strain);
+        (self.change[l], self.direction[l]) = measure.change_and_direction(strain);
         if request == Request::Tangent {
             self.response[l] = sym_scaled(factor, &self.direction[l]);
             self.curvature[l] = scaled(factor, &measure.curvature(strain));

@@ -102,6 +102,10 @@ impl Isochoric for ArrudaBoyce {
         self.polynomial.value(x)
     }
     #[inline(always)]
+    fn energy_change<L: Lane>(&self, x: L, dx: L) -> L {
+        self.polynomial.change(x, dx)
+    }
+    #[inline(always)]
     fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
         self.polynomial.derivatives(x)
     }

@@ -80,6 +80,12 @@ impl Isochoric for Gent {
         (x * (-1.0 / self.jm)).ln_1p() * (-0.5 * self.mu * self.jm)
     }
     #[inline(always)]
+    fn energy_change<L: Lane>(&self, x: L, dx: L) -> L {
+        let left = x.splat(self.jm) - x;
+        let change = (-dx / left).ln_1p() * (-0.5 * self.mu * self.jm);
+        left.select_below(x.splat(0.0), x.splat(f64::NAN), change)
+    }
+    #[inline(always)]
     fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
         let left = x.splat(1.0) - x * (1.0 / self.jm);
         let slope = x.splat(0.5 * self.mu) / left;

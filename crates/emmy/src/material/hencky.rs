@@ -1,6 +1,7 @@
 //! Hencky material.
 
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::principal::StrainChange;
 use super::spectral::Separable;
 use super::volumetric::Volume;
 use super::{Volumetric, lame, split_material, stable_lame};
@@ -79,13 +80,15 @@ impl Separable for Hencky {
     fn energy<L: Lane>(&self, e: L) -> L {
         e * e * self.mu
     }
+    /// The sum of the squares is 6 m^2 + 2 d^2, with the mean m and half the gap d of e_2 and e_3.
     #[inline(always)]
-    fn slope<L: Lane>(&self, e: L) -> L {
-        e * (2.0 * self.mu)
+    fn energy_change<L: Lane>(&self, change: &StrainChange<L>) -> L {
+        let of_mean = change.mean_change * (change.mean * 2.0 + change.mean_change) * 6.0;
+        (of_mean + change.sum * change.difference * 2.0) * self.mu
     }
     #[inline(always)]
-    fn curvature<L: Lane>(&self, e: L) -> L {
-        e.splat(2.0 * self.mu)
+    fn derivatives<L: Lane>(&self, e: L) -> [L; 2] {
+        [e * (2.0 * self.mu), e.splat(2.0 * self.mu)]
     }
     #[inline(always)]
     fn divided_difference<L: Lane>(&self, e: L, _: L) -> L {

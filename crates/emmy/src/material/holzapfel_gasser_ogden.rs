@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::invariants::{add_dyad, commuting_product};
-use super::isochoric::{Distortion, SecondDerivative};
+use super::isochoric::{IsochoricStretch, SecondDerivative};
 use super::model::{
     BULK_MODULUS, Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values,
 };
@@ -86,7 +86,7 @@ impl HolzapfelGasserOgden {
     /// E_f = (I1bar - 3)/3 + (1 - 3 kappa) g (a . b a)
     /// ```
     #[inline(always)]
-    fn fibre_strain<L: Lane>(&self, of: &Distortion<L>, fibre: &Sym<f64>) -> L {
+    fn fibre_strain<L: Lane>(&self, of: &IsochoricStretch<L>, fibre: &Sym<f64>) -> L {
         let zero = of.mean.splat(0.0);
         let strain = of.g_m1 + of.g() * double_dot_constant(&of.b, fibre) * self.alignment;
         strain.select_below(zero, zero, strain)
@@ -111,7 +111,7 @@ impl HolzapfelGasserOgden {
     #[inline(always)]
     fn fibre_direction<L: Lane>(
         &self,
-        of: &Distortion<L>,
+        of: &IsochoricStretch<L>,
         inverse: &Sym<L>,
         matrix: &Sym<L>,
         fibre: &Sym<f64>,
@@ -127,7 +127,7 @@ impl HolzapfelGasserOgden {
 
     /// 2 dI1bar/dC = 2 g C^-1 b.
     #[inline(always)]
-    fn matrix_direction<L: Lane>(of: &Distortion<L>, inverse: &Sym<L>) -> Sym<L> {
+    fn matrix_direction<L: Lane>(of: &IsochoricStretch<L>, inverse: &Sym<L>) -> Sym<L> {
         sym_scaled(of.g() * 2.0, &commuting_product(inverse, &of.b))
     }
 }
@@ -181,7 +181,7 @@ impl Material for HolzapfelGasserOgden {
 
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
-        let of = Distortion::of(E);
+        let of = IsochoricStretch::of(E);
         let mut W = of.x() * (0.5 * self.mu) + self.volume.energy(of.ln_J);
         for fibre in &self.fibres {
             let strain = self.fibre_strain(&of, fibre);
@@ -192,7 +192,7 @@ impl Material for HolzapfelGasserOgden {
 
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
-        let of = Distortion::of(E);
+        let of = IsochoricStretch::of(E);
         let inverse = of.inverse();
         let matrix = Self::matrix_direction(&of, &inverse);
         let mut S = sym_scaled(of.mean.splat(0.5 * self.mu), &matrix);
@@ -206,7 +206,7 @@ impl Material for HolzapfelGasserOgden {
 
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
-        let of = Distortion::of(E);
+        let of = IsochoricStretch::of(E);
         let inverse = of.inverse();
         let scale = of.g() / of.mean;
         let one = of.mean.splat(1.0);

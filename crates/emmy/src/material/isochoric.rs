@@ -1,24 +1,20 @@
 //! Energies of the isochoric invariants: stress and elasticity of all these materials.
 //!
-//! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
+//! With the mean m and the distortion b of [`super::distortion`] and `g = (1 - w)^(-1/3)`
 //!
 //! ```math
-//! C = m (I + b),      m = tr C / 3,      tr b = 0,      det(I + b) = 1 - w,      w = b:b/2 - det b
-//! ```
-//!
-//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 -
-//! w)^(-1/3)`
-//!
-//! ```math
-//! I1bar - 3 = 3 (g - 1),      I2bar - 3 = 3 (g^2 - 1) - g^2 b:b/2,      J^2 = m^3 (1 - w)
+//! I1bar - 3 = 3 (g - 1),      I2bar - 3 = 3 (g^2 - 1) - g^2 b:b/2
 //! ```
 
 #![allow(non_snake_case)]
 
+use std::ops::Deref;
+
 use super::VolumeLaw;
+use super::distortion::{Distortion, DistortionChange};
 use super::invariants::{add_dyad, add_dyads, commuting_product, inverse_dyads};
 use super::volumetric::Volume;
-use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym, sym_cofactor, sym_det, sym_scaled, trace};
+use crate::tensor::{Elasticity, Lane, Sym, sym, sym_scaled};
 
 /// A material whose energy is one of the isochoric invariants and one of the volume.
 ///
@@ -32,6 +28,8 @@ pub(super) trait Isochoric {
     fn with_volume(&self, volume: Volume) -> Self;
     /// f.
     fn energy<L: Lane>(&self, x: L) -> L;
+    /// f(x + dx) - f(x), without cancellation.
+    fn energy_change<L: Lane>(&self, x: L, dx: L) -> L;
     /// First and second derivative of f.
     fn derivatives<L: Lane>(&self, x: L) -> [L; 2];
     /// c.
@@ -47,35 +45,27 @@ pub(super) fn split<M: Isochoric>(material: &M, share: f64) -> Option<(M, Volume
     Some((material.with_volume(kept), law))
 }
 
-/// Mean, distortion and volume of a deformation.
-pub(super) struct Distortion<L> {
-    /// m.
-    pub mean: L,
-    /// b.
-    pub b: Sym<L>,
-    /// b:b / 2.
-    pub q: L,
-    /// det b.
-    pub det: L,
-    /// ln J.
-    pub ln_J: L,
+/// A distortion with its power g.
+pub(super) struct IsochoricStretch<L> {
+    distortion: Distortion<L>,
     /// g - 1.
     pub g_m1: L,
 }
 
-impl<L: Lane> Distortion<L> {
+impl<L> Deref for IsochoricStretch<L> {
+    type Target = Distortion<L>;
+    #[inline(always)]
+    fn deref(&self) -> &Distortion<L> {
+        &self.distortion
+    }
+}
+
+impl<L: Lane> IsochoricStretch<L> {
     #[inline(always)]
     pub(super) fn of(E: &Sym<L>) -> Self {
-        let one = E[0].splat(1.0);
-        let a = trace(E) * (2.0 / 3.0);
-        let mean = one + a;
-        let deviator = [E[0] * 2.0 - a, E[1] * 2.0 - a, E[2] * 2.0 - a, E[3] * 2.0, E[4] * 2.0, E[5] * 2.0];
-        let b = sym_scaled(one / mean, &deviator);
-        let q = double_dot(&b, &b) * 0.5;
-        let det = sym_det(&b);
-        let ln_det = (det - q).ln_1p();
-        let ln_J = (a.ln_1p() * 3.0 + ln_det) * 0.5;
-        Distortion { mean, b, q, det, ln_J, g_m1: (ln_det * (-1.0 / 3.0)).exp_m1() }
+        let distortion = Distortion::of(E);
+        let g_m1 = (distortion.ln_det * (-1.0 / 3.0)).exp_m1();
+        IsochoricStretch { distortion, g_m1 }
     }
 
     /// g.
@@ -90,27 +80,34 @@ impl<L: Lane> Distortion<L> {
         self.g_m1 * 3.0
     }
 
+    /// g^2 - 1.
+    #[inline(always)]
+    fn square_m1(&self) -> L {
+        self.g_m1 * (self.g_m1 + self.mean.splat(2.0))
+    }
+
     /// I2bar - 3.
     #[inline(always)]
-    pub(super) fn y(&self) -> L {
-        let square_m1 = self.g_m1 * (self.g_m1 + self.mean.splat(2.0));
+    fn y(&self) -> L {
+        let square_m1 = self.square_m1();
         square_m1 * 3.0 - self.q * (square_m1 + self.mean.splat(1.0))
     }
 
-    /// C^-1.
+    /// Changes of I1bar and I2bar.
     #[inline(always)]
-    pub(super) fn inverse(&self) -> Sym<L> {
-        let one = self.mean.splat(1.0);
-        let b = &self.b;
-        let cofactor = sym_cofactor(&[b[0] + one, b[1] + one, b[2] + one, b[3], b[4], b[5]]);
-        sym_scaled(one / (self.mean * (one - self.q + self.det)), &cofactor)
+    fn change(&self, change: &DistortionChange<L>) -> [L; 2] {
+        let g = self.g();
+        let of_g = g * (change.ln_det * (-1.0 / 3.0)).exp_m1();
+        let of_square = of_g * (g * 2.0 + of_g);
+        let square = self.square_m1() + self.mean.splat(1.0) + of_square;
+        [of_g * 3.0, of_square * (self.mean.splat(3.0) - self.q) - square * change.q]
     }
 
     /// b - dev(b^2), which belongs to I2bar as b belongs to I1bar.
     #[inline(always)]
     fn second_direction(&self) -> Sym<L> {
         let b = &self.b;
-        let square = commuting_product(&self.b, &self.b);
+        let square = self.square();
         let third = self.q * (2.0 / 3.0);
         sym(
             #[inline(always)]
@@ -162,7 +159,7 @@ impl<L: Lane> SecondDerivative<L> {
     /// 4 J^(-4/3) [4/9 I2 B (x) B + I2/3 (B_ik B_jl + B_il B_jk) - 2/3 (X (x) B + B (x) X) + I (x) I - 1],  X = I1 I - C
     /// ```
     #[inline(always)]
-    fn add_second(&mut self, c: f64, of: &Distortion<L>) -> L {
+    fn add_second(&mut self, c: f64, of: &IsochoricStretch<L>) -> L {
         let g = of.g();
         let isochoric = g * g * (of.mean.splat(3.0) - of.q) * (4.0 * c); // 4 c J^(-4/3) I2
         self.alpha += isochoric * (4.0 / 9.0);
@@ -186,7 +183,7 @@ impl<L: Lane> SecondDerivative<L> {
 
 #[inline(always)]
 pub(super) fn strain_energy<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> L {
-    let distortion = Distortion::of(E);
+    let distortion = IsochoricStretch::of(E);
     let energy = material.energy(distortion.x()) + material.volume().energy(distortion.ln_J);
     match material.second_modulus() {
         0.0 => energy,
@@ -195,8 +192,21 @@ pub(super) fn strain_energy<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> L
 }
 
 #[inline(always)]
+pub(super) fn energy_change<L: Lane>(material: &impl Isochoric, E: &Sym<L>, dE: &Sym<L>) -> L {
+    let start = IsochoricStretch::of(E);
+    let change = start.distortion.change(dE);
+    let [dx, dy] = start.change(&change);
+    let energy =
+        material.energy_change(start.x(), dx) + material.volume().energy_change(start.ln_J, change.ln_J);
+    match material.second_modulus() {
+        0.0 => energy,
+        c => energy + dy * c,
+    }
+}
+
+#[inline(always)]
 pub(super) fn stress<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> Sym<L> {
-    let distortion = Distortion::of(E);
+    let distortion = IsochoricStretch::of(E);
     let slope = material.derivatives(distortion.x())[0];
     stress_of(material, &distortion, slope, &distortion.inverse())
 }
@@ -205,7 +215,12 @@ pub(super) fn stress<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> Sym<L> {
 /// S = C^-1 [2 f' g b + 2 c g^2 (b - dev b^2) + dW_vol/d(ln J) I]
 /// ```
 #[inline(always)]
-fn stress_of<L: Lane>(material: &impl Isochoric, of: &Distortion<L>, slope: L, inverse: &Sym<L>) -> Sym<L> {
+fn stress_of<L: Lane>(
+    material: &impl Isochoric,
+    of: &IsochoricStretch<L>,
+    slope: L,
+    inverse: &Sym<L>,
+) -> Sym<L> {
     let g = of.g();
     let mut M = sym_scaled(slope * g * 2.0, &of.b);
     let c = material.second_modulus();
@@ -229,7 +244,7 @@ pub(super) fn stress_and_elasticity<L: Lane>(
     material: &impl Isochoric,
     E: &Sym<L>,
 ) -> (Sym<L>, Elasticity<L>) {
-    let of = Distortion::of(E);
+    let of = IsochoricStretch::of(E);
     let [slope, curvature] = material.derivatives(of.x());
     let inverse = of.inverse();
     let one = of.mean.splat(1.0);

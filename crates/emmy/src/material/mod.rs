@@ -10,6 +10,7 @@ mod axes;
 mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
+mod distortion;
 mod formula;
 mod gent;
 mod hencky;
@@ -24,6 +25,7 @@ mod neo_hooke_isochoric;
 mod ogden;
 mod orthotropic;
 mod polynomial;
+mod principal;
 pub(crate) mod response;
 mod saint_venant_kirchhoff;
 mod spectral;
@@ -232,6 +234,14 @@ macro_rules! split_material {
             #[inline(always)]
             fn strain_energy<L: Lane>(&self, E: &crate::tensor::Sym<L>) -> L {
                 super::$room::strain_energy(self, E)
+            }
+            #[inline(always)]
+            fn energy_change<L: Lane>(
+                &self,
+                E: &crate::tensor::Sym<L>,
+                dE: &crate::tensor::Sym<L>,
+            ) -> Option<L> {
+                Some(super::$room::energy_change(self, E, dE))
             }
             #[inline(always)]
             fn stress<L: Lane>(&self, E: &crate::tensor::Sym<L>) -> crate::tensor::Sym<L> {

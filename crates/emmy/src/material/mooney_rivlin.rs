@@ -89,6 +89,10 @@ impl Isochoric for MooneyRivlin {
         x * self.c10
     }
     #[inline(always)]
+    fn energy_change<L: Lane>(&self, _: L, dx: L) -> L {
+        dx * self.c10
+    }
+    #[inline(always)]
     fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
         [x.splat(self.c10), x.splat(0.0)]
     }

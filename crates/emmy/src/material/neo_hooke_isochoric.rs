@@ -70,6 +70,10 @@ impl Isochoric for NeoHookeIsochoric {
         x * (0.5 * self.mu)
     }
     #[inline(always)]
+    fn energy_change<L: Lane>(&self, _: L, dx: L) -> L {
+        dx * (0.5 * self.mu)
+    }
+    #[inline(always)]
     fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
         [x.splat(0.5 * self.mu), x.splat(0.0)]
     }

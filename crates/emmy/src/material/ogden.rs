@@ -1,6 +1,7 @@
 //! Ogden material.
 
 use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
+use super::principal::{StrainChange, sinh_cosh_m1};
 use super::spectral::Separable;
 use super::volumetric::Volume;
 use super::{Volumetric, finite, fulfils, split_material};
@@ -106,21 +107,46 @@ impl Separable for Ogden {
             |mu, alpha| exp_m1_minus(e * alpha) * (mu / alpha),
         )
     }
+    /// With the mean m and half the gap d of e_2 and e_3, `u = e^(alpha m) - 1` and `v = e^(alpha dm) - 1`, a term is
+    ///
+    /// ```math
+    /// mu/alpha [(e^(-2 alpha m) - 1) (e^(-2 alpha dm) - 1) + v^2 (3 + 2 v)/(1 + v)^2 + 2 v (e^(alpha m) cosh(alpha d) - 1)
+    ///     + 4 (1 + u) (1 + v) sinh(alpha (d' + d)/2) sinh(alpha (d' - d)/2)]
+    /// ```
     #[inline(always)]
-    fn slope<L: Lane>(&self, e: L) -> L {
+    fn energy_change<L: Lane>(&self, change: &StrainChange<L>) -> L {
+        let one = change.mean.splat(1.0);
+        let two = change.mean.splat(2.0);
         self.sum(
-            e,
+            one,
             #[inline(always)]
-            |mu, alpha| (e * alpha).exp_m1() * mu,
+            |mu, alpha| {
+                let u = (change.mean * alpha).exp_m1();
+                let v = (change.mean_change * alpha).exp_m1();
+                let power = (one + u) * (one + v);
+                let inverse = one / (power * power);
+                let far = u * (two + u) * v * (two + v) * inverse;
+                let bent = v * v * (v * 2.0 + one * 3.0) * (one + u) * (one + u) * inverse;
+                let [sinh_sum, cosh_sum] = sinh_cosh_m1(change.sum * (0.5 * alpha));
+                let [sinh, cosh] = sinh_cosh_m1(change.difference * (0.5 * alpha));
+                // cosh(alpha d) - 1
+                let start = cosh_sum + cosh + (cosh_sum * cosh - sinh_sum * sinh);
+                let moved = v * (u + start + u * start) * 2.0;
+                let opened = power * sinh_sum * sinh * 4.0;
+                (far + bent + (moved + opened)) * (mu / alpha)
+            },
         )
     }
     #[inline(always)]
-    fn curvature<L: Lane>(&self, e: L) -> L {
-        self.sum(
-            e,
-            #[inline(always)]
-            |mu, alpha| (e.splat(1.0) + (e * alpha).exp_m1()) * (mu * alpha),
-        )
+    fn derivatives<L: Lane>(&self, e: L) -> [L; 2] {
+        let one = e.splat(1.0);
+        let [mut slope, mut curvature] = [e.splat(0.0); 2];
+        for &(mu, alpha) in &self.terms {
+            let rise = (e * alpha).exp_m1();
+            slope += rise * mu;
+            curvature += (one + rise) * (mu * alpha);
+        }
+        [slope, curvature]
     }
     /// mu alpha exp(alpha e) (exp(alpha difference) - 1) / (alpha difference).
     #[inline(always)]

@@ -17,6 +17,18 @@ impl<const N: usize> Polynomial<N> {
         sum
     }
 
+    /// Its value at `x + dx` less that at x, without cancellation.
+    #[inline(always)]
+    pub(super) fn change<L: Lane>(&self, x: L, dx: L) -> L {
+        let end = x + dx;
+        let (mut value, mut quotient) = (x.splat(0.0), x.splat(0.0));
+        for &c in self.0.iter().rev() {
+            quotient = quotient * end + (value + x.splat(c));
+            value = (value + x.splat(c)) * x;
+        }
+        quotient * dx
+    }
+
     /// Its first and second derivative.
     #[inline(always)]
     pub(super) fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
@@ -40,6 +52,7 @@ mod tests {
     fn values_and_derivatives_match_the_powers() {
         let polynomial = Polynomial([2.0, -3.0, 5.0]);
         assert_eq!(polynomial.value(2.0), 4.0 - 12.0 + 40.0);
+        assert_eq!(polynomial.change(2.0, 1.0), 6.0 - 27.0 + 135.0 - polynomial.value(2.0));
         assert_eq!(polynomial.derivatives(2.0), [2.0 - 12.0 + 60.0, -6.0 + 60.0]);
     }
 }

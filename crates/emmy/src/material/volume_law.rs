@@ -4,7 +4,7 @@
 
 use super::Volumetric;
 use super::invariants::{inverse_dyads, right_cauchy_green, volume_change};
-use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled, trace};
+use crate::tensor::{Elasticity, Lane, Sym, dot3, sym_cofactor, sym_det, sym_scaled, trace};
 
 /// Measure theta of a change of volume, zero in the reference configuration.
 ///
@@ -48,15 +48,25 @@ impl VolumeMeasure {
     /// ```
     #[inline(always)]
     pub fn direction<L: Lane>(self, strain: &Sym<L>) -> Sym<L> {
+        self.change_and_direction(strain).1
+    }
+
+    /// theta and B, which share most of their computation.
+    #[inline(always)]
+    pub(crate) fn change_and_direction<L: Lane>(self, strain: &Sym<L>) -> (L, Sym<L>) {
         let one = strain[0].splat(1.0);
         match self {
             VolumeMeasure::Ratio => {
-                let C = right_cauchy_green(&sym_scaled(one.splat(2.0), strain));
-                sym_scaled(one / sym_det(&C).sqrt(), &sym_cofactor(&C))
+                let A = sym_scaled(one.splat(2.0), strain);
+                let C = right_cauchy_green(&A);
+                let cofactor = sym_cofactor(&C);
+                let J = dot3([C[0], C[3], C[5]], [cofactor[0], cofactor[3], cofactor[5]]).sqrt();
+                let inverse = one / (J * (one + J));
+                (volume_change(&A) * J * inverse, sym_scaled((one + J) * inverse, &cofactor))
             }
             VolumeMeasure::Trace => {
                 let zero = one.splat(0.0);
-                [one, one, one, zero, zero, zero]
+                (trace(strain), [one, one, one, zero, zero, zero])
             }
         }
     }

@@ -4,7 +4,7 @@
 
 use super::{VolumeLaw, VolumeMeasure, positive};
 use crate::error::Result;
-use crate::tensor::{Lane, exp_m1_minus};
+use crate::tensor::{Lane, exp_m1_minus, inlined};
 
 /// The law by which a material resists a change of volume, with the bulk modulus K.
 ///
@@ -114,17 +114,42 @@ impl Volume {
         }
     }
 
+    /// W_vol at `ln J + change` less that at ln J, without cancellation.
+    #[inline(always)]
+    pub(super) fn energy_change<L: Lane>(&self, ln_J: L, change: L) -> L {
+        // e^2(l + d) - e^2l - 2 d = (e^2l - 1) (e^2d - 1) + (e^2d - 1 - 2 d)
+        let grown = inlined!(|l: L, d: L| l.exp_m1() * d.exp_m1() + exp_m1_minus(d));
+        let over_bulk_modulus = match self.law {
+            Volumetric::Logarithmic => change * (ln_J * 2.0 + change) * 0.5,
+            Volumetric::Quadratic => {
+                let e = ln_J.exp_m1();
+                let rise = (e + e.splat(1.0)) * change.exp_m1();
+                rise * (e * 2.0 + rise) * 0.5
+            }
+            Volumetric::SimoTaylor => grown(ln_J * 2.0, change * 2.0) * 0.25,
+            Volumetric::Miehe => grown(ln_J, change),
+            Volumetric::Liu => {
+                let rise = change.exp_m1();
+                let bent = change * rise - exp_m1_minus(change);
+                (ln_J.exp_m1() + ln_J.splat(1.0)) * (ln_J * rise + bent)
+            }
+        };
+        over_bulk_modulus * self.bulk_modulus
+    }
+
     /// Kirchhoff pressure dW_vol/d(ln J) at ln J.
     #[inline(always)]
     pub(super) fn pressure<L: Lane>(&self, ln_J: L) -> L {
         let one = ln_J.splat(1.0);
-        let e = ln_J.exp_m1();
         let over_bulk_modulus = match self.law {
             Volumetric::Logarithmic => ln_J,
-            Volumetric::Quadratic => e * (one + e),
+            Volumetric::Quadratic => {
+                let e = ln_J.exp_m1();
+                e * (one + e)
+            }
             Volumetric::SimoTaylor => (ln_J * 2.0).exp_m1() * 0.5,
-            Volumetric::Miehe => e,
-            Volumetric::Liu => ln_J * (one + e),
+            Volumetric::Miehe => ln_J.exp_m1(),
+            Volumetric::Liu => ln_J * (one + ln_J.exp_m1()),
         };
         over_bulk_modulus * self.bulk_modulus
     }
@@ -177,6 +202,12 @@ pub(super) mod tests {
                 assert!(error.to_f64().value().abs() < 2e-15, "{law:?} at {x}");
                 let dual = Dual64::new(x, 1.0);
                 let close = |a: f64, b: f64| (a - b).abs() <= 1e-14 * b.abs();
+                for change in [0.1 * x, -1e-7 * x, 1e-12] {
+                    let end = energy(law, 3.0, &((big(x) + big(change)) * big(2.0)).exp());
+                    let error = (big(volume.energy_change(x, change)) - (end - &exact)).to_f64().value();
+                    let scale = volume.pressure(x).abs() + volume.stiffness(x).abs() * change.abs();
+                    assert!(error.abs() < 4e-15 * scale * change.abs(), "{law:?} from {x} by {change}");
+                }
                 assert!(close(volume.energy(dual).eps, volume.pressure(x)), "{law:?} at {x}");
                 assert!(close(volume.pressure(dual).eps, volume.stiffness(x)), "{law:?} at {x}");
             }

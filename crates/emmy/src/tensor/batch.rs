@@ -1,12 +1,10 @@
 //! Batches of points in the lanes of a SIMD register of the instruction set found at run time.
 
-#![allow(non_snake_case)]
-
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use pulp::{Simd, WithSimd};
 
-use super::{Lane, Mat3, Sym, eigen, mat3};
+use super::Lane;
 
 /// Points of a batch: the number of lanes of the widest register. Narrower ones process a batch in parts.
 pub const LANES: usize = 8;
@@ -318,35 +316,6 @@ impl<S: Simd> Lane for Batch<S> {
     #[inline(always)]
     fn vectorize<T>(self, function: impl FnMut() -> T) -> T {
         self.simd.vectorize(Call(function))
-    }
-    #[inline(always)]
-    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
-        let mut tensors = [Packed([0.0; LANES]); 6];
-        for a in 0..6 {
-            A[a].store(&mut tensors[a], 0);
-        }
-        let mut values = [Packed([0.0; LANES]); 3];
-        let mut vectors = [[Packed([0.0; LANES]); 3]; 3];
-        for lane in 0..S::F64_LANES {
-            let (value, Q) = eigen(&tensors.map(
-                #[inline(always)]
-                |tensor| tensor.0[lane],
-            ));
-            for i in 0..3 {
-                values[i].0[lane] = value[i];
-            }
-            for n in 0..9 {
-                vectors[n / 3][n % 3].0[lane] = Q[n / 3][n % 3];
-            }
-        }
-        let load = inlined!(|from: &Packed| A[0].load(from, 0));
-        (
-            [load(&values[0]), load(&values[1]), load(&values[2])],
-            mat3(
-                #[inline(always)]
-                |i, j| load(&vectors[i][j]),
-            ),
-        )
     }
 }
 

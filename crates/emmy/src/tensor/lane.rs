@@ -2,14 +2,10 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use super::{Mat3, Sym, eigen};
-
 /// A number at one material point (`f64`) or at a batch of points in the lanes of a SIMD register.
 ///
 /// All code between the mesh and a material is written once over this trait. Constants are made from an existing number
-/// ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set. SIMD instructions cannot compute
-/// eigenvalues, so [`Lane::eigen`] belongs to the lane type: a batch takes its points one by one, and dual numbers
-/// differentiate.
+/// ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set.
 pub trait Lane:
     Copy
     + Add<Output = Self>
@@ -68,8 +64,6 @@ pub trait Lane:
     fn vectorize<T>(self, mut function: impl FnMut() -> T) -> T {
         function()
     }
-    /// Eigenvalues and eigenvectors (in columns) of a symmetric tensor: [`eigen`] in every lane.
-    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>);
 }
 
 impl Lane for f64 {
@@ -100,9 +94,5 @@ impl Lane for f64 {
     #[inline(always)]
     fn select_below(self, bound: f64, below: f64, otherwise: f64) -> f64 {
         if self < bound { below } else { otherwise }
-    }
-    #[inline(always)]
-    fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
-        eigen(A)
     }
 }

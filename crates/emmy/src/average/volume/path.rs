@@ -153,7 +153,9 @@ impl Rule {
         let chord = one / (det_1.sqrt() + J_2);
         if k == 1 {
             path.slopes[0] = chord;
-            path.slope_response[0] = -chord * chord * (one / J_2) * 0.5;
+            if request == Request::Tangent {
+                path.slope_response[0] = -chord * chord * (one / J_2) * 0.5;
+            }
             return;
         }
         let mut numerator = zero;

@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 
-use crate::tensor::{Lane, Mat3, SYM_INDEX, Sym, eigen, mat3};
+use crate::tensor::Lane;
 
 impl Lane for Dual64 {
     fn splat(self, constant: f64) -> Self {
@@ -25,17 +25,5 @@ impl Lane for Dual64 {
     }
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {
         if self.re < bound.re { below } else { otherwise }
-    }
-    /// dq_i = sum_j q_j (q_j . dA q_i) / (a_i - a_j): right where eigenvalues differ, which random ones do.
-    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
-        let (values, Q) = eigen(&A.map(|a| a.re));
-        let dA = |i: usize, j: usize| -> f64 {
-            (0..9).map(|n| Q[n / 3][i] * A[SYM_INDEX[n / 3][n % 3]].eps * Q[n % 3][j]).sum()
-        };
-        let rotation = |r: usize, i: usize| -> f64 {
-            (0..3).filter(|&j| j != i).map(|j| Q[r][j] * dA(j, i) / (values[i] - values[j])).sum()
-        };
-        let vector = |r: usize, i: usize| Dual64::new(Q[r][i], rotation(r, i));
-        ([0, 1, 2].map(|i| Dual64::new(values[i], dA(i, i))), mat3(vector))
     }
 }

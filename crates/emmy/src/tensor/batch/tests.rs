@@ -123,27 +123,3 @@ fn a_point_does_not_depend_on_its_neighbours() {
     let of = |z: [f64; LANES]| Arch::new().dispatch(Apply(Logarithm, [Packed(z); 3]))[0];
     assert_eq!(of([0.1; 8]), of([0.1, 1e9, -2.0, f64::NAN, 7.0, 0.0, 0.0, 0.0]));
 }
-
-#[test]
-fn eigenvalues_are_taken_lane_by_lane() {
-    struct Values([Packed; 6]);
-    impl WithSimd for Values {
-        type Output = [f64; LANES];
-        fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
-            let mut result = Packed([0.0; LANES]);
-            let zero = Batch::new(simd, 0.0);
-            for part in 0..LANES / S::F64_LANES {
-                let (values, Q) = Lane::eigen(&self.0.map(|a| zero.load(&a, part)));
-                (values[0] * Q[0][0] + values[1] * Q[0][1]).store(&mut result, part);
-            }
-            result.0
-        }
-    }
-    let tensor = |lane: usize| [0, 1, 2, 3, 4, 5].map(|a| ((7 * lane + a) as f64).sin());
-    let packed = [0, 1, 2, 3, 4, 5].map(|a| Packed(std::array::from_fn(|lane| tensor(lane)[a])));
-    let result = Arch::new().dispatch(Values(packed));
-    for lane in 0..LANES {
-        let (values, Q) = eigen(&tensor(lane));
-        assert_eq!(result[lane], values[0] * Q[0][0] + values[1] * Q[0][1]);
-    }
-}
