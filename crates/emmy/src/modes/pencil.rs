@@ -80,7 +80,7 @@ impl<'a> BodyPencil<'a> {
                 let diagonal = if (entry % 9).is_multiple_of(4) { shift * mass[entry / 9] } else { 0.0 };
                 matrix.block(entry / 9)[entry % 9] + diagonal
             })?;
-            if self.factor.factor().is_definite() {
+            if self.factor.is_definite() {
                 return Ok(());
             }
             self.shift = (LARGER * self.shift).max(f64::MIN_POSITIVE);

@@ -1,52 +1,30 @@
 //! Cholesky factorisation of a symmetric block matrix on a pattern, with some rows left out.
 
-use super::{Cholesky, Pattern};
+use super::Pattern;
+use super::factor::Factor;
+use super::lower::Lower;
 use crate::error::Result;
 
-/// Factorisation of a symmetric matrix of small square blocks, restricted to its free rows.
+/// Factorisation `L L^T` of a symmetric positive definite matrix of small square blocks, restricted to its free rows, or
+/// `L B L^T` if the matrix is indefinite.
 #[derive(Debug)]
 pub struct BlockCholesky {
-    factor: Cholesky,
-    /// Source of each entry of the lower triangle: `position components^2 + entry`.
-    sources: Vec<usize>,
-    /// Free scalar rows, ascending.
-    free: Vec<usize>,
-    values: Vec<f64>,
-    packed: Vec<f64>,
+    lower: Lower,
+    factor: Factor<f64>,
 }
+
+/// Largest number of right-hand sides solved at once, unless more are reserved.
+const MAX_COLUMNS: usize = 3;
 
 impl BlockCholesky {
     /// Symbolic factorisation. `components`: rows per block; `fixed: [n_rows components]`; `order[new] = old` of block
     /// rows.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfMemory`].
+    /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
     pub fn new(pattern: &Pattern, components: usize, fixed: &[bool], order: &[usize]) -> Result<Self> {
-        let free: Vec<usize> = (0..fixed.len()).filter(|&row| !fixed[row]).collect();
-        let mut number = vec![usize::MAX; fixed.len()];
-        free.iter().enumerate().for_each(|(index, &row)| number[row] = index);
-        let mut begin = vec![0];
-        let mut rows = Vec::new();
-        let mut sources = Vec::new();
-        for &column in &free {
-            let node = column / components;
-            let b = column % components;
-            for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
-                for a in 0..components {
-                    let row = other as usize * components + a;
-                    if row >= column && !fixed[row] {
-                        rows.push(number[row]);
-                        // The block of row `node`, transposed: symmetric matrices only.
-                        sources.push((position * components + b) * components + a);
-                    }
-                }
-            }
-            begin.push(rows.len());
-        }
-        let order = order.iter().flat_map(|&node| (0..components).map(move |a| node * components + a));
-        let order = order.filter(|&row| !fixed[row]).map(|row| number[row]).collect();
-        let factor = Cholesky::new(begin, rows, order)?;
-        Ok(BlockCholesky { factor, values: vec![0.0; sources.len()], sources, packed: Vec::new(), free })
+        let lower = Lower::new(pattern, components, fixed, order)?;
+        Ok(BlockCholesky { factor: Factor::new(&lower, MAX_COLUMNS)?, lower })
     }
 
     /// Reserves memory for the solution of `n_columns` right-hand sides at once; without it, there are three.
@@ -54,7 +32,8 @@ impl BlockCholesky {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub fn reserve(&mut self, n_columns: usize) -> Result<()> {
-        self.factor.reserve(n_columns)
+        self.factor = Factor::new(&self.lower, n_columns)?;
+        Ok(())
     }
 
     /// Numerical factorisation; `entry` returns an entry of the matrix by `position components^2 + components a + b`.
@@ -62,20 +41,20 @@ impl BlockCholesky {
     /// # Errors
     /// [`crate::Error::Linear`] if an entry is not finite or there is not enough memory.
     pub fn factorize(&mut self, entry: impl Fn(usize) -> f64) -> Result<()> {
-        self.values.iter_mut().zip(&self.sources).for_each(|(value, &source)| *value = entry(source));
-        self.factor.factorize(&self.values)
+        if !self.factor.factorize(&self.lower, |source| [entry(source), 0.0])? {
+            self.factor.factorize_indefinite(&self.lower)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the last matrix was positive definite.
+    pub fn is_definite(&self) -> bool {
+        !self.factor.is_indefinite()
     }
 
     /// Cost of a factorisation, in solutions.
     pub fn cost_over_solution(&self) -> f64 {
-        // A column with c entries takes c^2 operations in cache, and 2 c words from memory in a solution.
-        let entries_of_column = self.factor.n_entries() as f64 / self.free.len().max(1) as f64;
-        (0.04 * entries_of_column).max(4.0)
-    }
-
-    /// The factor itself.
-    pub fn factor(&self) -> &Cholesky {
-        &self.factor
+        self.lower.cost_over_solution()
     }
 
     /// Solves for several right-hand sides at once, each given by access to the scalar rows: `read(column, row)` and
@@ -87,23 +66,18 @@ impl BlockCholesky {
         read: impl Fn(&S, usize, usize) -> f64,
         mut write: impl FnMut(&mut S, usize, usize, f64),
     ) {
-        self.packed.clear();
-        for column in 0..n_columns {
-            self.packed.extend(self.free.iter().map(|&row| read(state, column, row)));
-        }
-        self.factor.solve(&mut self.packed, n_columns);
-        for column in 0..n_columns {
-            let solution = &self.packed[column * self.free.len()..];
-            for (&row, &value) in self.free.iter().zip(solution) {
-                write(state, column, row, value);
-            }
-        }
+        let read = |state: &S, column: usize, row: usize| [read(state, column, row), 0.0];
+        let write = |state: &mut S, column: usize, row: usize, [value, _]: [f64; 2]| {
+            write(state, column, row, value);
+        };
+        self.factor.solve(&self.lower, n_columns, state, read, write);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn free_rows_are_solved_and_fixed_ones_left_alone() {
@@ -141,5 +115,49 @@ mod tests {
             let expected = if row == 3 { 77.0 } else { expected };
             assert!((value - expected).abs() < 1e-14);
         }
+    }
+
+    /// A chain of rows, its factorisation, and entries of the tridiagonal matrix (-1, d, -1).
+    fn chain(n: u32) -> (Pattern, BlockCholesky) {
+        let lists: Vec<[u32; 2]> = (1..n).map(|row| [row - 1, row]).collect();
+        let pattern = Pattern::new(n as usize, lists.iter().map(|list| &list[..]));
+        let backwards: Vec<usize> = (0..n as usize).rev().collect();
+        let factor = BlockCholesky::new(&pattern, 1, &vec![false; n as usize], &backwards).unwrap();
+        (pattern, factor)
+    }
+
+    fn tridiagonal(pattern: &Pattern, d: f64) -> impl Fn(usize) -> f64 {
+        let diagonal: Vec<_> = (0..pattern.n_rows()).map(|row| pattern.position(row, row)).collect();
+        move |source| if diagonal.contains(&Some(source)) { d } else { -1.0 }
+    }
+
+    #[test]
+    fn definite_and_indefinite_systems_are_solved() {
+        let n = 50;
+        let (pattern, mut factor) = chain(n as u32);
+        for (d, definite) in [(2.5, true), (0.3, false)] {
+            factor.factorize(tridiagonal(&pattern, d)).unwrap();
+            assert_eq!(factor.is_definite(), definite);
+            let x: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
+            let mut rhs = vec![0.0; 2 * n];
+            for c in 0..2 {
+                let at = |i: usize| x[c * n + i];
+                for i in 0..n {
+                    let left = if i > 0 { at(i - 1) } else { 0.0 };
+                    let right = if i + 1 < n { at(i + 1) } else { 0.0 };
+                    rhs[c * n + i] = d * at(i) - left - right;
+                }
+            }
+            factor.solve(2, &mut rhs, |b, c, row| b[c * n + row], |b, c, row, value| b[c * n + row] = value);
+            assert!(rhs.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-11));
+        }
+    }
+
+    #[test]
+    fn entries_must_be_finite() {
+        let (pattern, mut factor) = chain(3);
+        let entry = tridiagonal(&pattern, 2.0);
+        let outcome = factor.factorize(|source| if source == 1 { f64::NAN } else { entry(source) });
+        assert!(matches!(outcome, Err(Error::Linear { .. })));
     }
 }

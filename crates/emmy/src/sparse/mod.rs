@@ -5,14 +5,16 @@
 
 mod block_cholesky;
 mod blocks;
-mod cholesky;
 mod condensation;
 mod conjugate_gradients;
 mod dense;
+mod direct;
 mod eigen;
+mod factor;
 mod gmres;
 mod incomplete_cholesky;
 mod kernel;
+mod lower;
 mod lu;
 mod metis;
 mod multigrid;
@@ -26,17 +28,18 @@ mod shifted_solver;
 mod solver;
 mod stages;
 mod sweep;
+mod symmetric;
 mod team_solver;
 mod triangular;
 
 pub use block_cholesky::BlockCholesky;
-pub use cholesky::Cholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
 pub(crate) use dense::largest_eigenvalue;
 pub use dense::{
     Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space, split,
 };
+pub(crate) use direct::{Direct, DirectPair};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};
 pub use gmres::{Gmres, LinearSystem, Solution};
 pub(crate) use incomplete_cholesky::IncompleteCholesky;
@@ -47,7 +50,7 @@ pub use pattern::Pattern;
 pub(crate) use real::Real;
 pub(crate) use shared_rows::SharedRows;
 pub(crate) use shifted::ShiftedMatrix;
-pub(crate) use shifted_solver::{Direct, DirectPair, Iterative, Shifted, ShiftedSolver};
+pub(crate) use shifted_solver::{Iterative, Shifted, ShiftedSolver};
 pub use solver::{SOLVERS, Solver, SolverChoice, SolverKind};
 pub use stages::{BlockRow, RowPart, StageMatrix};
 pub(crate) use sweep::SweepOrder;

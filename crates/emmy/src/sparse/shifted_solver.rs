@@ -8,8 +8,7 @@ use rayon::prelude::*;
 
 use super::kernel::Row;
 use super::{
-    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Real, SharedRows,
-    ShiftedMatrix, StageMatrix, SweepOrder,
+    ConjugateGradients, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix, SweepOrder,
 };
 use crate::error::Result;
 
@@ -26,6 +25,8 @@ pub(crate) struct Shifted<'a> {
     pub positions: &'a [f64],
     /// lambda.
     pub shift: [f64; 2],
+    /// Whether a factor in single precision has enough digits.
+    pub in_single_precision: bool,
 }
 
 /// A solver; vectors are `[n_nodes][3][columns]`.
@@ -42,7 +43,13 @@ pub(crate) trait ShiftedSolver: fmt::Debug + Send {
     /// Cost of a new stiffness and its factorisation, in solutions.
     fn refactorization_cost(&self) -> f64;
 
-    /// Solves approximately in place with the real matrix `M + |lambda| K`: always the same linear map.
+    /// Whether [`ShiftedSolver::precondition`] solves with the matrix itself.
+    fn is_exact(&self) -> bool {
+        false
+    }
+
+    /// Solves approximately in place with the real matrix `M + |lambda| K`, or with the matrix itself: always the same
+    /// linear map.
     fn precondition(&mut self, x: &mut [f64]);
 }
 
@@ -106,148 +113,6 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
         gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
         self.factor.sweeps(&self.sweep, &mut self.krylov.rhs);
         scatter(&self.sweep, &self.krylov.rhs, size, x);
-    }
-}
-
-/// A sparse factorisation; exact for a real lambda.
-#[derive(Debug)]
-pub(crate) struct Direct {
-    factor: BlockCholesky,
-}
-
-impl Direct {
-    /// Symbolic factorisation; `order[new] = old`.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
-    pub(crate) fn new(pattern: &Pattern, fixed: &[bool], order: &[usize]) -> Result<Self> {
-        Ok(Direct { factor: BlockCholesky::new(pattern, 3, fixed, order)? })
-    }
-
-    fn factorize_real(&mut self, stiffness: &StageMatrix, mass: &[f64], modulus: f64) -> Result<()> {
-        self.factor.factorize(|source| {
-            // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
-            let diagonal = if source % 9 % 4 == 0 { mass[source / 9] } else { 0.0 };
-            diagonal + modulus * stiffness.block(source / 9)[source % 9]
-        })
-    }
-
-    fn backsolve(&mut self, n_columns: usize, x: &mut [f64]) {
-        let read = |x: &&mut [f64], column: usize, row: usize| x[row * n_columns + column];
-        let write = |x: &mut &mut [f64], column: usize, row: usize, value: f64| {
-            x[row * n_columns + column] = value;
-        };
-        self.factor.solve(n_columns, &mut &mut *x, read, write);
-    }
-}
-
-impl ShiftedSolver for Direct {
-    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
-        let Shifted { stiffness, mass, shift, .. } = *system;
-        self.factorize_real(stiffness, mass, shift[0])
-    }
-
-    fn solve(&mut self, x: &mut [f64], _: f64) -> Option<usize> {
-        self.precondition(x);
-        Some(1)
-    }
-
-    fn refactorization_cost(&self) -> f64 {
-        self.factor.cost_over_solution()
-    }
-
-    fn precondition(&mut self, x: &mut [f64]) {
-        self.backsolve(1, x);
-    }
-}
-
-/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of
-/// iterations depends on neither mesh nor step size, only on the argument phi of lambda.
-///
-/// ```math
-/// |e_n| <= tan(phi/4)^n |e_0|
-/// ```
-///
-/// in the norm of `M + |lambda| K`. For stiff projected volumes, the Euclidean norm of the residual alone would leave
-/// the soft modes.
-#[derive(Debug)]
-pub(crate) struct DirectPair {
-    sweep: Arc<SweepOrder>,
-    matrix: ShiftedMatrix<f64, 2>,
-    inverse: Reordered,
-    krylov: ConjugateGradients<f64, 2>,
-    /// tan(phi/4).
-    contraction: f64,
-    /// Whether K has projected volumes.
-    is_mixed: bool,
-}
-
-/// A factorisation as an approximate inverse, in the order of the sweep.
-#[derive(Debug)]
-struct Reordered {
-    direct: Direct,
-    work: Vec<f64>,
-}
-
-impl DirectPair {
-    /// Symbolic factorisation; `order[new] = old`; `is_mixed`: whether K has projected volumes.
-    ///
-    /// # Errors
-    /// As [`Direct::new`].
-    pub(crate) fn new(
-        pattern: &Pattern,
-        fixed: &[bool],
-        order: &[usize],
-        sweep: Arc<SweepOrder>,
-        is_mixed: bool,
-    ) -> Result<Self> {
-        Ok(DirectPair {
-            is_mixed,
-            matrix: ShiftedMatrix::new(&sweep, fixed),
-            inverse: Reordered {
-                direct: Direct::new(pattern, fixed, order)?,
-                work: vec![0.0; 2 * fixed.len()],
-            },
-            krylov: ConjugateGradients::new(sweep.n_rows()),
-            contraction: 0.0,
-            sweep,
-        })
-    }
-}
-
-impl ShiftedSolver for DirectPair {
-    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
-        let Shifted { stiffness, mass, shift, .. } = *system;
-        self.matrix.set(&self.sweep, shift, mass, |position| stiffness.block(position));
-        self.contraction = (0.25 * shift[1].atan2(shift[0])).tan();
-        self.inverse.direct.factorize_real(stiffness, mass, shift[0].hypot(shift[1]))
-    }
-
-    fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
-        gather(&self.sweep, x, 1.0, &mut self.krylov.rhs);
-        let matrix = &self.matrix;
-        let inverse = &mut self.inverse;
-        let least = (tolerance.ln() / self.contraction.ln()).ceil() as usize;
-        let limits = (if self.is_mixed { least } else { 0 }, MAX_ITERATIONS);
-        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, limits);
-        scatter(&self.sweep, &self.krylov.solution, 1.0, x);
-        (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
-    }
-
-    fn refactorization_cost(&self) -> f64 {
-        self.inverse.direct.refactorization_cost()
-    }
-
-    fn precondition(&mut self, x: &mut [f64]) {
-        self.inverse.direct.backsolve(2, x);
-    }
-}
-
-impl Approximate<f64, 2> for Reordered {
-    fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<f64, 2>]) {
-        scatter(sweep, x, 1.0, &mut self.work);
-        self.direct.backsolve(2, &mut self.work);
-        gather(sweep, &self.work, 1.0, x);
     }
 }
 

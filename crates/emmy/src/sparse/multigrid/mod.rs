@@ -322,7 +322,14 @@ mod tests {
             (0..pattern.n_rows()).flat_map(|i| [i % 14, i / 14 % 9, i / 126].map(|x| x as f64)).collect();
         let mut solver = Multigrid::<1>::new(&pattern, &fixed, sweep).unwrap();
         let shift = [1e4, 0.0];
-        let system = Shifted { stiffness: &matrix, mass: &mass, fixed: &fixed, positions: &positions, shift };
+        let system = Shifted {
+            stiffness: &matrix,
+            mass: &mass,
+            fixed: &fixed,
+            positions: &positions,
+            shift,
+            in_single_precision: false,
+        };
         solver.factorize(&system).unwrap();
         let vector = |frequency: f64| -> Vec<f64> {
             (0..n).map(|dof| if fixed[dof] { 0.0 } else { (frequency * dof as f64).sin() }).collect()
@@ -353,8 +360,14 @@ mod tests {
             pool.install(|| {
                 let mut solver = Multigrid::<2>::new(&pattern, &fixed, sweep.clone()).unwrap();
                 let (shift, mass) = ([0.3, 0.5], &mass[..]);
-                let system =
-                    Shifted { stiffness: &matrix, mass, fixed: &fixed, positions: &positions, shift };
+                let system = Shifted {
+                    stiffness: &matrix,
+                    mass,
+                    fixed: &fixed,
+                    positions: &positions,
+                    shift,
+                    in_single_precision: false,
+                };
                 solver.factorize(&system).unwrap();
                 let mut x: Vec<f64> = (0..2 * n).map(|at| (at as f64).sin()).collect();
                 (solver.solve(&mut x, 1e-6), x)

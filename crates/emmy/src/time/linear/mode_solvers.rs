@@ -115,7 +115,8 @@ impl ModeSolvers {
         self.time_scale = time_scale;
         loop {
             let chosen = self.choose(body, number, is_stiff);
-            let done = body.space.agree(chosen).and_then(|()| self.factorize(body, stiffness, positions));
+            let done =
+                body.space.agree(chosen).and_then(|()| self.factorize(body, (stiffness, positions), number));
             let done = body.space.agree(done);
             let Err(error) = &done else { return done };
             match self
@@ -136,7 +137,14 @@ impl ModeSolvers {
         }
     }
 
-    fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
+    /// `number`: the stiffness number.
+    fn factorize(
+        &mut self,
+        body: &Body,
+        (stiffness, positions): (&StageMatrix, &[f64]),
+        number: f64,
+    ) -> Result<()> {
+        let in_single_precision = number <= MOST_IN_SINGLE_PRECISION;
         let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.space.inactive());
         if let Some(condensation) = &mut self.condensation {
             body.space.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
@@ -145,7 +153,7 @@ impl ModeSolvers {
         }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let shift = shift(mode, self.time_scale);
-            solver.factorize(&Shifted { stiffness, mass, fixed, positions, shift })?;
+            solver.factorize(&Shifted { stiffness, mass, fixed, positions, shift, in_single_precision })?;
         }
         Ok(())
     }
@@ -200,9 +208,8 @@ impl ModeSolvers {
         let order = || -> Result<Vec<usize>> {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
-        let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let part = body.space.shared();
-        let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
+        let needs_sweep = choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
         let shared = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| SharedRows::new(own, sweep));
         let is_mixed = body.has_local();
@@ -231,9 +238,7 @@ impl ModeSolvers {
                     Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?.on(shared()))
                 }
                 (_, SolverKind::Direct, _) if part.is_some() => return Err(no_factorization()),
-                (Some(sweep), SolverKind::Direct, 2) => {
-                    Box::new(DirectPair::new(pattern, fixed, &order()?, sweep.clone(), is_mixed)?)
-                }
+                (_, _, 2) => Box::new(DirectPair::new(pattern, fixed, &order()?)?),
                 _ => Box::new(Direct::new(pattern, fixed, &order()?)?),
             });
         }
@@ -265,9 +270,14 @@ impl ModeSolvers {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
             let [re, im] = shift(mode, self.time_scale);
-            let condensation = (self.condensation.as_mut(), [1.0 / re.hypot(im), 0.0]);
+            let square = re * re + im * im;
+            let (inverse, backward) = match solver.is_exact() {
+                true => ([re / square, -im / square], &mode.backward),
+                false => ([1.0 / square.sqrt(), 0.0], &mode.turned),
+            };
+            let condensation = (self.condensation.as_mut(), inverse);
             condensed(condensation, columns, mode.n_columns(), |columns| solver.precondition(columns));
-            mode.add_to(&mode.turned, columns, z);
+            mode.add_to(backward, columns, z);
         }
     }
 
@@ -405,6 +415,10 @@ const FAILED: [(&str, SolverKind); 3] = [
     ("solver.failed.multigrid", SolverKind::Multigrid),
     ("solver.failed.direct", SolverKind::Direct),
 ];
+
+/// Largest stiffness number for factors in single precision. It bounds the condition number of `M + lambda K`, and a
+/// solution loses about 1e-9 times it.
+const MOST_IN_SINGLE_PRECISION: f64 = 1e6;
 
 /// Smallest part of M + s^2 K beside projected volumes for conjugate gradients without a factorisation.
 const MIN_SOFT_FRACTION: f64 = 1.0 / 30.0;

@@ -65,7 +65,7 @@ impl Inverse {
         match self {
             Inverse::Factor(factor) => {
                 factor.factorize(|source| stiffness.block(source / 9)[source % 9])?;
-                Ok(factor.factor().is_definite())
+                Ok(factor.is_definite())
             }
             Inverse::OfRanks(inverse) => body.space.agree(inverse.set(body, stiffness)).map(|()| true),
         }
@@ -126,6 +126,7 @@ impl InverseOfRanks {
             fixed: &body.space.inactive()[..3 * n_rows],
             positions: body.mesh().points().as_flattened(),
             shift: [1.0, 0.0],
+            in_single_precision: false,
         })
     }
 
