@@ -12,18 +12,23 @@ use crate::time::{MAX_DEGREE, Memory};
 /// Each leaves a part of order h^2 of the defect, or of order h^3 with a new stiffness, since the tangent contains M
 /// exactly (except for the 16-bit matrix of conjugate gradients, which leaves less than a hundredth). The end of the
 /// step depends on a part of the rates that is small by orthogonality; the last change there estimates the remainder.
+/// Where one stiffness represents the stages poorly, as in a body of which only a part is viscous, the exact tangent
+/// follows it.
 #[derive(Debug, Default)]
 pub(super) struct DefectCorrection {
     residual: Vec<f64>,
     correction: Vec<f64>,
     /// Sum of all changes of displacement and velocity at the end of the step, `[2][n_nodes][3]`.
     at_end: Vec<f64>,
-    /// Corrections beyond the minimum since the last refactorisation; `None`: there is no stiffness.
+    /// Corrections beyond the minimum since the last refactorisation; `None`: there is no stiffness, or a useless one.
     excess: Option<usize>,
 }
 
 /// Tolerance of the linear solver: the end of the step is less sensitive to the defect than its size suggests.
 const TOLERANCE: f64 = 1e-4;
+
+/// The same with the exact tangent: its corrections converge to the solution, and the change at the end is watched.
+const EXACT_TOLERANCE: f64 = 1e-3;
 
 /// Largest remaining change at the end of the step over the change so far: the part of the last correction times the
 /// part of the residual after it.
@@ -59,7 +64,12 @@ impl DefectCorrection {
             if size == 0.0 {
                 return Ok(true);
             }
-            system.correction(unknowns, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
+            let is_exact = matches!(tangent, Tangent::Exact | Tangent::LastExact);
+            let tolerance = if is_exact { EXACT_TOLERANCE } else { TOLERANCE };
+            match system.correction(unknowns, &self.residual, tolerance, tangent, &mut self.correction) {
+                Err(_) if is_exact => break,
+                done => done?,
+            };
             unknowns.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
             let change = self.change_at_end(system.equations.body, &system.equations.coefficients);
             let sizes = system.residual(unknowns, &mut self.residual)?;
@@ -69,14 +79,17 @@ impl DefectCorrection {
             let is_enough = change * left <= MAX_END_CHANGE;
             if count >= least && (is_enough || is_rounding) {
                 let before = if is_fresh { 0 } else { self.excess.unwrap_or(0) };
-                self.excess = Some(before + count - least);
+                self.excess = (!is_exact).then_some(before + count - least);
                 return Ok(true);
             }
             let is_slow = !(left <= SLOW_CONTRACTION || is_rounding);
-            if is_slow && is_fresh {
-                break;
-            }
-            tangent = if is_slow { Tangent::Refactorized } else { Tangent::Reused };
+            tangent = match (is_slow, is_fresh) {
+                (true, _) if is_exact => break,
+                (false, _) if is_exact => Tangent::LastExact,
+                (true, true) => Tangent::Exact,
+                (true, false) => Tangent::Refactorized,
+                (false, _) => Tangent::Reused,
+            };
             is_fresh |= is_slow;
             size = sizes.residual;
         }

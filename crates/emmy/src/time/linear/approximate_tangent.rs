@@ -206,7 +206,7 @@ impl ApproximateTangent {
     /// # Errors
     /// [`crate::Error::Linear`].
     pub(crate) fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<bool> {
-        if self.time_scale_of_factors == Some(time_scale) {
+        if self.time_scale_of_factors.is_some_and(|own| (own - time_scale).abs() <= SAME_SCALE * time_scale) {
             return Ok(false);
         }
         self.set(body, time_scale).map(|()| true)
@@ -393,6 +393,9 @@ fn set_means(local: &[f64], means: &mut [f64]) {
         *mean = of_function.iter().sum::<f64>() / n as f64;
     }
 }
+
+/// Times s that differ by less are equal: the halves of an interval differ by rounding.
+const SAME_SCALE: f64 = 1e-9;
 
 /// Nodes of one task.
 const NODES: usize = 2048;

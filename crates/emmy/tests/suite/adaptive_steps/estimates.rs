@@ -1,13 +1,14 @@
 //! Estimate over true local error.
 
 use emmy::Error;
-use emmy::body::{Body, Load, LoadKind, PointMass, PointTerms, Region, Support, TimeFunction};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Support};
+use emmy::body::{Formulation, TimeFunction, Viscosity};
 use emmy::internals::time::{ESTIMATORS, LocalError, TimeElementStepper};
 use emmy::material::{Link, NeoHooke};
-use emmy::mesh;
+use emmy::mesh::{self, MeshBuilder};
 use emmy::motion::Solver;
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::time::{Estimator, Scheme};
+use emmy::time::{Estimator, Scheme, Stepper};
 
 use super::problems::*;
 use crate::shared::blocks::soft_block_with_modes;
@@ -344,4 +345,46 @@ fn differences_are_of_degree_one() {
     let (body, start) = orbit(0.5);
     let rejected = LocalError::new(&body, element(DGM, 2), Estimator::Difference, settings(), &start);
     assert!(matches!(rejected, Err(Error::Adaptivity { setting: "estimator", .. })));
+}
+
+/// Soft projected cells with viscosity between stiff plates without: one stiffness represents the stages poorly. The
+/// estimate is the difference from the end of FE(k + 1), up to the part that its corrections may leave.
+#[test]
+fn a_body_that_is_viscous_in_part_is_estimated_by_the_next_element() {
+    let block = mesh::block([1.0, 1.0, 1.0], [2, 2, 4]).unwrap();
+    let mut builder = MeshBuilder::new();
+    block.points().iter().for_each(|&point| _ = builder.point(point));
+    for cell in block.cells() {
+        let is_between =
+            cell.nodes.iter().all(|&node| (0.25..=0.75).contains(&block.points()[node as usize][2]));
+        let index = builder.cell(cell.kind, cell.nodes).unwrap();
+        builder.cell_group(if is_between { "rubber" } else { "plate" }, [index]);
+    }
+    let rubber = Region::new(NeoHooke::from_engineering(100.0, 0.4995).unwrap(), 1.0)
+        .with_formulation(Formulation::ProjectedVolume(None))
+        .with_viscosity(Viscosity { time: 0.02, ..Viscosity::default() });
+    let plate = Region::new(NeoHooke::from_engineering(1e6, 0.3).unwrap(), 7.0);
+    let body = Body::builder(builder.build().unwrap())
+        .region(rubber.on("rubber"))
+        .region(plate.on("plate"))
+        .build()
+        .unwrap();
+    let shear = InitialVelocity { gradient: [[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]], ..Default::default() };
+    let start = State::initial(&body, 0.0, &[shear]).unwrap();
+    for (degree, h) in [(2, 0.02), (3, 0.03)] {
+        let of_next = element(fe(degree + 1), degree + 1);
+        let mut motion = Motion::starting(&body, at(DGM, degree), settings(), start.clone()).unwrap();
+        let mut error =
+            LocalError::new(&body, element(DGM, degree), Estimator::Residual, settings(), &start).unwrap();
+        for step in 0..3 {
+            let before = motion.state().clone();
+            motion.step(h).unwrap();
+            error.estimate(&before, motion.state(), motion.stepper().rates(), h).unwrap();
+            let mut next = before.clone();
+            TimeElementStepper::new(&body, of_next, settings()).unwrap().advance(&mut next, h).unwrap();
+            let expected = difference(&motion.state().displacement, &next.displacement);
+            let missed = mean(&body, &difference(error.displacement(), &expected)) / mean(&body, &expected);
+            assert!(missed < 0.05, "k = {degree}, step {step}: {missed}");
+        }
+    }
 }
