@@ -1,6 +1,7 @@
 //! Conditions on every reference element, checked for each in one line.
 
 use super::*;
+use crate::tensor::cross;
 use proptest::prelude::*;
 
 /// Kronecker delta at the nodes, partition of unity, completeness, gradients, and the measure of the domain.

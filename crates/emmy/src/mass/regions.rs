@@ -296,7 +296,9 @@ mod tests {
         // Half of a unit cube: a brick whose edges at x = 1 are one edge each.
         let mut builder = MeshBuilder::new();
         for z in [0.0, 1.0] {
-            [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(|point| builder.point(point));
+            for point in [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]] {
+                builder.point(point);
+            }
         }
         builder.cell(CellKind::Hex8, &[0, 1, 1, 2, 3, 4, 4, 5]).unwrap();
         let mesh = builder.build().unwrap();
