@@ -266,8 +266,9 @@ pub(super) fn sinh_cosh_m1<L: Lane>(x: L) -> [L; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tensor::SYM;
+    use crate::tensor::{Batch, LANES, Packed, Register, SYM};
     use proptest::prelude::*;
+    use pulp::{Arch, Simd, WithSimd};
 
     /// Q diag(beta) Q^T = b and Q^T Q = I, up to a few roundings of the strain.
     fn assert_decomposed(E: &Sym<f64>) {
@@ -310,5 +311,40 @@ mod tests {
         assert_decomposed(&[0.1, -0.05, -0.05, 0.0, 0.0, 0.0]);
         assert_decomposed(&[-0.05, 0.1, -0.05, 0.0, 0.0, 0.0]);
         assert!(Principal::of(&[f64::NAN; 6]).directions()[0][1].is_nan());
+    }
+
+    /// Sum over the principal values and directions of the point in the first lane.
+    struct First([Packed; 6]);
+
+    impl WithSimd for First {
+        type Output = u64;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> u64 {
+            let zero = Batch::new(simd, 0.0);
+            let principal = Principal::of(&[0, 1, 2, 3, 4, 5].map(|a| zero.load(&self.0[a], 0)));
+            let (Q, e) = (principal.directions(), principal.strains());
+            let mut sum = dot3(Q[0], Q[1]);
+            for i in 0..3 {
+                sum += dot3(Q[i], e) + principal.beta[i];
+            }
+            let mut result = Packed([0.0; LANES]);
+            sum.store(&mut result, 0);
+            result.0[0].to_bits()
+        }
+    }
+
+    #[test]
+    fn a_point_does_not_depend_on_its_neighbours() {
+        let E = [0.1, -0.05, 0.02, 0.03, -0.01, 0.04];
+        let first = |neighbour: Sym<f64>| {
+            let lane = |a: usize, lane: usize| if lane == 0 { E[a] } else { neighbour[a] };
+            let packed = |a: usize| Packed(std::array::from_fn(|n| lane(a, n)));
+            Arch::new().dispatch(First([0, 1, 2, 3, 4, 5].map(packed)))
+        };
+        for neighbour in
+            [[0.0; 6], [f64::NAN; 6], [9.0, 1.0, 1.0, 0.0, 0.0, 0.0], [-0.4, 0.3, 0.0, 0.0, 0.1, 0.0]]
+        {
+            assert_eq!(first(neighbour), first(E));
+        }
     }
 }

@@ -96,11 +96,12 @@ impl<S: Simd> Batch<S> {
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
         let square = self * self;
-        let zero = self.splat(0.0);
-        let (mut even, mut odd) = (zero, zero);
-        for pair in coefficients.chunks(2).rev() {
+        let (rest, last) = coefficients.split_at((coefficients.len() - 1) / 2 * 2);
+        let mut even = self.splat(last[0]);
+        let mut odd = self.splat(last.get(1).copied().unwrap_or(0.0));
+        for pair in rest.as_chunks::<2>().0.iter().rev() {
             even = even.mul_add(square, self.splat(pair[0]));
-            odd = odd.mul_add(square, self.splat(pair.get(1).copied().unwrap_or(0.0)));
+            odd = odd.mul_add(square, self.splat(pair[1]));
         }
         odd.mul_add(self, even)
     }
