@@ -3,7 +3,8 @@
 //! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
 //!
 //! ```math
-//! C = m (I + b),      m = tr C / 3,      tr b = 0,      det(I + b) = 1 - w,      w = b:b/2 - det b,      J^2 = m^3 (1 - w)
+//! C = m (I + b),      m = tr C / 3,      tr b = 0
+//! det(I + b) = 1 - w,      w = b:b/2 - det b,      J^2 = m^3 (1 - w)
 //! ```
 //!
 //! because then nothing cancels at small strain: all that is isochoric is a function of b alone.

@@ -3,7 +3,8 @@
 //! The distortion b is traceless, so its eigenvalues are the roots of
 //!
 //! ```math
-//! beta^3 - q beta - det b = 0,      q = b:b/2,      beta_1 = 2 sqrt(q/3) cos phi,      beta_(2,3) = -beta_1/2 +- h
+//! beta^3 - q beta - det b = 0,      q = b:b/2
+//! beta_1 = 2 sqrt(q/3) cos phi,      beta_(2,3) = -beta_1/2 +- h
 //! cos 3 phi = det b/2 (3/q)^(3/2),      h = sqrt(3/2 q c:c) / (3 beta_1^2 - q),      c = b^2 - 2 q/3 I - 3 det b/(2 q) b
 //! ```
 //!
@@ -287,14 +288,19 @@ mod tests {
         assert!(principal.beta[1] >= principal.beta[2]);
     }
 
+    /// Strains with two or three equal eigenvalues.
+    const EQUAL: [Sym<f64>; 3] =
+        [[0.1, 0.1, 0.1, 0.0, 0.0, 0.0], [0.1, 0.1, -0.2, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.1, 0.1, 0.1]];
+
     proptest! {
         #[test]
-        fn the_distortion_is_put_together_again(a in prop::array::uniform6(-0.2..0.2f64), power in -12..1i32) {
+        fn the_distortion_is_put_together_again(
+            a in prop::array::uniform6(-0.2..0.2f64), power in -12..1i32,
+        ) {
             assert_decomposed(&a);
             assert_decomposed(&a.map(|x| x * 1e-8));
-            // Two or three eigenvalues that are nearly equal.
             let scale = 10f64.powi(power);
-            for mut near in [[0.1, 0.1, 0.1, 0.0, 0.0, 0.0], [0.1, 0.1, -0.2, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.1, 0.1, 0.1]] {
+            for mut near in EQUAL {
                 (0..6).for_each(|i| near[i] += scale * a[i]);
                 assert_decomposed(&near);
                 assert_decomposed(&near.map(|x| -x));
@@ -341,9 +347,9 @@ mod tests {
             let packed = |a: usize| Packed(std::array::from_fn(|n| lane(a, n)));
             Arch::new().dispatch(First([0, 1, 2, 3, 4, 5].map(packed)))
         };
-        for neighbour in
-            [[0.0; 6], [f64::NAN; 6], [9.0, 1.0, 1.0, 0.0, 0.0, 0.0], [-0.4, 0.3, 0.0, 0.0, 0.1, 0.0]]
-        {
+        let others =
+            [[0.0; 6], [f64::NAN; 6], [9.0, 1.0, 1.0, 0.0, 0.0, 0.0], [-0.4, 0.3, 0.0, 0.0, 0.1, 0.0]];
+        for neighbour in others {
             assert_eq!(first(neighbour), first(E));
         }
     }

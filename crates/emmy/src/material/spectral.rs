@@ -7,8 +7,9 @@
 //! e_i = ln lambda_i - ln J / 3 = 1/2 ln(1 + beta_i) - 1/6 sum_j ln(1 + beta_j)
 //! ```
 //!
-//! The stress is a polynomial in b, so that only the elasticity needs principal directions. Derivatives of eigenvectors bring in divided differences. They are written as products of the functions
-//! `ln(1 + x) / x` and `(e^x - 1) / x`, which hold for equal, nearly equal and distinct eigenvalues alike.
+//! The stress is a polynomial in b, so that only the elasticity needs principal directions. Derivatives of eigenvectors
+//! bring in divided differences. They are written as products of the functions `ln(1 + x) / x` and `(e^x - 1) / x`,
+//! which hold for equal, nearly equal and distinct eigenvalues alike.
 
 #![allow(non_snake_case)]
 
