@@ -157,7 +157,7 @@ mod tests {
     fn entries_must_be_finite() {
         let (pattern, mut factor) = chain(3);
         let entry = tridiagonal(&pattern, 2.0);
-        let outcome = factor.factorize(|source| if source == 1 { f64::NAN } else { entry(source) });
+        let outcome = factor.factorize(|source| if source == 0 { f64::NAN } else { entry(source) });
         assert!(matches!(outcome, Err(Error::Linear { .. })));
     }
 }
