@@ -112,7 +112,7 @@ impl Interpreters {
     }
 }
 
-/// What a program's interpreter must import; CalculiX is a program beside it.
+/// Module that the interpreter of a program must import; CalculiX is a program beside it.
 fn module(name: &str) -> &str {
     match name {
         "kratos" => "KratosMultiphysics",

@@ -14,7 +14,7 @@ use crate::work::{CALCULIX, Work};
 const AGREEMENT: [f64; 2] = [1e-8, 1e-6];
 /// The scheme of DOLFINx.
 const SCHEME: &str = "FE(1)";
-/// What the other programs compute.
+/// The motions of the other programs.
 pub(super) const OTHERS: &str = "DOLFINx with the same cells, points and mid-point rule, which is FE(1), with energies \
     equal to 1e-8. CalculiX with St. Venant-Kirchhoff material and the trapezoidal rule, with energies equal to those \
     of Newmark(0.25,0.5) to 1e-6. An asterisk marks recorded figures.";

@@ -99,7 +99,7 @@ impl<'a> Motion<'a> {
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
                         let first = control.first_size(self.body, &self.state)?;
-                        control.controller.pass_kink(first);
+                        control.controller.restart(first, StepLimit::Kink);
                     } else {
                         self.choose_degree(control, (size, error), longest)?;
                     }
@@ -236,7 +236,7 @@ impl<'a> Motion<'a> {
             start: self.state.clone(),
         };
         if adaptivity.first.is_none() {
-            control.controller.start(control.first_size(self.body, &self.state)?);
+            control.controller.restart(control.first_size(self.body, &self.state)?, StepLimit::Start);
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;

@@ -5,8 +5,8 @@ use super::factor::Factor;
 use super::lower::Lower;
 use crate::error::Result;
 
-/// Factorisation `L L^T` of a symmetric positive definite matrix of small square blocks, restricted to its free rows, or
-/// `L B L^T` if the matrix is indefinite.
+/// Factorisation of a symmetric matrix of small square blocks, restricted to its free rows: `L L^T`, or `L B L^T` if it
+/// is indefinite.
 #[derive(Debug)]
 pub struct BlockCholesky {
     lower: Lower,

@@ -98,8 +98,8 @@ real!(f64);
 complex!(c32, f32);
 complex!(c64, f64);
 
-/// The factor of a matrix, scaled to a diagonal near one by powers of two: they round nothing, and keep single precision
-/// in its range.
+/// The factor of a matrix whose diagonal is scaled to nearly one by powers of two. They round nothing, and they keep
+/// single precision in its range.
 pub(super) struct Factor<T> {
     scale: Vec<f64>,
     /// Lower triangle of the scaled matrix.

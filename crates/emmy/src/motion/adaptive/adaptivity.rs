@@ -155,8 +155,6 @@ pub(in crate::motion) struct Controller {
     last: Option<(f64, f64)>,
     /// Whether the last attempt was rejected: the step that follows does not grow.
     was_rejected: bool,
-    /// Largest size of the attempt that follows a failed first one after a kink.
-    after_kink: Option<f64>,
 }
 
 /// Smallest error over the tolerance in the controller: a step without error says nothing about larger ones.
@@ -193,7 +191,6 @@ impl Controller {
             limit,
             last: None,
             was_rejected: false,
-            after_kink: None,
         }
     }
 
@@ -243,7 +240,7 @@ impl Controller {
             factor = factor.min(1.0);
         }
         self.last = Some((error, size));
-        (self.was_rejected, self.after_kink) = (false, None);
+        self.was_rejected = false;
         // A step shortened only to meet a time does not reduce the next one.
         let was_limited = size < self.size * (1.0 - 1e-9);
         let proposed =
@@ -278,25 +275,19 @@ impl Controller {
     }
 
     fn cut(&mut self, size: f64, limit: StepLimit) {
-        let first = self.after_kink.take().filter(|first| *first < size);
-        let (size, limit) = first.map_or((size, limit), |first| (first, StepLimit::Kink));
         self.size = size.max(self.smallest);
         self.limit = limit;
         self.was_rejected = true;
     }
 
-    /// Limits the first step to a size.
-    pub(in crate::motion) fn start(&mut self, size: f64) {
+    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most a size, which
+    /// `limit` has set.
+    pub(in crate::motion) fn restart(&mut self, size: f64, limit: StepLimit) {
         if size < self.size {
             self.size = size.max(self.smallest);
-            self.limit = StepLimit::Start;
+            self.limit = limit;
         }
-    }
-
-    /// Forgets the errors so far, which say nothing after a kink of the loads. The size before the kink is tried once;
-    /// if that fails, the next attempt has at most the size `first`.
-    pub(in crate::motion) fn pass_kink(&mut self, first: f64) {
-        (self.last, self.after_kink) = (None, Some(first));
+        self.last = None;
     }
 
     /// Keeps everything that the next sizes depend on.
@@ -305,7 +296,6 @@ impl Controller {
         memory.save_option("controller.last_error", self.last.map(|(error, _)| error));
         memory.save_option("controller.last_size", self.last.map(|(_, size)| size));
         memory.save_flag("controller.was_rejected", self.was_rejected);
-        memory.save_option("controller.after_kink", self.after_kink);
         memory.save_number("controller.order", self.order);
         memory.save_word("controller.limit", self.limit.name());
     }
@@ -320,7 +310,6 @@ impl Controller {
         let is_same_order = memory.number("controller.order")? == self.order;
         self.last = last.filter(|(error, _)| *error >= 0.0 && is_same_order);
         self.was_rejected = memory.flag("controller.was_rejected")?;
-        self.after_kink = memory.option("controller.after_kink").unwrap_or_default();
         let limit = memory.word("controller.limit").ok().and_then(StepLimit::from_name);
         self.limit = limit.unwrap_or(StepLimit::Error);
         Ok(())
@@ -402,39 +391,16 @@ mod tests {
         assert_eq!(controller.limit(), StepLimit::Corrections);
         controller.fail(controller.size());
         assert_eq!(controller.limit(), StepLimit::Corrections);
-        controller.pass_kink(0.002);
-        controller.reject(controller.size(), 1e-3);
+        controller.restart(0.002, StepLimit::Kink);
         // The first step after a failure does not grow.
         (0..2).for_each(|_| controller.accept(0.002, 1e-12, false));
         assert!(controller.size() > 0.004 && controller.limit() == StepLimit::Kink);
-        controller.pass_kink(1e-9);
-        controller.fail(controller.size());
+        controller.restart(1e-9, StepLimit::Kink);
         assert_eq!((controller.size(), controller.limit()), (1e-3, StepLimit::Smallest));
         (0..9).for_each(|_| controller.accept(controller.size(), 0.0, false));
         assert_eq!((controller.size(), controller.limit()), (0.5, StepLimit::Largest));
         controller.reject(0.5, 1e-3);
         assert_eq!(controller.limit(), StepLimit::Error);
-    }
-
-    #[test]
-    fn the_size_before_a_kink_is_tried_once() {
-        let mut controller = controller();
-        controller.accept(0.1, 0.6e-4, false);
-        controller.pass_kink(1e-3);
-        assert_eq!((controller.size(), controller.limit()), (0.1, StepLimit::Error));
-        let mut kept = controller;
-        kept.accept(0.1, 0.6e-4, false);
-        kept.reject(0.1, 0.6e-3);
-        // (1/10)^(1/3) of the size, as without a kink.
-        assert!((kept.size() / 0.1 - 0.1f64.cbrt()).abs() < 1e-12 && kept.limit() == StepLimit::Error);
-        controller.reject(0.1, 2e-4);
-        assert_eq!((controller.size(), controller.limit()), (1e-3, StepLimit::Kink));
-        // A second failure finds the usual rule, and so does one whose rule gives a smaller size.
-        controller.fail(1e-3);
-        assert_eq!(controller.size(), 0.5e-3);
-        controller.pass_kink(1.0);
-        controller.fail(0.5e-3);
-        assert_eq!((controller.size(), controller.limit()), (0.25e-3, StepLimit::Corrections));
     }
 
     #[test]
@@ -464,7 +430,6 @@ mod tests {
         let mut first = controller();
         first.accept(0.1, 3e-5, false);
         first.reject(0.1, 3e-4);
-        first.pass_kink(0.01);
         let mut second = controller();
         let mut memory = Memory::default();
         first.save(&mut memory);

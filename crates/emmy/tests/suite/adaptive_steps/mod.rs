@@ -272,26 +272,6 @@ fn kinks_releases_and_ends_are_met_exactly() {
     }
 }
 
-/// A record with a kink every 0.05, whose errors allow that step: a kink costs one step and at most one new stiffness.
-#[test]
-fn a_kink_does_not_take_back_the_size() {
-    let rubber = Region::new(NeoHooke::new(300.0, 150.0).unwrap(), 1.0);
-    let record = (0..=20).map(|i| 0.05 * f64::from(i)).map(|t| (t, (3.0 * t).sin())).collect();
-    let kind = LoadKind::Traction { group: "z-max".into(), traction: [4.0, 0.0, 0.0] };
-    let load = Load { kind, time_function: TimeFunction::new(record).unwrap() };
-    let mesh = mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    let body = Body::builder(mesh).region(rubber).load(load).build().unwrap();
-    let start = State::initial(&body, 0.0, &[]).unwrap();
-    for degree in [1, 2] {
-        let (watch, _) = march(&body, &start, degree, &adaptive(1.0, 3e-2));
-        let after_start = watch.records.iter().filter(|record| record.time > 0.05 * (1.0 + 1e-9));
-        let (steps, refactorizations) =
-            after_start.fold((0, 0), |sum, record| (sum.0 + 1, sum.1 + record.refactorizations));
-        assert_eq!((steps, rejections(&watch)), (19, 0), "k = {degree}");
-        assert!(refactorizations <= 19, "k = {degree}: {refactorizations}");
-    }
-}
-
 #[test]
 fn times_for_output_are_met_exactly_and_without_slivers() {
     let body = loaded_block();
