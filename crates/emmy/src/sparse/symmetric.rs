@@ -4,7 +4,7 @@
 //! pivot is at least `|sin phi|` times that of M. If K is positive semidefinite, it is at least `cos phi/2` times that
 //! of `M + |lambda| K`.
 
-use std::ops::{Mul, Sub};
+use std::ops::{Mul, MulAssign, Sub, SubAssign};
 
 use faer::linalg::matmul::matmul_with_conj;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -18,11 +18,14 @@ use faer::{Accum, Conj, MatMut, MatRef, Par};
 
 /// Numbers with a square root.
 pub(crate) trait Field:
-    ComplexField + Copy + Default + Mul<Output = Self> + Sub<Output = Self>
+    ComplexField + Copy + Default + Mul<Output = Self> + Sub<Output = Self> + MulAssign + SubAssign
 {
 }
 
-impl<T: ComplexField + Copy + Default + Mul<Output = T> + Sub<Output = T>> Field for T {}
+impl<T: ComplexField + Copy + Default + Mul<Output = T> + Sub<Output = T> + MulAssign + SubAssign> Field
+    for T
+{
+}
 
 /// Memory of a factorisation.
 #[derive(Debug, Default)]
@@ -94,7 +97,7 @@ impl<T: Field> Workspace<T> {
                     let column = &mut columns[(left[j] - begin[s]) * n_rows..][..n_rows];
                     for (&row, &change) in left[j..].iter().zip(&change[j..]) {
                         let entry = &mut column[self.place[row]];
-                        *entry = *entry - change;
+                        *entry -= change;
                     }
                 }
                 self.done[d] += n_changed;
@@ -151,7 +154,7 @@ fn factorize_dense<T: Field>(mut A: MatMut<'_, T>) {
         let inverse = recip(&root);
         A[(j, j)] = root;
         for i in j + 1..n {
-            A[(i, j)] = A[(i, j)] * inverse;
+            A[(i, j)] *= inverse;
         }
         for k in j + 1..n {
             for i in k..n {
