@@ -121,7 +121,7 @@ impl<L: Lane> Principal<L> {
                 if i == j { (sum + second * third) * self.inverse } else { sum * self.inverse }
             },
         );
-        // As good as zero strain has no direction: then it is the first axis.
+        // A strain that is zero up to rounding has no direction: it gets the first axis.
         let [mut x, mut y, mut z] = [one, zero, zero];
         let mut largest = far.splat(0.25);
         for i in 0..3 {

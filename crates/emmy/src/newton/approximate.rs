@@ -47,7 +47,7 @@ impl Newton {
         let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
-        // Tighter corrections than the tangent is worth gain nothing.
+        // A correction tighter than the contraction by the tangent gains nothing.
         let mut tightest = TIGHTEST;
         let mut contraction = 1.0;
         let mut slow_corrections = 0;

@@ -32,8 +32,7 @@ impl BlockCholesky {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub fn reserve(&mut self, n_columns: usize) -> Result<()> {
-        self.factor = Factor::new(&self.lower, n_columns)?;
-        Ok(())
+        self.factor.reserve(&self.lower, n_columns)
     }
 
     /// Numerical factorisation; `entry` returns an entry of the matrix by `position components^2 + components a + b`.

@@ -132,7 +132,6 @@ impl<T: Number> Factor<T> {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub(super) fn new(lower: &Lower, max_columns: usize) -> Result<Self> {
-        let request = lower.symbolic.solve_in_place_scratch::<T>(max_columns, Par::Seq);
         let n = lower.free.len();
         Ok(Factor {
             scale: vec![1.0; n],
@@ -140,12 +139,20 @@ impl<T: Number> Factor<T> {
             values: zeros(lower.symbolic.len_val())?,
             indefinite: None,
             columns: Vec::with_capacity(n),
-            memory: memory(
-                lower.supernodes().map_or(request, |supernodes| request.or(T::request(supernodes))),
-            )?,
+            memory: scratch::<T>(lower, max_columns)?,
             workspace: Workspace::default(),
             max_columns,
         })
+    }
+
+    /// Reserves memory for a number of columns solved at once.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub(super) fn reserve(&mut self, lower: &Lower, max_columns: usize) -> Result<()> {
+        self.memory = scratch::<T>(lower, max_columns)?;
+        self.max_columns = max_columns;
+        Ok(())
     }
 
     /// Whether the last matrix was not positive definite.
@@ -273,6 +280,12 @@ fn power_of_two(number: f64) -> f64 {
 
 fn out_of_memory(bytes: usize) -> Error {
     Error::OutOfMemory { what: "the factorisation", gigabytes: bytes as f64 / 1e9 }
+}
+
+/// Memory for a factorisation and for a number of columns solved at once.
+fn scratch<T: Number>(lower: &Lower, max_columns: usize) -> Result<MemBuffer> {
+    let request = lower.symbolic.solve_in_place_scratch::<T>(max_columns, Par::Seq);
+    memory(lower.supernodes().map_or(request, |supernodes| request.or(T::request(supernodes))))
 }
 
 fn memory(request: StackReq) -> Result<MemBuffer> {
