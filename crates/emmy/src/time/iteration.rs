@@ -420,9 +420,9 @@ const BALANCES: usize = 4;
 /// Part of an imbalance of the energy that a balance leaves.
 const ERROR_OF_BALANCE: f64 = 0.02;
 
-/// Imbalance of a step over the kinetic energy that may remain: of one sign in every step, it would drift by 1e-14 in
+/// Imbalance of a step over the kinetic energy that may remain: of one sign in every step, it would drift by 4e-14 in
 /// ten thousand.
-const NEGLIGIBLE_IMBALANCE: f64 = 1e-18;
+const NEGLIGIBLE_IMBALANCE: f64 = 4e-18;
 
 /// Largest effect of rounding on energy or momenta of a step: three digits are left.
 pub(crate) const LARGEST_ROUNDING: f64 = 1e-3;
