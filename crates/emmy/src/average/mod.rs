@@ -272,6 +272,14 @@ impl Rule {
         self.kind != Kind::Standard
     }
 
+    /// Whether the stage averages of an internal force have no moment about the configuration in the same stage: for
+    /// AS and DGM, and for the stress at the Gauss points alone.
+    pub fn has_no_moment(&self) -> bool {
+        let is_at = |(point, c): (&TimePoint, &f64)| point.alpha == *c;
+        self.is_energy_momentum()
+            || self.points.len() == self.c.len() && self.points.iter().zip(&self.c).all(is_at)
+    }
+
     /// Degree k of the time element.
     pub fn degree(&self) -> usize {
         self.c.len()

@@ -1,6 +1,6 @@
 //! Corrections with an approximate tangent that is reused from one solution to the next.
 
-use super::{FIRST_FORCING, Newton, ROUND_OFF, Run, System, Tangent};
+use super::{Ending, FIRST_FORCING, Newton, ROUND_OFF, Run, System, Tangent};
 use crate::error::Result;
 
 /// State of the approximate tangent between two solutions.
@@ -34,8 +34,8 @@ impl Newton {
     /// Corrections with the approximate tangent, which is refactorised if they become slow; false if that does not help
     /// either.
     ///
-    /// The iteration converges linearly, so its contraction predicts when it reaches rounding: the last residual need
-    /// not be evaluated.
+    /// The iteration converges linearly, so its contraction predicts when it reaches its end: the last residual need not
+    /// be evaluated.
     pub(super) fn solve_approximately(
         &mut self,
         system: &mut impl System,
@@ -53,23 +53,31 @@ impl Newton {
         let mut slow_corrections = 0;
         loop {
             let is_converged = self.judge(run);
-            if run.outcome.at_rounding_floor {
-                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
-                self.polish(system, x, run)?;
-                return Ok(true);
-            }
             let residual = run.sizes.residual;
-            if is_converged {
-                if run.sizes.scale > 0.0 {
-                    is_fresh |= self.polish_approximately(system, x, run, contraction)?;
-                }
+            let is_done = if is_converged && (run.sizes.scale == 0.0 || run.ending == Ending::Tolerance) {
+                true
+            } else if let Some(tolerance) = self.last_tolerance(run, contraction) {
+                self.finish(system, x, run, (contraction, tolerance))
+            } else if run.outcome.at_rounding_floor && run.ending == Ending::Rounding {
+                self.polish(system, x, run)?;
+                true
+            } else if is_converged {
+                // Rounding hides the last contraction.
+                let visible = self.last_visible_contraction(run).unwrap_or(contraction);
+                is_fresh |= self.polish_approximately(system, x, run, visible)?;
+                run.outcome.at_rounding_floor |= run.is_hidden();
+                true
+            } else {
+                false
+            };
+            if is_done {
                 self.note_corrections(run.outcome.iterations, is_fresh, forcing);
                 return Ok(true);
             }
             if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
                 return Ok(false);
             }
-            let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
+            let tolerance = forcing.max(0.3 * run.goal() / residual).min(LOOSEST);
             run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
                 self.approximation.fresh = None;
@@ -100,12 +108,50 @@ impl Newton {
                 }
                 slow_corrections += 1;
             }
-            let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
+            let left = (run.goal() / run.sizes.residual).ln() / ratio.ln();
             // Far from the solution, the tangent of the present iterate is better than that of the previous one.
             if is_slow || !is_fresh && self.part == 1.0 && left > system.refactorization_cost() + FRESH {
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
             }
         }
+    }
+
+    /// Relative tolerance of a correction that ends the iteration without another residual; `None` if the contraction
+    /// does not promise that it suffices, or the system is to be solved to rounding.
+    fn last_tolerance(&self, run: &Run<'_>, contraction: f64) -> Option<f64> {
+        let residual = run.sizes.residual;
+        let has_begun = (1..run.settings.max_iterations).contains(&run.outcome.iterations);
+        if run.ending == Ending::Rounding || !(has_begun || run.outcome.converged) {
+            return None;
+        }
+        let promised = !run.is_hidden() && residual * contraction <= run.goal();
+        promised.then(|| (run.goal() / residual).clamp(TIGHTEST, LOOSEST))
+    }
+
+    /// Contraction by the last correction to a residual above the rounding floor.
+    fn last_visible_contraction(&self, run: &Run<'_>) -> Option<f64> {
+        let pairs = self.history.windows(2).rev();
+        let mut visible = pairs.filter(|pair| pair[1] > run.sizes.floor && pair[1] < pair[0]);
+        visible.next().map(|pair| pair[1] / pair[0])
+    }
+
+    /// The last correction; false without a solution for it.
+    fn finish(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+        (contraction, tolerance): (f64, f64),
+    ) -> bool {
+        let Ok(iterations) = self.correct(system, x, tolerance, Tangent::Reused) else { return false };
+        x.copy_from_slice(&self.trial);
+        run.outcome.linear_iterations += iterations;
+        run.outcome.iterations += 1;
+        run.outcome.converged = true;
+        run.outcome.residual *= contraction.max(tolerance);
+        run.outcome.at_rounding_floor = run.sizes.floor >= run.outcome.target;
+        self.has_open_end = run.ending == Ending::Balanced;
+        true
     }
 
     /// Corrections after convergence, until the observed contraction leaves nothing but rounding in the residual. The
@@ -124,7 +170,7 @@ impl Newton {
         let (mut left, mut contraction) = (run.sizes.residual, contraction);
         let (mut tangent, mut is_fresh, mut has_exact) = (Tangent::Reused, false, true);
         for _ in 0..MAX_POLISHING {
-            let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
+            let tolerance = (0.3 * run.goal() / left).clamp(TIGHTEST, LOOSEST);
             run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
             is_fresh |= tangent == Tangent::Refactorized;
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
@@ -135,8 +181,9 @@ impl Newton {
             run.outcome.iterations += 1;
             tangent = Tangent::Reused;
             left *= tolerance.max(contraction);
-            if left <= run.round_off() {
+            if left <= run.goal() {
                 x.copy_from_slice(&self.trial);
+                self.has_open_end = run.ending == Ending::Balanced && !run.is_hidden();
                 break;
             }
             // A trial without a residual is worse than any other.

@@ -44,12 +44,28 @@ pub trait System {
         ROUND_OFF
     }
 
+    /// How far the iteration goes beyond its tolerance.
+    fn ending(&self) -> Ending {
+        Ending::Rounding
+    }
+
     /// Part of the residual that a correction with a new approximate tangent may leave, after a number of slow ones in
     /// the solution. Beyond it, the exact tangent follows; slow corrections below it let the approximate one follow
     /// again.
     fn largest_contraction(&self, _slow_corrections: usize) -> f64 {
         0.0
     }
+}
+
+/// How far an iteration with the approximate tangent goes beyond its tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Until nothing but rounding is left in the residual.
+    Rounding,
+    /// By one correction. The caller takes what is left out of the conserved quantities: see [`Newton::open_end`].
+    Balanced,
+    /// Not at all.
+    Tolerance,
 }
 
 /// Choice of K for a correction.
@@ -108,7 +124,7 @@ pub struct Outcome {
     pub iterations: usize,
     /// Iterations of the linear solver.
     pub linear_iterations: usize,
-    /// Norm of the last residual that was evaluated.
+    /// Norm of the last residual that was evaluated, or of the one expected after a last correction.
     pub residual: f64,
     /// Bound on the norm.
     pub target: f64,
@@ -124,6 +140,20 @@ pub struct Outcome {
     pub rounding: f64,
 }
 
+impl Outcome {
+    /// The outcome of an iteration that a further one continued.
+    #[must_use]
+    pub fn followed_by(self, next: Outcome) -> Outcome {
+        Outcome {
+            iterations: self.iterations + next.iterations,
+            linear_iterations: self.linear_iterations + next.linear_iterations,
+            refactorizations: self.refactorizations + next.refactorizations,
+            took_exact_tangent: self.took_exact_tangent || next.took_exact_tangent,
+            ..next
+        }
+    }
+}
+
 /// Stagnation within this factor of the rounding floor is accepted.
 pub const STAGNATION: f64 = 100.0;
 
@@ -136,6 +166,14 @@ pub const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
 
 /// Residuals up to this part of the scale do not tell whether a correction has helped.
 const ROUNDING: f64 = 10.0 * ROUND_OFF;
+
+/// Parts of the target that a correction may leave with [`Ending::Balanced`], and that it must promise to leave if no
+/// residual follows it.
+const BALANCED: f64 = 0.03;
+const UNSEEN: f64 = 0.1;
+
+/// Part of the scale that corrections leave of a residual with [`Ending::Balanced`] where rounding hides it.
+const BALANCED_AT_FLOOR: f64 = 2e-13;
 
 /// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
@@ -154,6 +192,8 @@ pub struct Newton {
     part: f64,
     /// Length of the history before the exact tangent: with an approximate one, slow convergence is not stagnation.
     exact_from: usize,
+    /// Whether the last correction was one to the tolerance, without a residual behind it.
+    has_open_end: bool,
 }
 
 impl Newton {
@@ -167,11 +207,17 @@ impl Newton {
         &self.residual
     }
 
+    /// The residual before the last correction and that correction, if the last solution ended with
+    /// [`Ending::Balanced`].
+    pub fn open_end(&mut self) -> Option<(&[f64], &mut [f64])> {
+        self.has_open_end.then_some((&self.residual[..], &mut self.correction[..]))
+    }
+
     /// Solves `R(x) = 0` from x.
     ///
     /// The iteration has converged if the residual is at most `max(tolerance scale, floor)` after at least one
-    /// iteration. One more correction follows, so that conserved quantities are kept to round-off. A system whose terms
-    /// and residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
+    /// iteration; further corrections depend on [`System::ending`]. A system whose terms and residual are all zero is
+    /// solved at once. With `line_search` a correction is halved until the residual falls.
     ///
     /// # Errors
     /// As the system at the start. Later errors end the iteration without convergence if halving does not help.
@@ -188,8 +234,9 @@ impl Newton {
         self.history.clear();
         let sizes = system.residual(x, &mut self.residual)?;
         self.exact_from = usize::MAX - 3;
-        let rounding = system.rounding();
-        let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding };
+        self.has_open_end = false;
+        let (rounding, ending) = (system.rounding(), system.ending());
+        let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
         if !line_search && !settings.exact_tangent && self.solve_approximately(system, x, &mut run)? {
             return Ok(run.outcome);
         }
@@ -211,7 +258,7 @@ impl Newton {
         let limit = run.settings.max_iterations.max(run.outcome.iterations + run.settings.max_iterations / 2);
         loop {
             if self.judge(run) {
-                if run.sizes.scale > 0.0 {
+                if run.sizes.scale > 0.0 && run.ending != Ending::Tolerance {
                     self.polish(system, x, run)?;
                 }
                 return Ok(());
@@ -335,6 +382,8 @@ struct Run<'a> {
     settings: &'a NewtonSettings,
     /// [`System::rounding`].
     rounding: f64,
+    /// [`System::ending`].
+    ending: Ending,
 }
 
 impl Run<'_> {
@@ -346,6 +395,21 @@ impl Run<'_> {
     /// Whether a residual is so small that its changes are rounding.
     fn is_rounding(&self, sizes: Sizes) -> bool {
         sizes.residual <= (ROUNDING * sizes.scale).max(sizes.floor)
+    }
+
+    /// Whether rounding hides what is to be balanced: the target is the rounding floor.
+    fn is_hidden(&self) -> bool {
+        self.ending == Ending::Balanced && self.sizes.floor >= self.outcome.target
+    }
+
+    /// Residual at which corrections with the approximate tangent end.
+    fn goal(&self) -> f64 {
+        match self.ending {
+            Ending::Rounding => self.round_off(),
+            Ending::Balanced if self.is_hidden() => BALANCED_AT_FLOOR * self.sizes.scale,
+            Ending::Balanced => BALANCED * self.outcome.target,
+            Ending::Tolerance => UNSEEN * self.outcome.target,
+        }
     }
 }
 

@@ -217,16 +217,10 @@ impl<'a> Equations<'a> {
     /// The reason of a force that refuses the step.
     pub(super) fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) -> Result<()> {
         self.evaluate_external(x)?;
-        self.set_mass_rates(x);
-        let n = self.body.n_dofs();
-        let k = self.coefficients.rule.degree();
+        self.inertia(x, residual);
         let s = self.time_scale;
-        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
-            let mass = &self.damped_mass[i * k..(i + 1) * k];
-            for (dof, residual) in residual.iter_mut().enumerate() {
-                let inertia: f64 = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
-                *residual = inertia - self.known[i * n + dof] - s * s * self.load(i * n + dof);
-            }
+        for (at, residual) in residual.iter_mut().enumerate() {
+            *residual = *residual - self.known[at] - s * s * self.load(at);
         }
         Ok(())
     }
@@ -247,13 +241,25 @@ impl<'a> Equations<'a> {
             .sum()
     }
 
-    /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone
-    /// determine the rigid motion of the body.
+    /// Whether the internal forces have no resultant in any stage, so that inertia and loads alone determine the
+    /// translation of the body; with [`Rule::has_no_moment`] its rotation, too.
     pub(super) fn is_self_balanced(&self) -> bool {
-        self.coefficients.rule.is_energy_momentum()
-            && self.coefficients.damping.is_none()
+        self.coefficients.damping.is_none()
             && !self.body.has_ground()
             && !self.body.constraints().is_grounded()
+    }
+
+    /// `sum_j m_ij M x_j` in every stage.
+    pub(super) fn inertia(&mut self, x: &[f64], inertia: &mut [f64]) {
+        self.set_mass_rates(x);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        for (i, inertia) in inertia.chunks_exact_mut(n).enumerate() {
+            let mass = &self.damped_mass[i * k..(i + 1) * k];
+            for (dof, inertia) in inertia.iter_mut().enumerate() {
+                *inertia = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
+            }
+        }
     }
 
     /// Evaluates the forces of the ground at the rates x, after [`Equations::dissipated`].

@@ -255,31 +255,80 @@ impl Prediction {
         if self.mass == 0.0 || !equations.is_self_balanced() {
             return Ok(());
         }
-        let k = self.changes.len();
-        let n = self.arm.len();
+        let turns = self.free.turns.map(|free| free && equations.coefficients.rule.has_no_moment());
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
             equations.unbalanced(rates, residual)?;
             self.set_resultants(equations, rates, residual);
-            let left = self.resultant_size(equations.body);
+            let left = self.resultant_size(equations.body, turns);
             if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
                 break;
             }
             last = left;
-            let inverse_mass = &equations.coefficients.inverse_mass;
-            self.rigid.balance(&self.moment, self.free.turns, &mut self.changes);
-            for (j, rates) in rates.chunks_exact_mut(n).enumerate() {
-                let shift = [0, 1, 2].map(|d| {
-                    let total: f64 = (0..k).map(|i| inverse_mass[j * k + i] * self.sums[i][d]).sum();
-                    if self.free.shifts[d] { -total / self.mass } else { 0.0 }
-                });
-                for (x, y) in rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)) {
-                    let turned = image(&self.changes[j], y);
-                    (0..3).for_each(|d| x[d] += shift[d] + turned[d]);
-                }
-            }
+            self.remove_resultants(&equations.coefficients, turns, rates);
         }
         Ok(())
+    }
+
+    /// Removes the rigid motion with the present sums and moments of the stages from rates.
+    fn remove_resultants(&mut self, stage: &StageCoefficients, turns: [bool; 3], rates: &mut [f64]) {
+        let k = self.changes.len();
+        self.rigid.balance(&self.moment, turns, &mut self.changes);
+        for (j, rates) in rates.chunks_exact_mut(self.arm.len()).enumerate() {
+            let shift = [0, 1, 2].map(|d| {
+                let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * self.sums[i][d]).sum();
+                if self.free.shifts[d] { -total / self.mass } else { 0.0 }
+            });
+            for (x, y) in rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)) {
+                let turned = image(&self.changes[j], y);
+                (0..3).for_each(|d| x[d] += shift[d] + turned[d]);
+            }
+        }
+    }
+
+    /// Removes the rigid motion from a change of the rates x, so that it has neither momentum nor spin. `memory`: for
+    /// k n numbers.
+    pub(super) fn deform(
+        &mut self,
+        equations: &mut Equations<'_>,
+        x: &[f64],
+        (change, memory): (&mut [f64], &mut [f64]),
+    ) {
+        if self.mass == 0.0 || !equations.is_self_balanced() {
+            return;
+        }
+        for _ in 0..MIN_BALANCES {
+            equations.inertia(change, memory);
+            self.set_resultants(equations, x, memory);
+            self.remove_resultants(&equations.coefficients, self.free.turns, change);
+        }
+    }
+
+    /// Work of stage forces `[k][n_nodes][3]` on the part of the rates x that deforms the body; on all of them where
+    /// forces from outside hold it.
+    ///
+    /// ```math
+    /// sum_i b_i f_i . (x_i - X_i - D_i y)
+    /// ```
+    pub(super) fn deforming_work(&self, equations: &Equations<'_>, x: &[f64], forces: &[f64]) -> f64 {
+        let space = &equations.body.space;
+        let n = self.arm.len();
+        // Internal nodes are not points of the body.
+        let n_moving =
+            if self.mass > 0.0 && equations.is_self_balanced() { equations.body.mesh().n_nodes() } else { 0 };
+        let mut work = 0.0;
+        let stages = x.chunks_exact(n).zip(forces.chunks_exact(n)).zip(equations.coefficients.rule.weights());
+        for (i, ((x, forces), b)) in stages.enumerate() {
+            let [x, forces, arm] = [x, forces, &self.arm].map(|vectors| vectors.as_chunks::<3>().0);
+            for node in space.counted_nodes() {
+                let turned = image(&self.rigid.rates[i], &arm[node]);
+                let rigid = |d: usize| if node < n_moving { self.translation[i][d] + turned[d] } else { 0.0 };
+                work += b * (0..3).map(|d| forces[node][d] * (x[node][d] - rigid(d))).sum::<f64>();
+            }
+        }
+        let mut sum = [work];
+        space.sum_ranks("work of a residual", &mut sum);
+        sum[0]
     }
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
@@ -306,9 +355,9 @@ impl Prediction {
         equations.body.space.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
     }
 
-    /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
-    fn resultant_size(&self, body: &Body) -> f64 {
-        let Free { shifts, turns } = self.free;
+    /// Size of the sums and moments of all stages along free axes and about some, relative to mass and inertia.
+    fn resultant_size(&self, body: &Body, turns: [bool; 3]) -> f64 {
+        let shifts = self.free.shifts;
         let size =
             |v: &[f64; 3], free: [bool; 3]| (0..3).filter(|&d| free[d]).map(|d| v[d].abs()).sum::<f64>();
         let sums: f64 = self.sums.iter().map(|sum| size(sum, shifts)).sum();

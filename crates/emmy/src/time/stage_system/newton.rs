@@ -2,7 +2,7 @@
 
 use super::StageSystem;
 use crate::error::{Error, Result};
-use crate::newton::{ROUND_OFF, Sizes, System, Tangent};
+use crate::newton::{Ending, ROUND_OFF, Sizes, System, Tangent};
 use crate::time::equations::Equations;
 use crate::time::linear::LinearisedStages;
 
@@ -202,6 +202,21 @@ impl System for StageSystem<'_> {
         match &self.equations.coefficients.mass[..] {
             [_] => ROUND_OFF,
             mass => 2.0 * ROUND_OFF / mass.iter().fold(2.0, |largest: f64, m| largest.max(m.abs())),
+        }
+    }
+
+    /// Constraints, pressures, loads that depend on the motion and the force of a dissipative scheme are solved to
+    /// rounding: what an iteration leaves of them changes the balances by more than its work on the rates.
+    fn ending(&self) -> Ending {
+        let Equations { body, coefficients, blocks, assembly, .. } = &self.equations;
+        if coefficients.is_static() || blocks.multipliers > 0 || coefficients.damping.is_some() {
+            Ending::Rounding
+        } else if !coefficients.rule.is_energy_momentum() {
+            Ending::Tolerance
+        } else if body.has_local() || assembly.varies() {
+            Ending::Rounding
+        } else {
+            Ending::Balanced
         }
     }
 
