@@ -34,8 +34,8 @@ impl Newton {
     /// Corrections with the approximate tangent, which is refactorised if they become slow; false if that does not help
     /// either.
     ///
-    /// The iteration converges linearly, so its contraction predicts when it reaches its end: the last residual need not
-    /// be evaluated.
+    /// The iteration converges linearly, so its contraction predicts when it ends: the last residual need not be
+    /// evaluated.
     pub(super) fn solve_approximately(
         &mut self,
         system: &mut impl System,

