@@ -23,7 +23,8 @@ const INPUT: &str = "\
     mesh.box = { size = [1, 2, 1], cells = [2, 4, 2] }\n\
     region = [{ density = 2, material.neo-hooke = { lambda = 10, mu = 5 } }]\n\
     time = { scheme = 'DGM', steps = [{ until = 0.5, size = 0.1 }] }\n\
-    solver = { kind = 'iterative', tolerance = 1e-13 }\n\
+    solver.kind = 'iterative'\n\
+    newton.tolerance = 1e-13\n\
     [output]\n\
     every = 1\n\
     extremes = ['von_mises_stress', 'velocity', 'cell_volume_ratio']\n\

@@ -184,7 +184,7 @@ const BALANCED: f64 = 0.03;
 const UNSEEN: f64 = 0.1;
 
 /// Part of the scale that corrections leave of a residual with [`Ending::Balanced`] where rounding hides it.
-const BALANCED_AT_FLOOR: f64 = 2e-14;
+const BALANCED_AT_FLOOR: f64 = 2e-13;
 
 /// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
