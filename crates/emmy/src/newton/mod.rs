@@ -178,8 +178,8 @@ pub const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
 /// Residuals up to this part of the scale do not tell whether a correction has helped.
 const ROUNDING: f64 = 10.0 * ROUND_OFF;
 
-/// Parts of the target that a correction may leave with [`Ending::Balanced`], and that it must promise to leave if no
-/// residual follows it.
+/// Parts of the target that the last correction must promise to leave if no residual follows it, with
+/// [`Ending::Balanced`] and with [`Ending::Tolerance`].
 const BALANCED: f64 = 0.03;
 const UNSEEN: f64 = 0.1;
 
@@ -203,7 +203,7 @@ pub struct Newton {
     part: f64,
     /// Length of the history before the exact tangent: with an approximate one, slow convergence is not stagnation.
     exact_from: usize,
-    /// Whether the last correction was one to the tolerance, without a residual behind it.
+    /// Whether the last solution ended with [`Ending::Balanced`].
     has_open_end: bool,
 }
 
@@ -218,7 +218,7 @@ impl Newton {
         &self.residual
     }
 
-    /// The end of the last solution, if it is open by [`Ending::Balanced`].
+    /// The last correction, if the solution ended with [`Ending::Balanced`].
     pub fn open_end(&mut self) -> Option<OpenEnd<'_>> {
         let Newton { residual, correction, trial: memory, .. } = self;
         self.has_open_end.then_some(OpenEnd { residual, correction, memory })

@@ -190,3 +190,55 @@ fn slow_corrections_after_convergence_renew_the_tangent() {
     assert!(outcome.converged && !outcome.took_exact_tangent && outcome.refactorizations == 2, "{outcome:?}");
     assert!(x[1].abs() <= ROUND_OFF && (x[0] - 1.0).abs() <= ROUND_OFF, "{x:?}");
 }
+
+/// x = 1 by corrections that leave a twentieth of the error.
+struct Chord(Ending);
+
+impl System for Chord {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        residual[0] = x[0] - 1.0;
+        Ok(Sizes { residual: residual[0].abs(), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        _: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        dx[0] = -0.95 * residual[0];
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        20.0
+    }
+    fn ending(&self) -> Ending {
+        self.0
+    }
+}
+
+#[test]
+fn endings_leave_what_they_promise() {
+    // After n corrections the error is 20^-n: 7.8e-10, 3.9e-11, 2.0e-12 for n = 7, 8, 9.
+    let settings = NewtonSettings { tolerance: 5e-10, ..Default::default() };
+    for (ending, corrections, error) in [
+        (Ending::Tolerance, 8, 20f64.powi(-8)),
+        (Ending::Balanced, 9, 20f64.powi(-9)),
+        (Ending::Rounding, 12, 0.0),
+    ] {
+        let mut newton = Newton::default();
+        let mut x = [2.0];
+        let outcome = newton.solve(&mut Chord(ending), &mut x, &settings, false).unwrap();
+        assert!(outcome.converged && outcome.iterations == corrections, "{ending:?}: {outcome:?}");
+        assert!((x[0] - 1.0 - error).abs() < 1e-15, "{ending:?}: {x:?}");
+        // No residual follows the last correction.
+        assert_eq!(newton.history().len(), corrections, "{ending:?}");
+        match newton.open_end() {
+            Some(end) => {
+                assert!((end.residual[0] - 20.0 * error).abs() < 1e-15 && ending == Ending::Balanced)
+            }
+            None => assert!(ending != Ending::Balanced),
+        }
+    }
+}

@@ -215,14 +215,15 @@ impl Iteration {
     ) -> Result<Outcome> {
         system.ending = system.equations.ending();
         let mut outcome = self.solve_from_here(system, line_search)?;
-        if self.newton.open_end().is_some() && !self.balance_all(system, state, &mut outcome)? {
+        let is_open = self.newton.open_end().is_some();
+        if is_open && !self.balance_all(system, state, &mut outcome)? {
             system.ending = Ending::Rounding;
             outcome = outcome.followed_by(self.solve_from_here(system, line_search)?);
         }
         if !outcome.converged {
             return Ok(outcome);
         }
-        if outcome.at_rounding_floor || system.ending == Ending::Tolerance {
+        if outcome.at_rounding_floor || !is_open && system.ending != Ending::Rounding {
             let (rates, memory) = (&mut self.unknowns[..self.blocks.rates], &mut self.residual);
             self.prediction.balance(&mut system.equations, rates, &mut memory[..self.blocks.rates])?;
         }

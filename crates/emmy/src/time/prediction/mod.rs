@@ -309,7 +309,7 @@ impl Prediction {
     /// the rigid motion at the positions of the stage. Forces without resultants and moments do no other work.
     ///
     /// ```math
-    /// sum_i b_i f_i . (x_i - X_i - w_i x sum_j (y + a_ij (x_j - X_j)))
+    /// sum_i b_i f_i . (x_i - X_i - w_i x (y + sum_j a_ij (x_j - X_j)))
     /// ```
     pub(super) fn deforming_work(&self, equations: &Equations<'_>, x: &[f64], forces: &[f64]) -> f64 {
         let space = &equations.body.space;
