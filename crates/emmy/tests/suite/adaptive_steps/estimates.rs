@@ -333,9 +333,9 @@ fn the_reconstruction_is_a_good_start() {
             };
             let counts = [false, true].map(iterations);
             println!("{name}, k = {degree}: iterations of degree k + 1 in 20 steps {counts:?}");
-            // The book's 12 to 31 % over all motions.
+            // The book's 8 to 32 % over all motions.
             let saved = 1.0 - counts[1] as f64 / counts[0] as f64;
-            assert!((0.1..0.33).contains(&saved), "{name}, k = {degree}: {counts:?}");
+            assert!((0.07..0.33).contains(&saved), "{name}, k = {degree}: {counts:?}");
         }
     }
 }
