@@ -65,7 +65,6 @@ impl Newton {
                 // Rounding hides the last contraction.
                 let visible = self.last_visible_contraction(run).unwrap_or(contraction);
                 is_fresh |= self.polish_approximately(system, x, run, visible)?;
-                run.outcome.at_rounding_floor |= run.is_hidden();
                 true
             } else {
                 false
@@ -124,7 +123,7 @@ impl Newton {
         if run.ending == Ending::Rounding || !(has_begun || run.outcome.converged) {
             return None;
         }
-        let promised = !run.is_hidden() && residual * contraction <= run.goal();
+        let promised = residual * contraction <= run.goal();
         promised.then(|| (run.goal() / residual).clamp(TIGHTEST, LOOSEST))
     }
 
@@ -183,7 +182,7 @@ impl Newton {
             left *= tolerance.max(contraction);
             if left <= run.goal() {
                 x.copy_from_slice(&self.trial);
-                self.has_open_end = run.ending == Ending::Balanced && !run.is_hidden();
+                self.has_open_end = run.ending == Ending::Balanced;
                 break;
             }
             // A trial without a residual is worse than any other.

@@ -183,9 +183,6 @@ const ROUNDING: f64 = 10.0 * ROUND_OFF;
 const BALANCED: f64 = 0.03;
 const UNSEEN: f64 = 0.1;
 
-/// Part of the scale that corrections leave of a residual with [`Ending::Balanced`] where rounding hides it.
-const BALANCED_AT_FLOOR: f64 = 2e-13;
-
 /// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
 
@@ -408,16 +405,10 @@ impl Run<'_> {
         sizes.residual <= (ROUNDING * sizes.scale).max(sizes.floor)
     }
 
-    /// Whether rounding hides what is to be balanced: the target is the rounding floor.
-    fn is_hidden(&self) -> bool {
-        self.ending == Ending::Balanced && self.sizes.floor >= self.outcome.target
-    }
-
     /// Residual at which corrections with the approximate tangent end.
     fn goal(&self) -> f64 {
         match self.ending {
             Ending::Rounding => self.round_off(),
-            Ending::Balanced if self.is_hidden() => BALANCED_AT_FLOOR * self.sizes.scale,
             Ending::Balanced => BALANCED * self.outcome.target,
             Ending::Tolerance => UNSEEN * self.outcome.target,
         }

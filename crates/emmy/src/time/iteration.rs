@@ -264,7 +264,7 @@ impl Iteration {
         let mut part = 1.0;
         for pass in 0..BALANCES {
             let sizes = system.residual(unknowns, residual)?;
-            if pass == 0 && sizes.residual > outcome.target {
+            if pass == 0 && sizes.residual > NOISE * outcome.target {
                 return Ok(false);
             }
             outcome.residual = sizes.residual;
@@ -278,7 +278,8 @@ impl Iteration {
             }
             unknowns.iter_mut().zip(&*direction).for_each(|(x, d)| *x += part * d);
             prediction.balance(&mut system.equations, unknowns, residual)?;
-            if ERROR_OF_BALANCE * work.abs() <= negligible {
+            // A second balance would be one of rounding.
+            if outcome.at_rounding_floor || ERROR_OF_BALANCE * work.abs() <= negligible {
                 break;
             }
             work_before = work;
@@ -415,6 +416,9 @@ impl Iteration {
 /// Largest number of balances of the energy, and the part of the imbalance that each leaves.
 const BALANCES: usize = 4;
 const ERROR_OF_BALANCE: f64 = 3e-4;
+
+/// A residual up to this multiple of the target ends an iteration: at the floor it is rounding.
+const NOISE: f64 = 2.0;
 
 /// Imbalance of a step over the kinetic energy that may remain: of one sign in every step, it would drift by 4e-14 in
 /// ten thousand.
