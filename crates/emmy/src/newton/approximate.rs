@@ -123,9 +123,7 @@ impl Newton {
         if run.ending == Ending::Rounding || !(has_begun || run.outcome.converged) {
             return None;
         }
-        // A single small contraction may be of an error that is gone.
-        let last = self.history.windows(2).rev().take(2).map(|pair| pair[1] / pair[0]);
-        let promised = residual * last.fold(contraction, f64::max) <= run.goal();
+        let promised = residual * contraction <= run.goal();
         promised.then(|| (run.goal() / residual).clamp(TIGHTEST, LOOSEST))
     }
 

@@ -62,7 +62,7 @@ pub trait System {
 pub enum Ending {
     /// Until nothing but rounding is left in the residual.
     Rounding,
-    /// By one correction. The caller takes what is left out of the conserved quantities: see [`Newton::open_end`].
+    /// By one correction. The caller closes the balances that it leaves open: see [`Newton::open_end`].
     Balanced,
     /// Not at all.
     Tolerance,
@@ -236,10 +236,24 @@ impl Newton {
         settings: &NewtonSettings,
         line_search: bool,
     ) -> Result<Outcome> {
+        self.history.clear();
+        self.resume(system, x, settings, line_search)
+    }
+
+    /// Continues a solution from x, as [`Newton::solve`] does.
+    ///
+    /// # Errors
+    /// As [`Newton::solve`].
+    pub fn resume(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        settings: &NewtonSettings,
+        line_search: bool,
+    ) -> Result<Outcome> {
         for memory in [&mut self.residual, &mut self.correction, &mut self.trial, &mut self.trial_residual] {
             memory.resize(x.len(), 0.0);
         }
-        self.history.clear();
         let sizes = system.residual(x, &mut self.residual)?;
         self.exact_from = usize::MAX - 3;
         self.has_open_end = false;

@@ -206,7 +206,7 @@ impl Iteration {
         })
     }
 
-    /// Newton's iteration from the present unknowns. What it leaves is taken out of the conserved quantities.
+    /// Newton's iteration from the present unknowns, and the balances that it leaves open.
     fn solve_and_balance(
         &mut self,
         system: &mut StageSystem<'_>,
@@ -215,15 +215,19 @@ impl Iteration {
     ) -> Result<Outcome> {
         system.ending = system.equations.ending();
         let mut outcome = self.solve_from_here(system, line_search)?;
-        let is_open = self.newton.open_end().is_some();
-        if is_open && !self.balance_all(system, state, &mut outcome)? {
-            system.ending = Ending::Rounding;
-            outcome = outcome.followed_by(self.solve_from_here(system, line_search)?);
+        for ending in [system.ending, Ending::Rounding] {
+            if self.newton.open_end().is_none() || self.balance_all(system, state, &mut outcome)? {
+                break;
+            }
+            system.ending = ending;
+            let next = self.newton.resume(system, &mut self.unknowns, &self.settings, line_search)?;
+            outcome = outcome.followed_by(next);
         }
         if !outcome.converged {
             return Ok(outcome);
         }
-        if outcome.at_rounding_floor || !is_open && system.ending != Ending::Rounding {
+        let is_balanced = self.newton.open_end().is_some();
+        if !is_balanced && (outcome.at_rounding_floor || system.ending != Ending::Rounding) {
             let (rates, memory) = (&mut self.unknowns[..self.blocks.rates], &mut self.residual);
             self.prediction.balance(&mut system.equations, rates, &mut memory[..self.blocks.rates])?;
         }
@@ -258,7 +262,7 @@ impl Iteration {
         memory.copy_from_slice(unknowns);
         prediction.balance(&mut system.equations, unknowns, residual)?;
         let turned = unknowns.iter().zip(&*memory);
-        direction.iter_mut().zip(turned).for_each(|(d, (after, before))| *d += after - before);
+        direction.iter_mut().zip(turned).for_each(|(d, (new, old))| *d += new - old);
         prediction.take_resultants(&mut system.equations, unknowns, [before, direction], [memory, residual]);
         let mut work_before = prediction.deforming_work(&system.equations, unknowns, before);
         let mut part = 1.0;

@@ -7,7 +7,7 @@ use emmy::body::{Formulation, TimeFunction, Viscosity};
 use emmy::internals::unknowns::RigidLink;
 use emmy::material::Link;
 use emmy::mesh::MeshBuilder;
-use emmy::motion::Solver;
+use emmy::motion::{NewtonSettings, Solver};
 use emmy::prelude::*;
 
 const GRAVITY: f64 = 9.81;
@@ -100,8 +100,10 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
     };
     let start = |body: &Body| State::initial(body, 0.0, std::slice::from_ref(&flies)).unwrap();
     for k in 1..=3 {
-        let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start(&body)).unwrap();
-        let mut other = Motion::new(&without, at(DGM, k)).unwrap().from(start(&without)).unwrap();
+        // Steps with a link are solved to rounding.
+        let settings = NewtonSettings { tolerance: 1e-15, ..NewtonSettings::default() };
+        let [mut motion, mut other] =
+            [&body, &without].map(|body| Motion::starting(body, at(DGM, k), settings, start(body)).unwrap());
         let (mut length, mut energy) = (0f64, Vec::new());
         let (mut corrections, mut corrections_without, mut moved) = (0, 0, 0f64);
         for _ in 0..50 {
@@ -118,8 +120,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         let drift = energy.iter().map(|e| (e / energy[0] - 1.0).abs()).fold(0.0, f64::max);
         assert!(drift < 1e-12 && length < 1e-12, "k = {k}: {drift:e}, {length:e}");
         assert!(moved > 1e-3, "the block must deform, {moved:e}");
-        // Steps without a link end at the tolerance.
-        assert!(corrections < 2 * corrections_without, "k = {k}: {corrections}, {corrections_without}");
+        assert!(2 * corrections < 3 * corrections_without, "k = {k}: {corrections}, {corrections_without}");
     }
 }
 

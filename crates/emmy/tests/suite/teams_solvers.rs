@@ -240,7 +240,7 @@ fn gmres_with_an_engine_is_that_of_the_whole_body() {
 }
 
 /// An incomplete factor on each rank loses the couplings between ranks: at the Courant number 20, at most half as many
-/// iterations a correction more than with one factor of the whole matrix.
+/// iterations more than with one factor of the whole matrix, to the same accuracy.
 #[test]
 fn factors_of_ranks_need_few_more_iterations() {
     let mesh = mesh::l_block(0.25).unwrap();
@@ -248,13 +248,12 @@ fn factors_of_ranks_need_few_more_iterations() {
         let body = builder.region(Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5)).build()?;
         let gradient = [[1e-6, 2e-6, 0.0], [0.0, -1e-6, 0.0], [3e-6, 0.0, 0.0]];
         let start = InitialVelocity { gradient, ..Default::default() };
-        let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
+        let settings = NewtonSettings { tolerance: 1e-13, solver: Solver::Iterative, ..Default::default() };
         let state = State::initial(&body, 0.0, &[start])?;
         // The speed of pressure waves is that of (lambda + 2 mu)/rho = 2000/0.5.
         let size = 20.0 * 0.25 / 4000.0f64.sqrt();
         let mut motion = Motion::starting(&body, at(DGM, 1), settings, state)?;
-        let record = motion.step(size)?;
-        Ok(record.linear_iterations / record.newton_iterations)
+        Ok(motion.step(size)?.linear_iterations)
     };
     let whole = iterations(Body::builder(mesh.clone())).unwrap();
     for size in [2, 4] {
@@ -264,6 +263,6 @@ fn factors_of_ranks_need_few_more_iterations() {
         });
         let ranks: Vec<usize> = ranks.unwrap().into_iter().collect::<Result<_>>().unwrap();
         let most = 3 * whole / 2;
-        assert!(ranks.iter().all(|n| *n <= most), "{whole} iterations; {ranks:?} on {size}");
+        assert!(ranks.iter().all(|n| (whole..=most).contains(n)), "{whole} iterations; {ranks:?} on {size}");
     }
 }

@@ -30,8 +30,8 @@ const TOLERANCE: f64 = 1e-4;
 /// The same with the exact tangent: its corrections converge to the solution, and the change at the end is watched.
 const EXACT_TOLERANCE: f64 = 1e-3;
 
-/// Largest remaining change at the end of the step over the change so far: the part of the last correction times the
-/// part of the residual after it.
+/// Largest remaining change at the end of the step over the change so far. Where each correction is the part q of the
+/// one before, the remaining ones sum to q/(1 - q) of the last.
 const MAX_END_CHANGE: f64 = 0.05;
 
 /// A correction that leaves a larger part of the residual has an outdated stiffness.
@@ -59,6 +59,7 @@ impl DefectCorrection {
         let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.refactorization_cost());
         let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut is_fresh = is_old;
+        let mut last_change = f64::INFINITY;
         let mut size = system.residual(unknowns, &mut self.residual)?.residual;
         for count in 1..=least + MAX_EXTRA_CORRECTIONS {
             if size == 0.0 {
@@ -76,7 +77,10 @@ impl DefectCorrection {
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
             let is_rounding = sizes.residual <= floor;
-            let is_enough = change * left <= MAX_END_CHANGE;
+            // The change at the end may fall more slowly than the residual.
+            let rate = left.max(change / last_change);
+            last_change = change;
+            let is_enough = change * rate <= MAX_END_CHANGE * (1.0 - rate);
             if count >= least && (is_enough || is_rounding) {
                 let before = if is_fresh { 0 } else { self.excess.unwrap_or(0) };
                 self.excess = (!is_exact).then_some(before + count - least);
