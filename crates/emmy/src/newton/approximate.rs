@@ -35,7 +35,8 @@ impl Newton {
     /// either.
     ///
     /// The iteration converges linearly, so its contraction predicts when it ends: the last residual need not be
-    /// evaluated.
+    /// evaluated. In bodies that bend, corrections contract by 0.2 and by 0.001 in turn, so a tangent that is dear is
+    /// judged by two.
     pub(super) fn solve_approximately(
         &mut self,
         system: &mut impl System,
@@ -51,13 +52,15 @@ impl Newton {
         let mut tightest = TIGHTEST;
         let mut contraction = 1.0;
         let mut slow_corrections = 0;
+        // Of the last correction with this tangent.
+        let mut previous = None;
         loop {
             let is_converged = self.judge(run);
             let residual = run.sizes.residual;
             let is_done = if is_converged && (run.sizes.scale == 0.0 || run.ending == Ending::Tolerance) {
                 true
-            } else if let Some(tolerance) = self.last_tolerance(run, contraction) {
-                self.finish(system, x, run, (contraction, tolerance))
+            } else if let Some(last) = self.last_correction(run, contraction) {
+                self.finish(system, x, run, last)
             } else if run.outcome.at_rounding_floor && run.ending == Ending::Rounding {
                 self.polish(system, x, run)?;
                 true
@@ -98,33 +101,48 @@ impl Newton {
             }
             forcing = (0.1 * tolerance).max(tightest).clamp(TIGHTEST, LOOSEST);
             // A part of a correction leaves the rest of the residual, however good the tangent is.
-            let of_tangent = (ratio - (1.0 - self.part)) / self.part;
-            let is_slow = of_tangent > SLOW || ratio.is_nan();
+            let of_tangent = ((ratio - (1.0 - self.part)) / self.part).max(0.0);
+            let cost = system.refactorization_cost();
+            let pace = match previous.replace(of_tangent) {
+                _ if cost < DEAR => Some(of_tangent),
+                previous => previous.map(|previous: f64| (previous * of_tangent).sqrt()),
+            };
+            let is_slow = ratio.is_nan() || of_tangent >= 1.0 || pace.is_some_and(|pace| pace > SLOW);
             if is_slow && is_fresh {
-                if ratio.is_nan() || of_tangent > system.largest_contraction(slow_corrections) {
+                if ratio.is_nan() || pace.unwrap_or(of_tangent) > system.largest_contraction(slow_corrections)
+                {
                     self.approximation.fresh = None;
                     return Ok(false);
                 }
                 slow_corrections += 1;
             }
-            let left = (run.goal() / run.sizes.residual).ln() / ratio.ln();
+            let left = pace.map_or(0.0, |pace| (run.goal() / run.sizes.residual).ln() / pace.ln());
             // Far from the solution, the tangent of the present iterate is better than that of the previous one.
-            if is_slow || !is_fresh && self.part == 1.0 && left > system.refactorization_cost() + FRESH {
+            if is_slow || !is_fresh && self.part == 1.0 && left > cost + FRESH {
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
+                previous = None;
             }
         }
     }
 
-    /// Relative tolerance of a correction that ends the iteration without another residual; `None` if the contraction
-    /// does not promise that it suffices, or the system is to be solved to rounding.
-    fn last_tolerance(&self, run: &Run<'_>, contraction: f64) -> Option<f64> {
+    /// The correction that ends the iteration without another residual; `None` if the contraction does not promise that
+    /// it suffices, or the system is to be solved to rounding.
+    fn last_correction(&self, run: &Run<'_>, contraction: f64) -> Option<LastCorrection> {
         let residual = run.sizes.residual;
         let has_begun = (1..run.settings.max_iterations).contains(&run.outcome.iterations);
         if run.ending == Ending::Rounding || !(has_begun || run.outcome.converged) {
             return None;
         }
-        let promised = residual * contraction <= run.goal();
-        promised.then(|| (run.goal() / residual).clamp(TIGHTEST, LOOSEST))
+        let contraction = match run.ending {
+            // Nothing is evaluated after it, and a small contraction may have been one of two in turn.
+            Ending::Tolerance => {
+                let last = self.history.windows(2).rev().take(2).map(|pair| pair[1] / pair[0]);
+                last.fold(contraction, f64::max)
+            }
+            Ending::Balanced | Ending::Rounding => contraction,
+        };
+        let tolerance = (run.goal() / residual).clamp(TIGHTEST, LOOSEST);
+        (residual * contraction <= run.goal()).then_some(LastCorrection { tolerance, contraction })
     }
 
     /// Contraction by the last correction to a residual above the rounding floor.
@@ -134,13 +152,13 @@ impl Newton {
         visible.next().map(|pair| pair[1] / pair[0])
     }
 
-    /// The last correction; false without a solution for it.
+    /// Takes the last correction; false without a solution for it.
     fn finish(
         &mut self,
         system: &mut impl System,
         x: &mut [f64],
         run: &mut Run<'_>,
-        (contraction, tolerance): (f64, f64),
+        LastCorrection { tolerance, contraction }: LastCorrection,
     ) -> bool {
         let Ok(iterations) = self.correct(system, x, tolerance, Tangent::Reused) else { return false };
         x.copy_from_slice(&self.trial);
@@ -235,8 +253,19 @@ impl Newton {
     }
 }
 
-/// A correction with the approximate tangent that leaves a larger part of the residual is slow.
+/// A correction that no residual follows.
+struct LastCorrection {
+    /// Relative tolerance of its linear solver.
+    tolerance: f64,
+    /// Part of the residual that it is expected to leave.
+    contraction: f64,
+}
+
+/// Corrections with the approximate tangent that leave a larger part of the residual are slow.
 const SLOW: f64 = 0.3;
+
+/// Cost of a new approximate tangent, in corrections, from which one slow correction is not enough for it.
+const DEAR: f64 = 8.0;
 
 /// Largest number of corrections after convergence.
 const MAX_POLISHING: usize = 20;
