@@ -265,7 +265,7 @@ struct LastCorrection {
 const SLOW: f64 = 0.3;
 
 /// Cost of a new approximate tangent, in corrections, from which one slow correction is not enough for it.
-const DEAR: f64 = 8.0;
+const DEAR: f64 = 5.0;
 
 /// Largest number of corrections after convergence.
 const MAX_POLISHING: usize = 20;
