@@ -66,7 +66,8 @@ impl Newton {
                 true
             } else if is_converged {
                 // Rounding hides the last contraction.
-                let visible = self.last_visible_contraction(run).unwrap_or(contraction);
+                let n = n_to_judge(system.refactorization_cost());
+                let visible = self.last_visible_contraction(run, n).unwrap_or(contraction);
                 is_fresh |= self.polish_approximately(system, x, run, visible)?;
                 true
             } else {
@@ -104,7 +105,7 @@ impl Newton {
             let of_tangent = ((ratio - (1.0 - self.part)) / self.part).max(0.0);
             let cost = system.refactorization_cost();
             let pace = match previous.replace(of_tangent) {
-                _ if cost < DEAR => Some(of_tangent),
+                _ if n_to_judge(cost) == 1 => Some(of_tangent),
                 previous => previous.map(|previous: f64| (previous * of_tangent).sqrt()),
             };
             let is_slow = ratio.is_nan() || of_tangent >= 1.0 || pace.is_some_and(|pace| pace > SLOW);
@@ -145,11 +146,17 @@ impl Newton {
         (residual * contraction <= run.goal()).then_some(LastCorrection { tolerance, contraction })
     }
 
-    /// Contraction by the last correction to a residual above the rounding floor.
-    fn last_visible_contraction(&self, run: &Run<'_>) -> Option<f64> {
+    /// Mean contraction by the last corrections, at most n, to residuals above the rounding floor.
+    fn last_visible_contraction(&self, run: &Run<'_>, n: usize) -> Option<f64> {
         let pairs = self.history.windows(2).rev();
-        let mut visible = pairs.filter(|pair| pair[1] > run.sizes.floor && pair[1] < pair[0]);
-        visible.next().map(|pair| pair[1] / pair[0])
+        let visible = pairs.filter(|pair| pair[1] > run.sizes.floor && pair[1] < pair[0]);
+        let ratios = visible.take(n).map(|pair| pair[1] / pair[0]);
+        let (n, product) = ratios.fold((0, 1.0), |(n, product), ratio| (n + 1, product * ratio));
+        match n {
+            0 => None,
+            1 => Some(product),
+            n => Some(f64::powf(product, 1.0 / f64::from(n))),
+        }
     }
 
     /// Takes the last correction; false without a solution for it.
@@ -263,6 +270,11 @@ struct LastCorrection {
 
 /// Corrections with the approximate tangent that leave a larger part of the residual are slow.
 const SLOW: f64 = 0.3;
+
+/// Number of corrections by which an approximate tangent is judged, from the cost of a new one in corrections.
+fn n_to_judge(cost: f64) -> usize {
+    if cost < DEAR { 1 } else { 2 }
+}
 
 /// Cost of a new approximate tangent, in corrections, from which one slow correction is not enough for it.
 const DEAR: f64 = 5.0;
