@@ -58,8 +58,8 @@ class Frame:
         >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)))
         >>> history = motion.run(output="flight")
         >>> grid = emmy.Run("flight").frames[-1].to_pyvista()
-        >>> np.round(grid.point_data["displacement"][0], 12).tolist()
-        [0.0, 0.0, 1.0]
+        >>> round(float(grid.point_data["displacement"][0, 2]), 12)
+        1.0
         """
         try:
             import pyvista
