@@ -1,7 +1,5 @@
 //! Motions of Emmy, DOLFINx and CalculiX side by side, the others measured in the same session or recorded.
 
-use emmy::mesh::CellKind;
-
 use super::Settings;
 use crate::job::Job;
 use crate::machine::times_faster;
@@ -10,19 +8,16 @@ use crate::peers::Recorded;
 use crate::report::{Goal, Limit, Table, number, number_or_dash};
 use crate::scratch::Scratch;
 use crate::session::{Runs, step_seconds};
-use crate::work::{CALCULIX, Shape, Work};
+use crate::work::{CALCULIX, Work};
 
 /// Relative tolerances for the energies of DOLFINx and of CalculiX, which prints seven digits, over the total energy.
 const AGREEMENT: [f64; 2] = [1e-8, 1e-6];
-/// The same for CalculiX with blocks of tet10, whose kinetic energy it integrates with four points. Its energies differ
-/// by 1e-6 to 2e-6 at r = 2 and by more at r = 1, whatever its tolerance and linear solver.
-const AGREEMENT_OF_TET10: f64 = 1e-5;
 /// The scheme of DOLFINx.
 const SCHEME: &str = "FE(1)";
 /// The motions of the other programs.
 pub(super) const OTHERS: &str = "DOLFINx with the same cells, points and mid-point rule, which is FE(1), with energies \
     equal to 1e-8. CalculiX with St. Venant-Kirchhoff material and the trapezoidal rule, with energies equal to those \
-    of Newmark(0.25,0.5) to 1e-6, blocks of tet10 to 1e-5. An asterisk marks recorded figures.";
+    of Newmark(0.25,0.5) to 1e-6; its mass of tet10 is another. An asterisk marks recorded figures.";
 
 /// A time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,11 +164,7 @@ impl Row {
             let is_calculix = *solver == CALCULIX;
             let emmy = if is_calculix { self.like_calculix.as_ref() } else { self.emmy.get(scheme) };
             let difference = emmy.map_or(f64::NAN, |emmy| difference(emmy.last(), runs.last()));
-            let tolerance = match self.work.shape {
-                Shape::Block(CellKind::Tet10, _) if is_calculix => AGREEMENT_OF_TET10,
-                _ => AGREEMENT[usize::from(is_calculix)],
-            };
-            if difference.is_nan() || difference > tolerance {
+            if difference.is_nan() || difference > AGREEMENT[usize::from(is_calculix)] {
                 let message = format!("the energies differ from those of {solver} by");
                 return Err(format!("{}: {message} {difference:.1e} of the total energy", self.work));
             }

@@ -52,7 +52,7 @@ impl Newton {
         let mut tightest = TIGHTEST;
         let mut contraction = 1.0;
         let mut slow_corrections = 0;
-        // Of the last correction with this tangent.
+        // Contraction by the last correction with this tangent.
         let mut previous = None;
         loop {
             let is_converged = self.judge(run);
@@ -152,11 +152,7 @@ impl Newton {
         let visible = pairs.filter(|pair| pair[1] > run.sizes.floor && pair[1] < pair[0]);
         let ratios = visible.take(n).map(|pair| pair[1] / pair[0]);
         let (n, product) = ratios.fold((0, 1.0), |(n, product), ratio| (n + 1, product * ratio));
-        match n {
-            0 => None,
-            1 => Some(product),
-            n => Some(f64::powf(product, 1.0 / f64::from(n))),
-        }
+        (n > 0).then(|| f64::powf(product, 1.0 / f64::from(n)))
     }
 
     /// Takes the last correction; false without a solution for it.

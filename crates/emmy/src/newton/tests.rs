@@ -242,3 +242,63 @@ fn endings_leave_what_they_promise() {
         }
     }
 }
+
+/// x = 0 by corrections that leave 0.2 and 0.001 of the error in turn, at a cost of a new tangent.
+struct InTurn {
+    cost: f64,
+    ending: Ending,
+}
+
+impl System for InTurn {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        residual.copy_from_slice(x);
+        Ok(Sizes { residual: x[0].hypot(x[1]), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        _: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        (dx[0], dx[1]) = (0.2 * residual[1] - residual[0], 0.001 * residual[0] - residual[1]);
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        self.cost
+    }
+    fn ending(&self) -> Ending {
+        self.ending
+    }
+}
+
+/// Errors after n corrections: 0.2, 2e-4, 4e-5, 4e-8, 8e-9, 8e-12; three more leave 3.2e-16. One contraction of 0.2
+/// would need 22 corrections, more than a tangent of cost 13 and those with it; one of 0.001 promises rounding after two.
+#[test]
+fn a_dear_tangent_is_judged_by_two_corrections() {
+    for (cost, refactorizations) in [(4.0, 1), (13.0, 0)] {
+        let mut newton = Newton::default();
+        let mut system = InTurn { cost, ending: Ending::Rounding };
+        let settings = NewtonSettings::default();
+        newton.solve(&mut system, &mut [0.0, 1.0], &settings, false).unwrap();
+        let mut x = [0.0, 1.0];
+        let outcome = newton.solve(&mut system, &mut x, &settings, false).unwrap();
+        assert!(outcome.converged && outcome.refactorizations == refactorizations, "{cost}: {outcome:?}");
+        let error = x[0].hypot(x[1]);
+        assert!(
+            refactorizations == 1 || outcome.iterations == 9 && error <= ROUND_OFF,
+            "{outcome:?}, {error:e}"
+        );
+    }
+}
+
+/// After four corrections the error is 4e-9. The last contraction, 0.001, promises the tolerance after one more, which
+/// leaves 8e-10.
+#[test]
+fn a_contraction_of_two_in_turn_does_not_promise_the_tolerance() {
+    let mut system = InTurn { cost: 13.0, ending: Ending::Tolerance };
+    let mut x = [0.0, 0.1];
+    let outcome = Newton::default().solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
+    assert!(outcome.converged && x[0].hypot(x[1]) <= 1e-10, "{x:?}, {outcome:?}");
+}
