@@ -12,6 +12,8 @@ pub struct NewtonMemory {
     pub excess: usize,
     /// Relative tolerance of the next correction.
     pub forcing: f64,
+    /// Mean contraction by a tangent that was renewed in the course of a solution, the last one that was seen.
+    pub renewed: Option<f64>,
 }
 
 impl Newton {
@@ -54,6 +56,8 @@ impl Newton {
         let mut slow_corrections = 0;
         // Contraction by the last correction with this tangent.
         let mut previous = None;
+        // Place in the history at which the tangent was renewed.
+        let mut renewal = None;
         loop {
             let is_converged = self.judge(run);
             let residual = run.sizes.residual;
@@ -117,11 +121,20 @@ impl Newton {
                 }
                 slow_corrections += 1;
             }
-            let left = pace.map_or(0.0, |pace| (run.goal() / run.sizes.residual).ln() / pace.ln());
-            // Far from the solution, the tangent of the present iterate is better than that of the previous one.
-            if is_slow || !is_fresh && self.part == 1.0 && left > cost + FRESH {
+            self.note_contraction(run, renewal);
+            let is_useless = ratio.is_nan() || of_tangent >= 1.0;
+            let left = pace.map_or(0.0, |pace| run.corrections_left(pace));
+            let is_dear = n_to_judge(cost) > 1;
+            let with_new =
+                self.approximation.renewed.filter(|_| is_dear).map(|pace| run.corrections_left(pace));
+            let pays = left > cost + with_new.unwrap_or(FRESH);
+            // Far from the solution, the tangent of the present iterate is better than that of the previous one, but no
+            // better than tangents of other iterates were.
+            let is_slow = is_slow && (with_new.is_none() || is_useless || pays);
+            if is_slow || !is_fresh && self.part == 1.0 && pays {
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
                 previous = None;
+                renewal = Some(self.history.len());
             }
         }
     }
@@ -243,6 +256,17 @@ impl Newton {
         let is_solved = self.polish(system, x, run).is_ok();
         run.outcome.took_exact_tangent |= is_solved;
         is_solved
+    }
+
+    /// Records the mean contraction since the tangent was renewed, as soon as two corrections show it.
+    fn note_contraction(&mut self, run: &Run<'_>, renewal: Option<usize>) {
+        let Some(since) = renewal.map(|at| &self.history[at..]) else { return };
+        if let [first, _, ..] = *since
+            && run.sizes.residual > run.sizes.floor
+        {
+            let mean = (run.sizes.residual / first).powf((since.len() as f64).recip());
+            self.approximation.renewed = Some(mean);
+        }
     }
 
     /// Records the number of corrections of a solution.

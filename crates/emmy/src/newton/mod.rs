@@ -419,6 +419,14 @@ impl Run<'_> {
         sizes.residual <= (ROUNDING * sizes.scale).max(sizes.floor)
     }
 
+    /// Expected number of further corrections with a contraction.
+    fn corrections_left(&self, contraction: f64) -> f64 {
+        if contraction >= 1.0 {
+            return f64::INFINITY;
+        }
+        (self.goal() / self.sizes.residual).ln() / contraction.ln()
+    }
+
     /// Residual at which corrections with the approximate tangent end.
     fn goal(&self) -> f64 {
         match self.ending {

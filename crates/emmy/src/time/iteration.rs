@@ -102,10 +102,11 @@ impl Iteration {
         if self.blocks.multipliers > 0 {
             memory.save("multipliers", &self.multipliers);
         }
-        let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
+        let NewtonMemory { fresh, excess, forcing, renewed } = self.newton.memory();
         memory.save_option("newton.fresh", fresh.map(|corrections| corrections as f64));
         memory.save_number("newton.excess", excess as f64);
         memory.save_number("newton.forcing", forcing);
+        memory.save_option("newton.renewed", renewed);
     }
 
     /// Restores the data of [`Iteration::save`].
@@ -124,6 +125,7 @@ impl Iteration {
             fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
             excess: memory.number("newton.excess")? as usize,
             forcing: memory.number("newton.forcing")?,
+            renewed: memory.option("newton.renewed")?,
         });
         Ok(())
     }
