@@ -124,9 +124,7 @@ impl Newton {
             self.note_contraction(run, renewal);
             let is_useless = ratio.is_nan() || of_tangent >= 1.0;
             let left = pace.map_or(0.0, |pace| run.corrections_left(pace));
-            let is_dear = n_to_judge(cost) > 1;
-            let with_new =
-                self.approximation.renewed.filter(|_| is_dear).map(|pace| run.corrections_left(pace));
+            let with_new = self.corrections_with_new(run, cost);
             let pays = left > cost + with_new.unwrap_or(FRESH);
             // Far from the solution, the tangent of the present iterate is better than that of the previous one, but no
             // better than tangents of other iterates were.
@@ -238,6 +236,14 @@ impl Newton {
                 continue;
             }
             left = run.sizes.residual;
+            let cost = system.refactorization_cost();
+            if self
+                .corrections_with_new(run, cost)
+                .is_some_and(|new| run.corrections_left(ratio) <= cost + new)
+            {
+                contraction = contraction.max(ratio);
+                continue;
+            }
             if !is_fresh {
                 (tangent, contraction) = (Tangent::Refactorized, SLOW);
                 continue;
@@ -256,6 +262,13 @@ impl Newton {
         let is_solved = self.polish(system, x, run).is_ok();
         run.outcome.took_exact_tangent |= is_solved;
         is_solved
+    }
+
+    /// Expected number of corrections with a new tangent that is dear, from the contraction by the last one that was
+    /// renewed in the course of a solution.
+    fn corrections_with_new(&self, run: &Run<'_>, cost: f64) -> Option<f64> {
+        let renewed = self.approximation.renewed.filter(|_| n_to_judge(cost) > 1);
+        renewed.map(|contraction| run.corrections_left(contraction))
     }
 
     /// Records the mean contraction since the tangent was renewed, as soon as two corrections show it.

@@ -302,3 +302,46 @@ fn a_contraction_of_two_in_turn_does_not_promise_the_tolerance() {
     let outcome = Newton::default().solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
     assert!(outcome.converged && x[0].hypot(x[1]) <= 1e-10, "{x:?}, {outcome:?}");
 }
+
+/// x = 0 by corrections that leave 0.35 of the error with any tangent, at a cost of a new one.
+struct Stubborn {
+    cost: f64,
+}
+
+impl System for Stubborn {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        residual.copy_from_slice(x);
+        Ok(Sizes { residual: x[0].abs(), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        _: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        dx[0] = -0.65 * residual[0];
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        self.cost
+    }
+    fn largest_contraction(&self, _: usize) -> f64 {
+        0.9
+    }
+}
+
+/// From 1e-5, 0.35 needs 11 corrections to the tolerance of 1e-10. A new tangent is tried twice, before the first
+/// correction and after the second.
+#[test]
+fn a_dear_tangent_is_not_renewed_where_that_has_not_helped() {
+    let mut newton = Newton::default();
+    let mut system = Stubborn { cost: 13.0 };
+    for refactorizations in [2, 0, 0] {
+        let mut x = [1e-5];
+        let outcome = newton.solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
+        assert!(outcome.converged && !outcome.took_exact_tangent, "{outcome:?}");
+        assert!(outcome.refactorizations == refactorizations && x[0] <= ROUND_OFF, "{outcome:?}, {x:?}");
+    }
+}
