@@ -274,7 +274,8 @@ impl System for InTurn {
 }
 
 /// Errors after n corrections: 0.2, 2e-4, 4e-5, 4e-8, 8e-9, 8e-12; three more leave 3.2e-16. One contraction of 0.2
-/// would need 22 corrections, more than a tangent of cost 13 and those with it; one of 0.001 promises rounding after two.
+/// would need 22 corrections, more than a tangent of cost 13 and those with it; one of 0.001 promises rounding after
+/// two.
 #[test]
 fn a_dear_tangent_is_judged_by_two_corrections() {
     for (cost, refactorizations) in [(4.0, 1), (13.0, 0)] {
