@@ -12,7 +12,8 @@ pub struct NewtonMemory {
     pub excess: usize,
     /// Relative tolerance of the next correction.
     pub forcing: f64,
-    /// Mean contraction by a tangent that was renewed in the course of a solution, the last one that was seen.
+    /// Mean contraction by the last tangent that was renewed before convergence; `None`: there was none, or the excess
+    /// of another reached its cost since.
     pub renewed: Option<f64>,
 }
 
@@ -30,7 +31,7 @@ impl Newton {
     /// Requests a refactorisation of the approximate tangent for the next solution: the tangent of a failed solution is
     /// useless.
     pub fn forget(&mut self) {
-        self.approximation.fresh = None;
+        self.approximation = NewtonMemory { fresh: None, renewed: None, ..self.approximation };
     }
 
     /// Corrections with the approximate tangent, which is refactorised if they become slow; false if that does not help
@@ -50,10 +51,14 @@ impl Newton {
         let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
+        if is_old && old.fresh.is_some() {
+            old.renewed = None;
+        }
         // A correction tighter than the contraction by the tangent gains nothing.
         let mut tightest = TIGHTEST;
         let mut contraction = 1.0;
-        let mut slow_corrections = 0;
+        // Of tangents that were new.
+        let mut slow_renewals = 0;
         // Contraction by the last correction with this tangent.
         let mut previous = None;
         // Place in the history at which the tangent was renewed.
@@ -82,6 +87,7 @@ impl Newton {
                 return Ok(true);
             }
             if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
+                self.approximation.fresh = None;
                 return Ok(false);
             }
             let tolerance = forcing.max(0.3 * run.goal() / residual).min(LOOSEST);
@@ -112,24 +118,31 @@ impl Newton {
                 _ if n_to_judge(cost) == 1 => Some(of_tangent),
                 previous => previous.map(|previous: f64| (previous * of_tangent).sqrt()),
             };
-            let is_slow = ratio.is_nan() || of_tangent >= 1.0 || pace.is_some_and(|pace| pace > SLOW);
-            if is_slow && is_fresh {
-                if ratio.is_nan() || pace.unwrap_or(of_tangent) > system.largest_contraction(slow_corrections)
-                {
-                    self.approximation.fresh = None;
-                    return Ok(false);
-                }
-                slow_corrections += 1;
+            let is_useless = ratio.is_nan() || of_tangent >= 1.0;
+            let is_slow = is_useless || pace.is_some_and(|pace| pace > SLOW);
+            if self.part < 1.0 {
+                renewal = None;
             }
             self.note_contraction(run, renewal);
-            let is_useless = ratio.is_nan() || of_tangent >= 1.0;
-            let left = pace.map_or(0.0, |pace| run.corrections_left(pace));
-            let with_new = self.corrections_with_new(run, cost);
-            let pays = left > cost + with_new.unwrap_or(FRESH);
-            // Far from the solution, the tangent of the present iterate is better than that of the previous one, but no
-            // better than tangents of other iterates were.
-            let is_slow = is_slow && (with_new.is_none() || is_useless || pays);
-            if is_slow || !is_fresh && self.part == 1.0 && pays {
+            if is_slow
+                && is_fresh
+                && (ratio.is_nan() || pace.unwrap_or(of_tangent) > system.largest_contraction(slow_renewals))
+            {
+                self.approximation.fresh = None;
+                return Ok(false);
+            }
+            let renews = if is_slow {
+                let left = run.settings.max_iterations - run.outcome.iterations;
+                let keeps = |pace| self.keeps(run, (pace, cost), (run.outcome.target, left));
+                is_useless || !pace.is_some_and(keeps)
+            } else {
+                // Far from the solution, the tangent of the present iterate is better than that of the previous one.
+                let left = pace.map_or(0.0, |pace| run.corrections_to(run.goal(), pace));
+                let with_new = self.corrections_with_new(run, cost).unwrap_or(FRESH);
+                !is_fresh && self.part == 1.0 && left > cost + with_new
+            };
+            if renews {
+                slow_renewals += usize::from(is_slow && is_fresh);
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
                 previous = None;
                 renewal = Some(self.history.len());
@@ -200,7 +213,7 @@ impl Newton {
     ) -> Result<bool> {
         let (mut left, mut contraction) = (run.sizes.residual, contraction);
         let (mut tangent, mut is_fresh, mut has_exact) = (Tangent::Reused, false, true);
-        for _ in 0..MAX_POLISHING {
+        for count in 1..=MAX_POLISHING {
             let tolerance = (0.3 * run.goal() / left).clamp(TIGHTEST, LOOSEST);
             run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
             is_fresh |= tangent == Tangent::Refactorized;
@@ -237,10 +250,7 @@ impl Newton {
             }
             left = run.sizes.residual;
             let cost = system.refactorization_cost();
-            if self
-                .corrections_with_new(run, cost)
-                .is_some_and(|new| run.corrections_left(ratio) <= cost + new)
-            {
+            if !is_fresh && self.keeps(run, (ratio, cost), (run.goal(), MAX_POLISHING - count)) {
                 contraction = contraction.max(ratio);
                 continue;
             }
@@ -264,11 +274,19 @@ impl Newton {
         is_solved
     }
 
-    /// Expected number of corrections with a new tangent that is dear, from the contraction by the last one that was
-    /// renewed in the course of a solution.
+    /// Whether a slow tangent of a contraction and cost stays: the last renewed one promises no saving beyond the cost,
+    /// and the corrections that are left suffice for an aim.
+    fn keeps(&self, run: &Run<'_>, (contraction, cost): (f64, f64), (aim, left): (f64, usize)) -> bool {
+        let with_new = self.corrections_with_new(run, cost);
+        with_new.is_some_and(|with_new| run.corrections_to(run.goal(), contraction) <= cost + with_new)
+            && run.corrections_to(aim, contraction) <= left as f64
+    }
+
+    /// Expected number of corrections with a new tangent that is dear, by the last renewed one; `None` if the tangent
+    /// is cheap or none was renewed.
     fn corrections_with_new(&self, run: &Run<'_>, cost: f64) -> Option<f64> {
         let renewed = self.approximation.renewed.filter(|_| n_to_judge(cost) > 1);
-        renewed.map(|contraction| run.corrections_left(contraction))
+        renewed.map(|contraction| run.corrections_to(run.goal(), contraction))
     }
 
     /// Records the mean contraction since the tangent was renewed, as soon as two corrections show it.

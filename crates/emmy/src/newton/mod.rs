@@ -419,12 +419,12 @@ impl Run<'_> {
         sizes.residual <= (ROUNDING * sizes.scale).max(sizes.floor)
     }
 
-    /// Expected number of further corrections with a contraction.
-    fn corrections_left(&self, contraction: f64) -> f64 {
+    /// Expected number of corrections to a residual at a contraction; negative below it.
+    fn corrections_to(&self, residual: f64, contraction: f64) -> f64 {
         if contraction >= 1.0 {
             return f64::INFINITY;
         }
-        (self.goal() / self.sizes.residual).ln() / contraction.ln()
+        (residual / self.sizes.residual).ln() / contraction.ln()
     }
 
     /// Residual at which corrections with the approximate tangent end.
