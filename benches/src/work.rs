@@ -111,8 +111,8 @@ impl Work {
 
     /// Solvers of DOLFINx, among which its best one is, and CalculiX. BoomerAMG takes more than twice the time of GAMG,
     /// so it runs on smaller meshes only. CalculiX integrates the mass of tet10 with four points, which changes the
-    /// energies of short waves, but not those of the stiff bracket; on the stiff block of hex20 its iteration diverges in
-    /// the twelfth step.
+    /// energies of short waves, but not those of the stiff bracket; on the stiff block of hex20 its iteration diverges
+    /// in the twelfth step.
     pub(crate) fn solvers(&self) -> Vec<&'static str> {
         let Work { shape: Shape::Block(CellKind::Hex8, r), stiff: true, .. } = *self else {
             let mut solvers =
