@@ -249,13 +249,13 @@ impl Newton {
                 continue;
             }
             left = run.sizes.residual;
-            let cost = system.refactorization_cost();
-            if !is_fresh && self.keeps(run, (ratio, cost), (run.goal(), MAX_POLISHING - count)) {
-                contraction = contraction.max(ratio);
-                continue;
-            }
             if !is_fresh {
-                (tangent, contraction) = (Tangent::Refactorized, SLOW);
+                let cost = system.refactorization_cost();
+                if self.keeps(run, (ratio, cost), (run.goal(), MAX_POLISHING - count)) {
+                    contraction = contraction.max(ratio);
+                } else {
+                    (tangent, contraction) = (Tangent::Refactorized, SLOW);
+                }
                 continue;
             }
             if has_exact && self.polish_exactly(system, x, run) || ratio >= 1.0 || ratio.is_nan() {

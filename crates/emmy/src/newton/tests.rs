@@ -191,30 +191,51 @@ fn slow_corrections_after_convergence_renew_the_tangent() {
     assert!(x[1].abs() <= ROUND_OFF && (x[0] - 1.0).abs() <= ROUND_OFF, "{x:?}");
 }
 
-/// x = 1 by corrections that leave a twentieth of the error.
-struct Chord(Ending);
+/// x = 0 by corrections that leave `A x` with any tangent but the exact one.
+struct Contracting {
+    /// A.
+    left: [[f64; 2]; 2],
+    /// Of a new tangent, in corrections.
+    cost: f64,
+    ending: Ending,
+}
 
-impl System for Chord {
+/// Leaves 0.2 and 0.001 of the error in turn.
+const IN_TURN: [[f64; 2]; 2] = [[0.0, 0.2], [0.001, 0.0]];
+
+/// Leaves one part.
+fn every(part: f64) -> [[f64; 2]; 2] {
+    [[part, 0.0], [0.0, part]]
+}
+
+impl System for Contracting {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        residual[0] = x[0] - 1.0;
-        Ok(Sizes { residual: residual[0].abs(), scale: 1.0, floor: 0.0 })
+        residual.copy_from_slice(x);
+        Ok(Sizes { residual: x[0].hypot(x[1]), scale: 1.0, floor: 0.0 })
     }
     fn correction(
         &mut self,
         _: &[f64],
         residual: &[f64],
         _: f64,
-        _: Tangent,
+        tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        dx[0] = -0.95 * residual[0];
+        let is_exact = matches!(tangent, Tangent::Exact | Tangent::LastExact);
+        for (a, dx) in dx.iter_mut().enumerate() {
+            let left = self.left[a][0] * residual[0] + self.left[a][1] * residual[1];
+            *dx = if is_exact { -residual[a] } else { left - residual[a] };
+        }
         Ok(1)
     }
     fn refactorization_cost(&self) -> f64 {
-        20.0
+        self.cost
     }
     fn ending(&self) -> Ending {
-        self.0
+        self.ending
+    }
+    fn largest_contraction(&self, _: usize) -> f64 {
+        0.9
     }
 }
 
@@ -228,10 +249,11 @@ fn endings_leave_what_they_promise() {
         (Ending::Rounding, 12, 0.0),
     ] {
         let mut newton = Newton::default();
-        let mut x = [2.0];
-        let outcome = newton.solve(&mut Chord(ending), &mut x, &settings, false).unwrap();
+        let mut x = [1.0, 0.0];
+        let mut system = Contracting { left: every(0.05), cost: 20.0, ending };
+        let outcome = newton.solve(&mut system, &mut x, &settings, false).unwrap();
         assert!(outcome.converged && outcome.iterations == corrections, "{ending:?}: {outcome:?}");
-        assert!((x[0] - 1.0 - error).abs() < 1e-15, "{ending:?}: {x:?}");
+        assert!((x[0] - error).abs() < 1e-15, "{ending:?}: {x:?}");
         // No residual follows the last correction.
         assert_eq!(newton.history().len(), corrections, "{ending:?}");
         match newton.open_end() {
@@ -243,37 +265,6 @@ fn endings_leave_what_they_promise() {
     }
 }
 
-/// x = 0 by corrections that leave 0.2 and 0.001 of the error in turn.
-struct InTurn {
-    /// Of a new tangent, in corrections.
-    cost: f64,
-    ending: Ending,
-}
-
-impl System for InTurn {
-    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        residual.copy_from_slice(x);
-        Ok(Sizes { residual: x[0].hypot(x[1]), scale: 1.0, floor: 0.0 })
-    }
-    fn correction(
-        &mut self,
-        _: &[f64],
-        residual: &[f64],
-        _: f64,
-        _: Tangent,
-        dx: &mut [f64],
-    ) -> Result<usize> {
-        (dx[0], dx[1]) = (0.2 * residual[1] - residual[0], 0.001 * residual[0] - residual[1]);
-        Ok(1)
-    }
-    fn refactorization_cost(&self) -> f64 {
-        self.cost
-    }
-    fn ending(&self) -> Ending {
-        self.ending
-    }
-}
-
 /// Errors after n corrections: 0.2, 2e-4, 4e-5, 4e-8, 8e-9, 8e-12; three more leave 3.2e-16. One contraction of 0.2
 /// would need 22 corrections, more than a tangent of cost 13 and those with it; one of 0.001 promises rounding after
 /// two.
@@ -281,7 +272,7 @@ impl System for InTurn {
 fn a_dear_tangent_is_judged_by_two_corrections() {
     for (cost, refactorizations) in [(4.0, 1), (13.0, 0)] {
         let mut newton = Newton::default();
-        let mut system = InTurn { cost, ending: Ending::Rounding };
+        let mut system = Contracting { left: IN_TURN, cost, ending: Ending::Rounding };
         let settings = NewtonSettings::default();
         newton.solve(&mut system, &mut [0.0, 1.0], &settings, false).unwrap();
         let mut x = [0.0, 1.0];
@@ -298,52 +289,17 @@ fn a_dear_tangent_is_judged_by_two_corrections() {
 /// promise the tolerance after one more.
 #[test]
 fn a_contraction_of_two_in_turn_does_not_promise_the_tolerance() {
-    let mut system = InTurn { cost: 13.0, ending: Ending::Tolerance };
+    let mut system = Contracting { left: IN_TURN, cost: 13.0, ending: Ending::Tolerance };
     let mut x = [0.0, 0.1];
     let outcome = Newton::default().solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
     assert!(outcome.converged && outcome.iterations == 6, "{outcome:?}");
     assert!((x[0].hypot(x[1]) / 8e-13 - 1.0).abs() < 1e-3, "{x:?}");
 }
 
-/// x = 0 by corrections that leave the same part of the error with any tangent but the exact one.
-struct Stubborn {
-    contraction: f64,
-    /// Of a new tangent, in corrections.
-    cost: f64,
-}
-
-impl System for Stubborn {
-    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        residual.copy_from_slice(x);
-        Ok(Sizes { residual: x[0].abs(), scale: 1.0, floor: 0.0 })
-    }
-    fn correction(
-        &mut self,
-        _: &[f64],
-        residual: &[f64],
-        _: f64,
-        tangent: Tangent,
-        dx: &mut [f64],
-    ) -> Result<usize> {
-        let left = match tangent {
-            Tangent::Exact | Tangent::LastExact => 0.0,
-            Tangent::Reused | Tangent::Refactorized => self.contraction,
-        };
-        dx[0] = (left - 1.0) * residual[0];
-        Ok(1)
-    }
-    fn refactorization_cost(&self) -> f64 {
-        self.cost
-    }
-    fn largest_contraction(&self, _: usize) -> f64 {
-        0.9
-    }
-}
-
-/// Starts a solution of `x = 0`.
+/// Solves `x = 0` to rounding from the distance `start`, by corrections of one contraction; its outcome and error.
 fn solve_from(start: f64, newton: &mut Newton, contraction: f64, cost: f64) -> (Outcome, f64) {
-    let mut x = [start];
-    let mut system = Stubborn { contraction, cost };
+    let mut x = [start, 0.0];
+    let mut system = Contracting { left: every(contraction), cost, ending: Ending::Rounding };
     let outcome = newton.solve(&mut system, &mut x, &NewtonSettings::default(), false).unwrap();
     assert!(outcome.converged && x[0] <= ROUND_OFF, "{outcome:?}, {x:?}");
     (outcome, x[0])
