@@ -402,6 +402,11 @@ impl Body {
         self.others().all(|force| force.is_symmetric())
     }
 
+    /// Whether all stored energy is that of cells.
+    pub(super) fn has_cells_alone(&self) -> bool {
+        self.others().all(|force| force.book() != Book::Stored)
+    }
+
     /// Whether springs or attractions connect the body to the ground.
     pub(crate) fn has_ground(&self) -> bool {
         self.others().any(is_ground)

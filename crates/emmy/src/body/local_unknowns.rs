@@ -21,6 +21,18 @@ struct Function<'a> {
     forces: &'a [f64],
     /// `[l][j][n_nodes][3]`.
     responses: &'a [f64],
+    viscous_time: f64,
+}
+
+/// Damping of volumes in reused derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ReusedDamping {
+    /// Rate of the viscosity in these derivatives \[1/time\].
+    pub viscous_rate: f64,
+    /// Rate of the viscosity in the step \[1/time\].
+    pub inverse_time: f64,
+    /// Factor on the stiffness, of a dissipative scheme.
+    pub dissipative: f64,
 }
 
 impl Body {
@@ -64,7 +76,7 @@ impl Body {
         k: usize,
     ) -> impl Iterator<Item = Function<'a>> {
         self.pressure_cells().flat_map(move |cells| {
-            let PressureCells { nodes, n_nodes, numbers, .. } = cells;
+            let PressureCells { nodes, n_nodes, numbers, viscous_time, .. } = cells;
             let size = 3 * n_nodes * n;
             let results = assembly.pressure_results(numbers.term).zip(&numbers.saved);
             results.flat_map(move |(results, saved)| {
@@ -77,6 +89,7 @@ impl Body {
                         nodes: &nodes[cell * n_nodes..(cell + 1) * n_nodes],
                         forces,
                         responses,
+                        viscous_time,
                     }
                 })
             })
@@ -161,29 +174,32 @@ impl Body {
         }
     }
 
-    /// [`Body::add_local_response`] with one tangent for all stages, that of a rule with one stage; `damping`: over the
-    /// stiffness of the volumes.
+    /// [`Body::add_local_response`] with one tangent for all stages, that of a rule with one stage, at half a rate.
     ///
     /// ```math
-    /// dpi_l = factor sum_j (integral_lj + damping_lj) W dx_j
+    /// dpi_l = 2/(1 + 2 rate t_v) sum_j (integral_lj + damping_lj) W dx_j
     /// ```
     pub(crate) fn add_reused_local_response(
         &self,
-        (rule, damping): (&Rule, &VolumeDamping),
+        rule: &Rule,
         assembly: &Assembly,
-        factor: f64,
+        damping: &ReusedDamping,
         rates: &[f64],
         pressures: &mut [f64],
     ) {
         let n = rule.n_pressures();
+        let ReusedDamping { viscous_rate, inverse_time, dissipative } = *damping;
         for function in self.pressure_functions(assembly, 1, 1) {
+            let time = function.viscous_time;
+            let factor = 2.0 / (1.0 + 2.0 * viscous_rate * time);
+            let damping = VolumeDamping { viscous: time * inverse_time, dissipative };
             let own = &mut pressures[function.number * n..(function.number + 1) * n];
             for (j, rates) in rates.chunks_exact(self.n_dofs()).enumerate() {
                 let change = factor * product(function.responses, function.nodes, rates);
                 let terms = own.iter_mut().enumerate();
                 terms.for_each(|(l, pressure)| {
                     *pressure +=
-                        (rule.pressure_integral(l, j) + rule.reused_volume_damping(damping, l, j)) * change;
+                        (rule.pressure_integral(l, j) + rule.reused_volume_damping(&damping, l, j)) * change;
                 });
             }
         }

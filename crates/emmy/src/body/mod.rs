@@ -30,5 +30,6 @@ pub(crate) use entries::Entries;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
 pub(crate) use forces::Assembly;
 pub use loads::LoadResultant;
+pub(crate) use local_unknowns::ReusedDamping;
 pub(crate) use mass::MassSolver;
 pub use system::Body;

@@ -26,6 +26,8 @@ pub struct PressureCells<'a> {
     pub n_nodes: usize,
     /// Numbers of the pressures.
     pub numbers: &'a PressureNumbers,
+    /// Time of the viscosity of the volume \[time\].
+    pub viscous_time: f64,
 }
 
 /// Results of the cells of a force that a part keeps.

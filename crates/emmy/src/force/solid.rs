@@ -447,6 +447,7 @@ impl Force for SolidForce {
     fn pressure_cells(&self) -> Option<PressureCells<'_>> {
         self.projection.as_ref()?;
         let CellBatches { cells, nodes, n_nodes, .. } = &self.cells;
-        Some(PressureCells { cells, nodes, n_nodes: *n_nodes, numbers: &self.pressures })
+        let viscous_time = self.viscosity.time;
+        Some(PressureCells { cells, nodes, n_nodes: *n_nodes, numbers: &self.pressures, viscous_time })
     }
 }

@@ -35,12 +35,15 @@ impl<S: Number, D: Number> Factorized<S, D> {
 
 impl<S: Number, D: Number> ShiftedSolver for Factorized<S, D> {
     fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
-        let Shifted { stiffness, mass, shift: [re, im], .. } = *system;
+        let Shifted { stiffness, mass, shift: [re, im], elastic, .. } = *system;
         let entry = |source: usize| {
             let k = stiffness.block(source / 9)[source % 9];
             // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
             let m = if (source % 9).is_multiple_of(4) { mass[source / 9] } else { 0.0 };
-            [m + re * k, im * k]
+            let sum = [m + re * k, im * k];
+            let Some((elastic, [re, im])) = elastic else { return sum };
+            let k = elastic.block(source / 9)[source % 9];
+            [sum[0] + re * k, sum[1] + im * k]
         };
         let lower = &self.lower;
         if system.in_single_precision {
@@ -107,11 +110,15 @@ mod tests {
     use super::super::{ShiftedMatrix, StageMatrix, SweepOrder, nested_dissection};
     use super::*;
 
-    /// Largest error of the solution of a system with a known one of size 1.
-    fn error<const C: usize>(solver: &mut dyn ShiftedSolver, system: &Shifted<'_>, pattern: &Pattern) -> f64 {
+    /// Largest error of the solution of a system, whose matrix has a shift, with a known one of size 1.
+    fn error<const C: usize>(
+        solver: &mut dyn ShiftedSolver,
+        (system, shift): (&Shifted<'_>, [f64; 2]),
+        pattern: &Pattern,
+    ) -> f64 {
         let sweep = Arc::new(SweepOrder::new(pattern));
         let mut matrix = ShiftedMatrix::<f64, C>::new(&sweep, system.fixed);
-        matrix.set(&sweep, system.shift, system.mass, |position| system.stiffness.block(position));
+        matrix.set(&sweep, shift, system.mass, |position| system.stiffness.block(position));
         let free = |at: usize| !system.fixed[at / C];
         let exact: Vec<f64> =
             (0..C * system.fixed.len()).map(|at| if free(at) { (at as f64).sin() } else { 0.0 }).collect();
@@ -132,6 +139,8 @@ mod tests {
         let (mass, blocks) = elastic(&pattern);
         let mut stiffness = StageMatrix::new(&pattern, &pattern.divided(1), 1);
         stiffness.parts_mut()[0].blocks_mut().0.as_flattened_mut().copy_from_slice(&blocks);
+        let mut half = stiffness.clone();
+        half.parts_mut()[0].blocks_mut().0.as_flattened_mut().iter_mut().for_each(|entry| *entry *= 0.5);
         let fixed: Vec<bool> = (0..3 * pattern.n_rows()).map(|dof| dof % 11 == 3).collect();
         let order = nested_dissection(&pattern).unwrap();
         let (positions, mass, fixed) = (&[][..], &mass[..], &fixed[..]);
@@ -141,10 +150,22 @@ mod tests {
         for (re, im) in [(0.5, 0.8), (-0.3, 0.9), (-2.0, 1.5)] {
             for in_single_precision in [true, false, true] {
                 let shift = [re, im];
-                let system =
-                    Shifted { stiffness: &stiffness, mass, fixed, positions, shift, in_single_precision };
+                let system = Shifted {
+                    stiffness: &stiffness,
+                    mass,
+                    fixed,
+                    positions,
+                    shift,
+                    elastic: None,
+                    in_single_precision,
+                };
                 let bound = if in_single_precision { 1e-5 } else { 1e-12 };
-                let found = error::<2>(&mut pair, &system, &pattern);
+                // A second matrix, half of the first one, with a factor that the first one lacks.
+                let of_two =
+                    Shifted { shift: [re - 0.2, im + 0.1], elastic: Some((&half, [0.4, -0.2])), ..system };
+                let found = error::<2>(&mut pair, (&of_two, shift), &pattern);
+                assert!(found < bound, "two: {re} {im} {in_single_precision}: {found:e}");
+                let found = error::<2>(&mut pair, (&system, shift), &pattern);
                 assert!(found < bound, "{re} {im} {in_single_precision}: {found:e}");
                 assert_eq!(
                     [pair.single.is_some(), pair.double.is_some()],
@@ -153,8 +174,8 @@ mod tests {
                 if in_single_precision {
                     assert!(found > 1e-9, "not in single precision: {found:e}");
                 }
-                let system = Shifted { shift: [re, 0.0], ..system };
-                let found = error::<1>(&mut real, &system, &pattern);
+                let shift = [re, 0.0];
+                let found = error::<1>(&mut real, (&Shifted { shift, ..system }, shift), &pattern);
                 // An indefinite matrix is factorised in double precision.
                 let is_single = in_single_precision && re > 0.0;
                 let bound = if is_single { 1e-5 } else { 1e-8 };

@@ -25,6 +25,8 @@ pub(crate) struct Shifted<'a> {
     pub positions: &'a [f64],
     /// lambda.
     pub shift: [f64; 2],
+    /// A second stiffness with its own factor, which factorisations add.
+    pub elastic: Option<(&'a StageMatrix, [f64; 2])>,
     /// Whether a factor in single precision has enough digits.
     pub in_single_precision: bool,
 }

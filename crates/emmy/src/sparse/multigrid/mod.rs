@@ -328,6 +328,7 @@ mod tests {
             fixed: &fixed,
             positions: &positions,
             shift,
+            elastic: None,
             in_single_precision: false,
         };
         solver.factorize(&system).unwrap();
@@ -366,6 +367,7 @@ mod tests {
                     fixed: &fixed,
                     positions: &positions,
                     shift,
+                    elastic: None,
                     in_single_precision: false,
                 };
                 solver.factorize(&system).unwrap();

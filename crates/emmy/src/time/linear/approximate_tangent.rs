@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::mode_solvers::ModeSolvers;
+use super::mode_solvers::{ModeSolvers, Stiffness};
 use super::strain_rates::StrainRateTransform;
-use crate::average::{Request, Rule, VolumeDamping};
-use crate::body::{Assembly, Body};
+use crate::average::{Request, Rule};
+use crate::body::{Assembly, Body, ReusedDamping};
 use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::polynomial::lagrange_integral;
@@ -29,6 +29,8 @@ pub(crate) struct ApproximateTangent {
     integrals: Vec<f64>,
     rule: Rule,
     assembly: Assembly,
+    /// K without viscosities, if the solvers take them apart.
+    elastic: Option<Assembly>,
     /// Rotation from the body of K to the body in the middle of the step.
     orientation: Mat3<f64>,
     /// Rotation vector of the step.
@@ -74,6 +76,7 @@ impl ApproximateTangent {
             (Rule::standard(1, &gauss(1)), 0.5)
         };
         let solvers = ModeSolvers::new(body, coefficients, solver)?;
+        let elastic = solvers.separate_viscosity(body, coefficients).then(|| body.assembly(&rule));
         Ok(ApproximateTangent {
             // m^-1 w is the square of w.
             response_size: solvers.largest_modulus().sqrt(),
@@ -82,6 +85,7 @@ impl ApproximateTangent {
             dissipation: coefficients.scheme_excess(),
             integrals: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
             assembly: body.assembly(&rule),
+            elastic,
             rule,
             orientation: IDENTITY,
             rotation: [0.0; 3],
@@ -213,11 +217,18 @@ impl ApproximateTangent {
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
+        let undamped = StepInput {
+            tangent_factor: 2.0,
+            local: (!self.local.is_empty()).then_some(&self.local),
+            ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
+        };
+        if let Some(elastic) = &mut self.elastic {
+            body.assemble(&undamped, Request::Tangent, &[0.0], elastic)?;
+        }
         let step = StepInput {
             tangent_factor: self.rate_factor(body),
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
-            local: (!self.local.is_empty()).then_some(&self.local),
-            ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
+            ..undamped
         };
         body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
     }
@@ -232,7 +243,14 @@ impl ApproximateTangent {
         self.time_scale_of_factors = None;
         self.set_soft_part(body, time_scale);
         self.set_positions(body);
-        self.solvers.set(body, (&self.assembly.matrix, &self.positions), time_scale, self.soft_part)?;
+        let stiffness = Stiffness {
+            matrix: &self.assembly.matrix,
+            viscous_rate: self.viscous_rate,
+            elastic: self.elastic.as_ref().map(|elastic| &elastic.matrix),
+            positions: &self.positions,
+            soft_part: self.soft_part,
+        };
+        self.solvers.set(body, stiffness, time_scale)?;
         self.time_scale_of_factors = Some(time_scale);
         Ok(())
     }
@@ -290,12 +308,12 @@ impl ApproximateTangent {
             body.space.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
-        let damping = VolumeDamping {
-            viscous: self.time_scale_of_factors.map_or(0.0, |s| body.viscous_time() / s),
+        let damping = ReusedDamping {
+            viscous_rate: self.viscous_rate,
+            inverse_time: self.time_scale_of_factors.map_or(0.0, f64::recip),
             dissipative: self.dissipation,
         };
-        let factor = self.rate_factor(body);
-        body.add_reused_local_response((rule, &damping), &self.assembly, factor, z, local);
+        body.add_reused_local_response(rule, &self.assembly, &damping, z, local);
         self.turn_forward(z);
         if iterations.is_none() {
             self.solvers.fall_back(body.space.is_shared());

@@ -10,6 +10,9 @@
 //! ```
 //!
 //! a segment of the right half plane for any step size.
+//!
+//! A viscosity C that is no multiple of K adds `s I (x) C`. Where `m^-1` and w commute, the same modes decouple it into
+//! `M + s^2 lambda K + s nu C`, with the eigenvalue nu of `m^-1`.
 
 use crate::error::Result;
 use crate::sparse::{Eigenpairs, eigenpairs};
@@ -19,6 +22,8 @@ use crate::sparse::{Eigenpairs, eigenpairs};
 pub(super) struct StageMode {
     /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.
     pub eigenvalue: [f64; 2],
+    /// The eigenvalue of `m^-1` if it commutes with w, as those of a time element do.
+    pub inverse_mass: [f64; 2],
     /// From stages to right-hand sides, `[column][i]`: one column, or two for a pair.
     pub forward: Vec<f64>,
     /// From solutions to stages, `[i][column]`.
@@ -47,6 +52,15 @@ pub(super) fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<StageM
     Ok(modes)
 }
 
+/// Whether two square matrices commute, to rounding.
+pub(super) fn commute(a: &[f64], w: &[f64]) -> bool {
+    let k = a.len().isqrt();
+    let entry =
+        |a: &[f64], w: &[f64], n: usize| -> f64 { (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum() };
+    let size = |a: &[f64]| a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+    (0..k * k).all(|n| (entry(a, w, n) - entry(w, a, n)).abs() <= PAIRED * size(a) * size(w))
+}
+
 impl StageMode {
     fn new(a: &[f64], eigen: &Eigenpairs, m: usize) -> Self {
         let k = eigen.values.len();
@@ -56,11 +70,18 @@ impl StageMode {
             (0..k).map(|l| part(&eigen.inverse[m * k + l]) * a[l * k + i]).sum()
         };
         let mut forward: Vec<f64> = (0..k).map(|i| row(i, |z| z.0)).collect();
+        let imaginary: Vec<f64> = (0..k).map(|i| row(i, |z| z.1)).collect();
+        let products = forward.iter().zip(&imaginary).enumerate().map(|(i, (re, im))| {
+            let (v_re, v_im) = eigen.vectors[i * k + m];
+            [re * v_re - im * v_im, re * v_im + im * v_re]
+        });
+        let inverse_mass = products.fold([0.0; 2], |sum, z| [sum[0] + z[0], sum[1] + z[1]]);
         if im <= PAIRED {
             let backward: Vec<f64> = (0..k).map(|i| eigen.vectors[i * k + m].0).collect();
-            return StageMode { eigenvalue: [re, 0.0], forward, turned: backward.clone(), backward };
+            let (eigenvalue, inverse_mass) = ([re, 0.0], [inverse_mass[0], 0.0]);
+            return StageMode { eigenvalue, inverse_mass, forward, turned: backward.clone(), backward };
         }
-        forward.extend((0..k).map(|i| row(i, |z| z.1)));
+        forward.extend(imaginary);
         // 2 Re [ V_im exp(-i angle) (y_1 + i y_2) ]
         let turned_by = |angle: f64| -> Vec<f64> {
             let (sin, cos) = (-angle).sin_cos();
@@ -69,6 +90,7 @@ impl StageMode {
         };
         StageMode {
             eigenvalue: [re, im],
+            inverse_mass,
             forward,
             backward: turned_by(0.0),
             turned: turned_by(0.5 * im.atan2(re)),
@@ -115,18 +137,20 @@ mod tests {
 
     #[test]
     fn modes_solve_the_stage_equations_of_an_oscillator() {
-        // (a^-1 + y a) x = r for one degree of freedom with M = 1, s^2 K = y.
-        let y = 3.7;
+        // (a^-1 + y a + c I) x = r for one degree of freedom with M = 1, s^2 K = y, s C = c.
+        let (y, c) = (3.7, 0.9);
         for k in 1..=5 {
             let stage = TimeElement::discrete_gradient(k).unwrap().coefficients();
             let right: Vec<f64> = (0..k).map(|i| (i as f64 + 0.3).cos()).collect();
             let mut x = vec![0.0; k];
             let modes = modes(&stage.inverse_mass, &stage.response).unwrap();
             assert_eq!(modes.iter().map(StageMode::n_columns).sum::<usize>(), k);
+            assert!(commute(&stage.inverse_mass, &stage.response));
             for mode in &modes {
                 let mut columns = vec![0.0; mode.n_columns()];
                 mode.restrict(&right, &mut columns);
-                let [re, im] = mode.eigenvalue.map(|part| y * part);
+                let part = |at: usize| y * mode.eigenvalue[at] + c * mode.inverse_mass[at];
+                let (re, im) = (part(0), part(1));
                 let (re, size) = (1.0 + re, (1.0 + re).powi(2) + im * im);
                 let imaginary = if columns.len() == 2 { columns[1] } else { 0.0 };
                 let u = columns[0];
@@ -138,8 +162,8 @@ mod tests {
                 mode.add_to(&mode.backward, &columns, &mut x);
             }
             for i in 0..k {
-                let left: f64 =
-                    (0..k).map(|j| (stage.mass[i * k + j] + y * stage.response[i * k + j]) * x[j]).sum();
+                let entry = |j: usize| stage.mass[i * k + j] + y * stage.response[i * k + j];
+                let left = c * x[i] + (0..k).map(|j| entry(j) * x[j]).sum::<f64>();
                 assert!((left - right[i]).abs() < 1e-11, "{k}: {left} {}", right[i]);
             }
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::decoupling::{StageMode, modes};
+use super::decoupling::{StageMode, commute, modes};
 use super::solver_choice::{Costs, factorization_cost};
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -13,6 +13,21 @@ use crate::sparse::{
 use crate::team::{Engine, EngineKind};
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
+
+/// A stiffness for the solvers of the modes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stiffness<'a> {
+    /// K with the viscosities C, `(K + 2 rate C) / (1 + 2 rate t_v)` with the mean time t_v of the body.
+    pub matrix: &'a StageMatrix,
+    /// Rate of the viscosities in the matrix \[1/time\].
+    pub viscous_rate: f64,
+    /// K alone, if [`ModeSolvers::separate_viscosity`].
+    pub elastic: Option<&'a StageMatrix>,
+    /// Positions of the nodes, `[n_nodes][3]`.
+    pub positions: &'a [f64],
+    /// Part of M + s^2 K that is not the stiffness of projected volumes.
+    pub soft_part: f64,
+}
 
 /// The modes of the stage equations with their solvers.
 #[derive(Debug)]
@@ -82,6 +97,15 @@ impl ModeSolvers {
         self.choice
     }
 
+    /// Whether factorisations of a body take its viscosities apart from K: they are no multiple of K, and a complex mode
+    /// turns them by another angle.
+    pub(super) fn separate_viscosity(&self, body: &Body, coefficients: &StageCoefficients) -> bool {
+        let is_decoupled = commute(&coefficients.inverse_mass, &coefficients.response);
+        let has_internal_nodes = body.space.has_internal_nodes();
+        let is_alone = !body.space.is_shared() && !has_internal_nodes;
+        coefficients.rule.degree() > 1 && is_decoupled && is_alone && body.has_uneven_viscosity()
+    }
+
     /// Whether the present solver is of a kind.
     pub(super) fn is(&self, kind: SolverKind) -> bool {
         self.choice.is_some_and(|choice| choice.kind == kind)
@@ -93,30 +117,22 @@ impl ModeSolvers {
         costs.fold(0.0, f64::max)
     }
 
-    /// Sets the solvers to a stiffness and a time s; `positions`: of the nodes in K, `[n_nodes][3]`; `soft_part`:
-    /// part of M + s^2 K that is not the stiffness of projected volumes.
+    /// Sets the solvers to a stiffness and a time s.
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub(super) fn set(
-        &mut self,
-        body: &Body,
-        (stiffness, positions): (&StageMatrix, &[f64]),
-        time_scale: f64,
-        soft_part: f64,
-    ) -> Result<()> {
+    pub(super) fn set(&mut self, body: &Body, stiffness: Stiffness<'_>, time_scale: f64) -> Result<()> {
         if body.dissipates() && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
         // In 16 bits a stiffness of projected volumes is indefinite, and sweeps do not smooth its volumes.
-        let is_stiff = soft_part < MIN_SOFT_FRACTION;
+        let is_stiff = stiffness.soft_part < MIN_SOFT_FRACTION;
         let scale = time_scale * time_scale * self.largest_modulus();
-        let number = scale * stiffness_over_mass(body, stiffness);
+        let number = scale * stiffness_over_mass(body, stiffness.matrix);
         self.time_scale = time_scale;
         loop {
             let chosen = self.choose(body, number, is_stiff);
-            let done =
-                body.space.agree(chosen).and_then(|()| self.factorize(body, (stiffness, positions), number));
+            let done = body.space.agree(chosen).and_then(|()| self.factorize(body, stiffness, number));
             let done = body.space.agree(done);
             let Err(error) = &done else { return done };
             match self
@@ -138,22 +154,23 @@ impl ModeSolvers {
     }
 
     /// `number`: the stiffness number.
-    fn factorize(
-        &mut self,
-        body: &Body,
-        (stiffness, positions): (&StageMatrix, &[f64]),
-        number: f64,
-    ) -> Result<()> {
+    fn factorize(&mut self, body: &Body, given: Stiffness<'_>, number: f64) -> Result<()> {
         let in_single_precision = number <= MOST_IN_SINGLE_PRECISION;
-        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.space.inactive());
+        let Stiffness { matrix: mut stiffness, positions, viscous_rate, .. } = given;
+        let (mut mass, mut fixed) = (body.mass(), body.space.inactive());
+        let elastic = given.elastic.filter(|_| self.is(SolverKind::Direct));
         if let Some(condensation) = &mut self.condensation {
             body.space.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let shift = shift(mode, self.time_scale);
-            solver.factorize(&Shifted { stiffness, mass, fixed, positions, shift, in_single_precision })?;
+            let of_sum = shift(mode, self.time_scale);
+            let shifts = separate_shifts(mode, self.time_scale, viscous_rate, body.viscous_time());
+            let shift = elastic.map_or(of_sum, |_| shifts[0]);
+            let elastic = elastic.map(|elastic| (elastic, shifts[1]));
+            let system = Shifted { stiffness, mass, fixed, positions, shift, elastic, in_single_precision };
+            solver.factorize(&system)?;
         }
         Ok(())
     }
@@ -386,6 +403,17 @@ fn condensed<T>(
 /// lambda of a mode.
 fn shift(mode: &StageMode, time_scale: f64) -> [f64; 2] {
     mode.eigenvalue.map(|part| time_scale * time_scale * part)
+}
+
+/// The factors a, b with which `M + a K_v + b K` is `M + s^2 lambda K + s nu C`, for `K_v = (K + 2 rate C)/(1 + 2 rate
+/// t_v)`; lambda without the mean viscosity that the eigenvalue of the mode contains, `nu t_v/s`.
+fn separate_shifts(mode: &StageMode, s: f64, viscous_rate: f64, viscous_time: f64) -> [[f64; 2]; 2] {
+    let rate = 2.0 * viscous_rate;
+    let viscous = mode.inverse_mass.map(|nu| s * nu / rate);
+    let elastic = |part: usize| {
+        s * s * mode.eigenvalue[part] - s * viscous_time * mode.inverse_mass[part] - viscous[part]
+    };
+    [viscous.map(|part| (1.0 + rate * viscous_time) * part), [elastic(0), elastic(1)]]
 }
 
 /// A square matrix with a number added to its diagonal.

@@ -64,9 +64,9 @@ fn iterations<const C: usize>((body, bulk): (&Body, f64), courant: f64, width: f
     let shift = if C == 1 { [modulus, 0.0] } else { [0.5 * modulus, 0.75f64.sqrt() * modulus] };
     let positions = body.mesh().points().as_flattened();
     let (stiffness, mass, fixed) = (&assembly.matrix, body.mass(), body.fixed());
-    solver
-        .factorize(&Shifted { stiffness, mass, fixed, positions, shift, in_single_precision: false })
-        .unwrap();
+    let (elastic, in_single_precision) = (None, false);
+    let system = Shifted { stiffness, mass, fixed, positions, shift, elastic, in_single_precision };
+    solver.factorize(&system).unwrap();
     let value = |at: usize| if fixed[at / C] { 0.0 } else { ((at * at) as f64 * 0.1).sin() };
     let mut x: Vec<f64> = (0..C * body.n_dofs()).map(value).collect();
     solver.solve(&mut x, 1e-3).unwrap()

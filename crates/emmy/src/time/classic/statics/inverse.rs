@@ -126,6 +126,7 @@ impl InverseOfRanks {
             fixed: &body.space.inactive()[..3 * n_rows],
             positions: body.mesh().points().as_flattened(),
             shift: [1.0, 0.0],
+            elastic: None,
             in_single_precision: false,
         })
     }
