@@ -1,6 +1,8 @@
 //! Marching with step sizes chosen by the error.
 
-use super::adaptive::{Control, Controller, DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
+use super::adaptive::{
+    AFTER_KINK, Control, Controller, DegreeChoice, FIRST, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of,
+};
 use super::failure::{may_shrink_after, placed};
 use super::resolution::Unresolved;
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepLimit, StepPlan};
@@ -98,8 +100,8 @@ impl<'a> Motion<'a> {
                     self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
-                        let first = control.first_size(self.body, &self.state)?;
-                        control.controller.restart(first, StepLimit::Kink);
+                        let most = control.size_without_error(AFTER_KINK, self.body, &self.state)?;
+                        control.controller.restart(most, StepLimit::Kink);
                     } else {
                         self.choose_degree(control, (size, error), longest)?;
                     }
@@ -236,7 +238,8 @@ impl<'a> Motion<'a> {
             start: self.state.clone(),
         };
         if adaptivity.first.is_none() {
-            control.controller.restart(control.first_size(self.body, &self.state)?, StepLimit::Start);
+            let first = control.size_without_error(FIRST, self.body, &self.state)?;
+            control.controller.restart(first, StepLimit::Start);
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;

@@ -8,5 +8,5 @@ mod degree_choice;
 
 pub use adaptivity::Adaptivity;
 pub(super) use adaptivity::Controller;
-pub(super) use control::Control;
+pub(super) use control::{AFTER_KINK, Control, FIRST};
 pub(super) use degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, degree_of, size_of};
