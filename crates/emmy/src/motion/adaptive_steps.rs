@@ -101,7 +101,7 @@ impl<'a> Motion<'a> {
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
                         let most = control.size_without_error(AFTER_KINK, self.body, &self.state)?;
-                        control.controller.restart(most, StepLimit::Kink);
+                        control.controller.restart(most.min(size), StepLimit::Kink);
                     } else {
                         self.choose_degree(control, (size, error), longest)?;
                     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::blocks::{Blocks, transposed_times};
 use super::conjugate_gradients::Approximate;
 use super::kernel::{Entry, Row};
-use super::shifted::{CHUNK, each_row};
+use super::shifted::{CHUNK, each_row, transposed};
 use super::sweep::{SweepOrder, side_by_side};
 use super::triangular::{Backward, Forward, Part};
 
@@ -26,6 +26,8 @@ pub(crate) struct IncompleteCholesky {
     pivots: Vec<[[f32; 4]; 3]>,
     /// L left of the diagonal of each row, then D^-1, while it is computed.
     lower: Vec<f32>,
+    /// Whether each component of a row is fixed, as bits.
+    fixed: Vec<u8>,
 }
 
 impl IncompleteCholesky {
@@ -35,6 +37,7 @@ impl IncompleteCholesky {
             factor: Blocks::new(sweep.columns.len()),
             pivots: vec![[[0.0; 4]; 3]; sweep.n_rows()],
             lower: vec![0.0; lower_begin(sweep, sweep.n_rows())],
+            fixed: vec![0; sweep.n_rows()],
         }
     }
 
@@ -48,24 +51,26 @@ impl IncompleteCholesky {
         mass: &[f64],
         stiffness: impl Fn(usize) -> &'a [f64] + Sync,
     ) {
-        let is_fixed = |row: usize, a: usize| fixed[3 * sweep.order[row] as usize + a];
+        for (bits, &old) in self.fixed.iter_mut().zip(&sweep.order) {
+            let of_row = &fixed[3 * old as usize..][..3];
+            *bits = (0..3).map(|a| u8::from(of_row[a]) << a).sum();
+        }
+        let fixed = &self.fixed;
         let entry = |position: usize, row: usize| -> [f32; 9] {
             let source = sweep.source[position] as usize;
             let column = sweep.columns[position] as usize;
-            let values = stiffness(source);
-            let m = mass[source];
-            let mut block = [0.0; 9];
-            for (at, value) in block.iter_mut().enumerate() {
-                // by columns
-                let a = at % 3;
-                let b = at / 3;
-                if is_fixed(row, a) || is_fixed(column, b) {
-                    *value = if row == column && a == b { 1.0 } else { 0.0 };
-                } else {
-                    *value = (modulus * values[3 * a + b] + if a == b { m } else { 0.0 }) as f32;
+            let Some(values) = stiffness(source).first_chunk::<9>() else { return [0.0; 9] };
+            let mut block = transposed(values).map(|entry| modulus * entry);
+            (0..3).for_each(|a| block[4 * a] += mass[source]);
+            if fixed[row] | fixed[column] != 0 {
+                let unit = if row == column { 1.0 } else { 0.0 };
+                for (a, b) in (0..9).map(|at| (at % 3, at / 3)) {
+                    if (fixed[row] >> a | fixed[column] >> b) & 1 == 1 {
+                        block[3 * b + a] = if a == b { unit } else { 0.0 };
+                    }
                 }
             }
-            block
+            block.map(|entry| entry as f32)
         };
         let begin = |row: usize| lower_begin(sweep, row);
         let (interior, interface) = self.lower.split_at_mut(begin(sweep.n_interior()));
@@ -258,10 +263,6 @@ fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
 
 fn to_half(A: &[f32]) -> [bf16; 9] {
     std::array::from_fn(|at| bf16::from_f32(A[at]))
-}
-
-fn transposed(A: &[bf16; 9]) -> [bf16; 9] {
-    [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 
 #[cfg(test)]

@@ -89,7 +89,9 @@ impl Entry for bf16 {
     type Number = f32;
     #[inline(always)]
     fn of(value: f64) -> bf16 {
-        bf16::from_f32(value as f32)
+        // To the nearest, ties to even, as `bf16::from_f32`, but without a branch for what is not a number.
+        let bits = (value as f32).to_bits();
+        bf16::from_bits((bits.wrapping_add(0x7fff + (bits >> 16 & 1)) >> 16) as u16)
     }
     #[inline(always)]
     fn number(self) -> f32 {
@@ -169,5 +171,25 @@ impl<E: Entry, const C: usize> Kernel<E, C> for Portable {
             (0..3).for_each(|a| row[a][c] = sum[a]);
         }
         row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_of_numbers_are_the_nearest_ones() {
+        let mut bits = 0x1234_5678u32;
+        let ties = (0..64).map(|i| 0x3f80_8000 + (i << 16));
+        let random = (0..100_000).map(|_| {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            bits
+        });
+        for number in ties.chain(random).map(f32::from_bits).filter(|number| !number.is_nan()) {
+            assert_eq!(<bf16 as Entry>::of(f64::from(number)), bf16::from_f32(number), "{number:e}");
+        }
+        assert!(<bf16 as Entry>::of(f64::NAN).is_nan() && <bf16 as Entry>::of(-f64::NAN).is_nan());
+        assert_eq!(<bf16 as Entry>::of(f64::INFINITY), bf16::INFINITY);
     }
 }

@@ -53,24 +53,6 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     ) {
         self.shift = shift.map(E::Number::of);
         let factor = if C == 2 { 1.0 } else { shift[0] };
-        let set = |blocks: &mut [E], remainder: &mut [[E::Number; 4]; 3], couplings: Range<usize>| {
-            let mut lost = [[0.0; 3]; 3];
-            for (block, &source) in blocks.chunks_exact_mut(9).zip(&sweep.source[couplings]) {
-                let values = stiffness(source as usize);
-                let m = if C == 2 { 0.0 } else { mass[source as usize] };
-                for (at, stored) in block.iter_mut().enumerate() {
-                    // by columns
-                    let a = at % 3;
-                    let b = at / 3;
-                    let entry = factor * values[3 * a + b] + if a == b { m } else { 0.0 };
-                    *stored = E::of(entry);
-                    lost[b][a] += entry - stored.number().wide();
-                }
-            }
-            for (a, b) in (0..9).map(|at| (at % 3, at / 3)) {
-                remainder[b][a] += E::Number::of(0.5 * (lost[b][a] + lost[a][b]));
-            }
-        };
         self.remainders.fill([[E::Number::default(); 4]; 3]);
         let n_left = sweep.right_begin[0];
         let (left, right) = self.blocks.entries_mut().split_at_mut(9 * n_left);
@@ -80,8 +62,16 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
                 &|row| 9 * begin[row],
                 entries,
                 &mut self.remainders,
-                &|own, lost, row| {
-                    set(own, lost, begin[row]..begin[row + 1]);
+                &|blocks, remainder, row| {
+                    let sources = &sweep.source[begin[row]..begin[row + 1]];
+                    E::dispatch::<C, _>(SetRow {
+                        blocks,
+                        remainder,
+                        sources,
+                        factor,
+                        mass,
+                        stiffness: &stiffness,
+                    });
                 },
             );
         }
@@ -117,6 +107,47 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
             y[at / 3][at % 3] = [E::Number::default(); C];
         });
     }
+}
+
+/// Sets the blocks of a row to `factor K`, with M beside one column, and adds half of their rounding errors and of the
+/// transposed ones to its remainder.
+struct SetRow<'a, E: Entry, F> {
+    blocks: &'a mut [E],
+    remainder: &'a mut [[E::Number; 4]; 3],
+    sources: &'a [u32],
+    factor: f64,
+    mass: &'a [f64],
+    stiffness: &'a F,
+}
+
+impl<'k, E: Entry, F: Fn(usize) -> &'k [f64], const C: usize> Work<E, C> for SetRow<'_, E, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run<K: Kernel<E, C>>(self, _: K) {
+        let SetRow { blocks, remainder, sources, factor, mass, stiffness } = self;
+        let mut lost = [0.0; 9];
+        for (block, &source) in blocks.as_chunks_mut::<9>().0.iter_mut().zip(sources) {
+            let Some(values) = stiffness(source as usize).first_chunk::<9>() else { continue };
+            let mut entries = transposed(values).map(|entry| factor * entry);
+            if C == 1 {
+                (0..3).for_each(|a| entries[4 * a] += mass[source as usize]);
+            }
+            for at in 0..9 {
+                block[at] = E::of(entries[at]);
+                lost[at] += entries[at] - block[at].number().wide();
+            }
+        }
+        let transposed = transposed(&lost);
+        for at in 0..9 {
+            remainder[at / 3][at % 3] += E::Number::of(0.5 * (lost[at] + transposed[at]));
+        }
+    }
+}
+
+/// A 3 x 3 block by columns instead of rows.
+#[inline(always)]
+pub(super) fn transposed<T: Copy>(A: &[T; 9]) -> [T; 9] {
+    [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 
 /// `y = (M + lambda K) x` for consecutive rows; returns their part of `x^T y`.

@@ -71,6 +71,9 @@ impl RowPart {
 
     /// Sets every block to `coefficients[i k + j] mass[position]` times the unit matrix.
     pub fn set_blocks(&mut self, mass: &[f64], coefficients: &[f64]) {
+        if coefficients.iter().all(|coefficient| *coefficient == 0.0) {
+            return self.blocks.fill(0.0);
+        }
         let stages = coefficients.len();
         for (block, values) in self.blocks.chunks_exact_mut(9 * stages).enumerate() {
             let mass = mass[self.first_block + block];

@@ -426,13 +426,13 @@ fn with_diagonal(matrix: &[f64], value: f64) -> Vec<f64> {
 
 /// Largest ratio of a diagonal entry of K to the mass of its node; internal nodes have none.
 fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
-    let ratio = |dof: usize| {
-        let node = dof / 3;
-        let diagonal = body.pattern().position(node, node).unwrap_or(0);
-        stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
+    let (pattern, inactive) = (body.pattern(), body.space.inactive());
+    let of_node = |node: usize| {
+        let diagonal = stiffness.block(pattern.position(node, node).unwrap_or(0));
+        let free = (0..3).filter(move |a| !inactive[3 * node + a]);
+        free.map(|a| diagonal[4 * a].abs()).fold(0.0, f64::max) / body.lumped_mass()[node]
     };
-    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.space.inactive()[dof]);
-    let mut most = [free.map(ratio).fold(0.0, f64::max)];
+    let mut most = [(0..body.mesh().n_dofs() / 3).map(of_node).fold(0.0, f64::max)];
     body.space.largest_of_ranks("stiffness over mass", &mut most);
     most[0]
 }
