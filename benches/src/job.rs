@@ -148,8 +148,8 @@ impl Case {
 
     fn new(input: &str) -> Self {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(input);
-        let (set, state) = Default::default();
-        Case(Arguments { input, set, threads: 1, assemblies: 0, state, check: false })
+        let (set, state, longest) = Default::default();
+        Case(Arguments { input, set, threads: 1, assemblies: 0, state, longest, check: false })
     }
 
     fn cells(self, r: u32) -> Self {
@@ -188,6 +188,12 @@ impl Case {
         self
     }
 
+    /// The case that gives up after some CPU seconds.
+    pub(crate) fn at_longest(mut self, seconds: f64) -> Self {
+        self.0.longest = Some(seconds);
+        self
+    }
+
     /// The case with assemblies measured after the run.
     pub(crate) fn assemblies(mut self, count: usize) -> Self {
         self.0.assemblies = count;
@@ -213,6 +219,7 @@ impl Case {
         let mut words = vec!["case".to_string(), case.input.display().to_string()];
         let mut flag = |name: &str, value: String| words.extend([format!("--{name}"), value]);
         flag("threads", case.threads.to_string());
+        case.longest.into_iter().for_each(|seconds| flag("longest", seconds.to_string()));
         flag("assemblies", case.assemblies.to_string());
         case.set.iter().for_each(|set| flag("set", set.clone()));
         if let Some(file) = &case.state {

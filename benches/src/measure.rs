@@ -31,12 +31,15 @@ pub(crate) struct Arguments {
     /// File for all bits of the last state and of every step's energies and momenta
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
+    /// CPU seconds after which the run gives up, at the end of a step
+    #[arg(long, value_name = "SECONDS")]
+    pub longest: Option<f64>,
     /// Only the report of `emmy check`
     #[arg(long)]
     pub check: bool,
 }
 
-/// Beginning of the message of a run that cannot solve a step.
+/// Beginning of the message of a run that cannot solve a step, or gives up.
 pub(crate) const UNSOLVED: &str = "the run failed";
 
 /// Runs the case and returns its figures.
@@ -68,7 +71,7 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
         });
     }
     let mut motion = problem.motion(&mut []).map_err(|error| text(&error))?;
-    let mut steps = Steps::default();
+    let mut steps = Steps { longest: arguments.longest, ..Steps::default() };
     motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| format!("{UNSOLVED}: {error}"))?;
     // Before any other work.
     let (peak_megabytes, cpu_seconds_with_start) = (peak_megabytes(), Some(cpu_time().as_secs_f64()));
@@ -87,6 +90,7 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
 /// The clocks at the start and after every step.
 #[derive(Debug, Default)]
 struct Steps {
+    longest: Option<f64>,
     clocks: Vec<(Duration, Instant)>,
     records: Vec<Record>,
 }
@@ -95,7 +99,10 @@ impl Observer for Steps {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         self.clocks.push((cpu_time(), Instant::now()));
         self.records.push(view.record.clone());
-        Ok(())
+        match self.longest {
+            Some(longest) if cpu_time().as_secs_f64() > longest => Err(format!("over {longest:.1} s").into()),
+            _ => Ok(()),
+        }
     }
 }
 

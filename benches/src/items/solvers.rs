@@ -19,6 +19,10 @@ const SCHEMES: [(&str, usize); 4] = [("FE(1)", 1), ("DGM", 1), ("DGM", 2), ("DGM
 /// Limit of the time with the first kind over that with the best one.
 const LIMIT: f64 = 1.2;
 const STEPS: u32 = 12;
+/// A kind that takes this many times as long as the first one gives up.
+const HOPELESS: f64 = 4.0;
+/// Shortest time that tells anything \[s\].
+const LEAST: f64 = 1.0;
 /// Steps of the quasi-rigid block.
 const QUASI_RIGID: (f64, u32) = (0.2, 8);
 /// Bulk over shear modulus of projected cells, and their steps.
@@ -28,7 +32,7 @@ const PROJECTED: (f64, f64) = (1e4, 0.02);
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let scratch = Scratch::new("solvers")?;
-    let note = "Motions with their start, one thread; CPU seconds by `[solver]`.";
+    let note = "Motions with their start, one thread; CPU seconds by `[solver]`; -: fails, or takes over four times as long as `auto`.";
     let mut report = Report::new("Solvers", note);
     let heading = ["motion", "scheme", "k"].into_iter().chain(KINDS).chain(["auto / best"]);
     let mut table = Table::with_heading(2, heading.map(String::from).collect());
@@ -36,8 +40,14 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     for (name, motion) in motions(session, &scratch)? {
         for (scheme, k) in SCHEMES.into_iter().step_by(session.choose(3, 1)) {
             let case = motion.clone().scheme(scheme, k);
-            let jobs = KINDS.map(|kind| Job::case(&case.clone().with("solver.kind", kind)));
-            let jobs = jobs.into_iter().collect::<Result<Vec<_>, _>>()?;
+            let of_kind = |kind: &str| case.clone().with("solver.kind", kind);
+            let first = solved(session.attempts(&[Job::case(&of_kind(KINDS[0]))?], is_unsolved))?;
+            let seconds = first[0].as_ref().map(|runs| runs.median(|o| Figure::WithStart.of(o)));
+            let job = |kind| match seconds {
+                Some(seconds) => Job::case(&of_kind(kind).at_longest(HOPELESS * seconds.max(LEAST))),
+                None => Job::case(&of_kind(kind)),
+            };
+            let jobs = KINDS.into_iter().map(job).collect::<Result<Vec<_>, _>>()?;
             let runs = solved(session.attempts(&jobs, is_unsolved))?;
             let seconds = |runs: &Runs| number(runs.median(|o| Figure::WithStart.of(o)));
             // A choice that fails is infinitely worse.
@@ -46,7 +56,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
             };
             let ratio = runs.iter().flatten().map(over).fold(0.0, f64::max);
             let mut row = vec![name.clone(), scheme.to_string(), k.to_string()];
-            row.extend(runs.iter().map(|runs| runs.as_ref().map_or("fails".into(), seconds)));
+            row.extend(runs.iter().map(|runs| runs.as_ref().map_or("-".into(), seconds)));
             row.push(number(ratio));
             table.push(row);
             if ratio > largest.0 {

@@ -1,9 +1,12 @@
 //! The linear solvers: all give the same motion, on any number of threads, and their approximate tangent rotates with
 //! the body.
 
-use emmy::body::{Body, InitialVelocity, Region};
+use emmy::body::{
+    Body, BodyBuilder, Formulation, GroundSpring, InitialVelocity, PointTerms, Region, Viscosity,
+};
 use emmy::internals::sparse::{Solver, SolverKind};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
+use emmy::mesh::{Mesh, MeshBuilder, block};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
 use emmy::time::Scheme;
 
@@ -88,5 +91,58 @@ fn a_kept_stiffness_turns_with_the_body() {
         let (records, _) = flight(stiff(), spin(2.0), scheme, settings, (80, 0.01));
         let refactorizations: usize = records.iter().map(|record| record.refactorizations).sum();
         assert!(refactorizations <= 3, "{scheme:?}: {refactorizations}");
+    }
+}
+
+/// A bar of 1 x 1 x 4 cubes, the upper half of it in the group "soft".
+fn bar() -> Mesh {
+    let cubes = block([1.0, 1.0, 4.0], [1, 1, 4]).unwrap();
+    let mut builder = MeshBuilder::new();
+    cubes.points().iter().for_each(|point| {
+        builder.point(*point);
+    });
+    for (index, cell) in cubes.cells().enumerate() {
+        let number = builder.cell(cell.kind, cell.nodes).unwrap();
+        builder.cell_group(if index < 2 { "stiff" } else { "soft" }, [number]);
+    }
+    builder.build().unwrap()
+}
+
+/// A motion so small that it is linear: what the factorised matrix lacks is all that corrections leave. With the
+/// viscosities of all parts in it, they are as many as without viscosity, but for one.
+#[test]
+fn uneven_viscosities_do_not_slow_the_corrections() {
+    let rubber = || Region::new(NeoHooke::new(1e3, 30.0).unwrap(), 1.0);
+    let projected = || rubber().with_formulation(Formulation::ProjectedVolume(None));
+    let stiff = || Region::new(NeoHooke::new(1e5, 1e5).unwrap(), 1.0).on("stiff");
+    let springs = || vec![GroundSpring { group: "soft".into(), stiffness: 50.0 }];
+    let mixed = || Body::builder(bar()).region(stiff());
+    let time = Viscosity { time: 0.3, ..Viscosity::default() };
+    let shear = Viscosity { shear: 10.0, ..Viscosity::default() };
+    let bodies: [(_, _, &dyn Fn(Viscosity) -> BodyBuilder); 5] = [
+        ("a soft part", time, &|own| mixed().region(rubber().on("soft").with_viscosity(own))),
+        ("projected", time, &|own| mixed().region(projected().on("soft").with_viscosity(own))),
+        ("drag", time, &|own| mixed().region(rubber().on("soft").with_viscosity(own)).drag(2.0)),
+        ("shear alone", shear, &|own| Body::builder(bar()).region(rubber().with_viscosity(own))),
+        ("springs", time, &|own| {
+            let terms = PointTerms { springs: springs(), ..PointTerms::default() };
+            Body::builder(bar()).region(rubber().with_viscosity(own)).point_terms(terms)
+        }),
+    ];
+    let gradient = [[1e-6, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 3e-6]];
+    let stretch = InitialVelocity { gradient, ..Default::default() };
+    for (what, viscosity, body) in bodies {
+        for (scheme, degree) in [("DGM", 2), ("DGM", 3), ("AS(3)", 3), ("FE(2)", 2), ("DGM", 4)] {
+            let corrections = |viscosity: Viscosity| -> usize {
+                let body = body(viscosity).build().unwrap();
+                let state = State::initial(&body, 0.0, std::slice::from_ref(&stretch)).unwrap();
+                let settings = NewtonSettings { solver: Solver::Direct, ..Default::default() };
+                let scheme = at(scheme.parse().unwrap(), degree);
+                let mut motion = Motion::starting(&body, scheme, settings, state).unwrap();
+                (0..5).map(|_| motion.step(0.1).unwrap().newton_iterations).sum()
+            };
+            let [viscous, elastic] = [viscosity, Viscosity::default()].map(corrections);
+            assert!(viscous <= elastic + 5, "{what}, {scheme}, k = {degree}: {viscous} {elastic}");
+        }
     }
 }
