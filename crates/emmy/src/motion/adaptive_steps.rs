@@ -100,8 +100,9 @@ impl<'a> Motion<'a> {
                     self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
-                        let most = control.size_without_error(AFTER_KINK, self.body, &self.state)?;
-                        control.controller.restart(most.min(size), StepLimit::Kink);
+                        let time = control.travel_time(self.body, &self.state)?;
+                        let next = size.clamp(FIRST * time, AFTER_KINK * time);
+                        control.controller.restart(next, StepLimit::Kink);
                     } else {
                         self.choose_degree(control, (size, error), longest)?;
                     }
@@ -238,7 +239,7 @@ impl<'a> Motion<'a> {
             start: self.state.clone(),
         };
         if adaptivity.first.is_none() {
-            let first = control.size_without_error(FIRST, self.body, &self.state)?;
+            let first = FIRST * control.travel_time(self.body, &self.state)?;
             control.controller.restart(first, StepLimit::Start);
         }
         if let Some(memory) = self.control_memory.take() {

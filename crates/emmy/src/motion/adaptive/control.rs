@@ -24,11 +24,12 @@ pub(in crate::motion) struct Control<'a> {
     pub start: State,
 }
 
-/// The first step is this part of the time in which the body moves by its own size.
+/// The first step over [`Control::travel_time`].
 pub(in crate::motion) const FIRST: f64 = 0.01;
 
-/// The step after a kink is at most this part. The size before the kink says more about the motion: steps in the shake
-/// of `benches` that grew from the first size after each kink had a hundred thousandth of the tolerated error.
+/// The largest step after a kink over this time; the smallest is the first one. Between them, the size before the kink
+/// says more about the motion: steps in the shake of `benches` that grew from the first size after each kink had a
+/// hundred thousandth of the tolerated error.
 pub(in crate::motion) const AFTER_KINK: f64 = 0.3;
 
 impl<'a> Control<'a> {
@@ -42,12 +43,12 @@ impl<'a> Control<'a> {
         memory
     }
 
-    /// A part of the time in which the body moves by its own length.
-    pub(in crate::motion) fn size_without_error(&self, part: f64, body: &Body, state: &State) -> Result<f64> {
+    /// Time in which the body moves by its own length, at most that of the plan.
+    pub(in crate::motion) fn travel_time(&self, body: &Body, state: &State) -> Result<f64> {
         let acceleration = LocalError::acceleration(body, state)?;
         let by_velocity = self.length / body.mass_weighted_rms(&state.velocity);
         let by_acceleration = (2.0 * self.length / body.mass_weighted_rms(&acceleration)).sqrt();
-        Ok(part * by_velocity.min(by_acceleration).min(self.duration))
+        Ok(by_velocity.min(by_acceleration).min(self.duration))
     }
 
     /// Error of the last step: the larger of the errors of positions and velocities, in their scales.
