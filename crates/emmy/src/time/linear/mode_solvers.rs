@@ -97,8 +97,8 @@ impl ModeSolvers {
         self.choice
     }
 
-    /// Whether factorisations of a body take its viscosities apart from K: they are no multiple of K, and a complex mode
-    /// turns them by another angle.
+    /// Whether factorisations of a body take its viscosities apart from K: they are no multiple of K, and a complex
+    /// mode turns them by another angle.
     pub(super) fn separate_viscosity(&self, body: &Body, coefficients: &StageCoefficients) -> bool {
         let is_decoupled = commute(&coefficients.inverse_mass, &coefficients.response);
         let has_internal_nodes = body.space.has_internal_nodes();
