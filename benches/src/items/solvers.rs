@@ -32,7 +32,8 @@ const PROJECTED: (f64, f64) = (1e4, 0.02);
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let scratch = Scratch::new("solvers")?;
-    let note = "Motions with their start, one thread; CPU seconds by `[solver]`; -: fails, or takes over four times as long as `auto`.";
+    let note = "Motions with their start, one thread; CPU seconds by `[solver]`; -: fails, or takes over 4 s and over \
+        four times as long as `auto`.";
     let mut report = Report::new("Solvers", note);
     let heading = ["motion", "scheme", "k"].into_iter().chain(KINDS).chain(["auto / best"]);
     let mut table = Table::with_heading(2, heading.map(String::from).collect());
