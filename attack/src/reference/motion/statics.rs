@@ -112,8 +112,8 @@ impl Motion<'_> {
         Ok(with(&x))
     }
 
-    /// Derivative of the forces at a displacement, by differences of the fourth order and of width h, less the symmetric
-    /// part of the derivative of the pressure at time 0.
+    /// Derivative of the forces at a displacement, by differences of the fourth order and of width h, less the
+    /// symmetric part of the derivative of the pressure at time 0.
     pub fn stiffness(&self, u: &[f64], h: f64, has_pressure: bool) -> Matrix {
         let force = |u: &[f64], transposed: bool| {
             let mut force = if transposed { vec![0.0; u.len()] } else { self.body.forces(u) };
