@@ -97,10 +97,11 @@ struct Steps {
 
 impl Observer for Steps {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.clocks.push((cpu_time(), Instant::now()));
+        let now = cpu_time();
+        self.clocks.push((now, Instant::now()));
         self.records.push(view.record.clone());
         match self.longest {
-            Some(longest) if cpu_time().as_secs_f64() > longest => Err(format!("over {longest:.1} s").into()),
+            Some(longest) if now.as_secs_f64() > longest => Err(format!("over {longest:.1} s").into()),
             _ => Ok(()),
         }
     }

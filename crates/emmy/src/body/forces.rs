@@ -403,7 +403,7 @@ impl Body {
     }
 
     /// Whether all stored energy is that of cells.
-    pub(super) fn has_cells_alone(&self) -> bool {
+    pub(super) fn stores_energy_in_cells_alone(&self) -> bool {
         self.others().all(|force| force.book() != Book::Stored)
     }
 

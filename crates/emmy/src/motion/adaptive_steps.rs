@@ -98,13 +98,13 @@ impl<'a> Motion<'a> {
                     self.record.local_error = error;
                     self.record.step_limit = Some(limit);
                     self.statistics.add(self.body, &self.state, &self.record);
+                    self.choose_degree(control, (size, error), longest)?;
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
                         let time = control.travel_time(self.body, &self.state)?;
+                        // The last size itself: the intended one, not shortened by the kink, fails after a pulse.
                         let next = size.clamp(FIRST * time, AFTER_KINK * time);
                         control.controller.restart(next, StepLimit::Kink);
-                    } else {
-                        self.choose_degree(control, (size, error), longest)?;
                     }
                     return Ok(());
                 }

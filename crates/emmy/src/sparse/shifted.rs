@@ -127,8 +127,7 @@ impl<'k, E: Entry, F: Fn(usize) -> &'k [f64], const C: usize> Work<E, C> for Set
         let SetRow { blocks, remainder, sources, factor, mass, stiffness } = self;
         let mut lost = [0.0; 9];
         for (block, &source) in blocks.as_chunks_mut::<9>().0.iter_mut().zip(sources) {
-            let Some(values) = stiffness(source as usize).first_chunk::<9>() else { continue };
-            let mut entries = transposed(values).map(|entry| factor * entry);
+            let mut entries = transposed(stiffness(source as usize)).map(|entry| factor * entry);
             if C == 1 {
                 (0..3).for_each(|a| entries[4 * a] += mass[source as usize]);
             }
@@ -146,7 +145,8 @@ impl<'k, E: Entry, F: Fn(usize) -> &'k [f64], const C: usize> Work<E, C> for Set
 
 /// A 3 x 3 block by columns instead of rows.
 #[inline(always)]
-pub(super) fn transposed<T: Copy>(A: &[T; 9]) -> [T; 9] {
+pub(super) fn transposed<T: Copy>(A: &[T]) -> [T; 9] {
+    let A = &A[..9];
     [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 

@@ -25,7 +25,8 @@ pub(crate) struct StageCoefficients {
     pub mass_low: Vec<f64>,
     /// Inverse of m, `[i k + j]`.
     pub inverse_mass: Vec<f64>,
-    /// Response of the averages to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
+    /// Response of the averages to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`. A time element has
+    /// `w = m^-1`.
     pub response: Vec<f64>,
     /// Dissipation of the scheme.
     pub damping: Option<SchemeDamping>,

@@ -109,7 +109,7 @@ fn bar() -> Mesh {
 }
 
 /// A motion so small that it is linear: what the factorised matrix lacks is all that corrections leave. With the
-/// viscosities of all parts in it, they are as many as without viscosity, but for one.
+/// viscosities of all parts in it, they are as many as without viscosity, but for one a step.
 #[test]
 fn uneven_viscosities_do_not_slow_the_corrections() {
     let rubber = || Region::new(NeoHooke::new(1e3, 30.0).unwrap(), 1.0);
@@ -132,14 +132,18 @@ fn uneven_viscosities_do_not_slow_the_corrections() {
     let gradient = [[1e-6, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 3e-6]];
     let stretch = InitialVelocity { gradient, ..Default::default() };
     for (what, viscosity, body) in bodies {
-        for (scheme, degree) in [("DGM", 2), ("DGM", 3), ("AS(3)", 3), ("FE(2)", 2), ("DGM", 4)] {
+        for (scheme, degree) in
+            [("DGM", 2), ("DGM", 3), ("AS(3)", 3), ("FE(2)", 2), ("DGM", 4), ("DGM(0.5)", 2)]
+        {
             let corrections = |viscosity: Viscosity| -> usize {
                 let body = body(viscosity).build().unwrap();
                 let state = State::initial(&body, 0.0, std::slice::from_ref(&stretch)).unwrap();
                 let settings = NewtonSettings { solver: Solver::Direct, ..Default::default() };
                 let scheme = at(scheme.parse().unwrap(), degree);
                 let mut motion = Motion::starting(&body, scheme, settings, state).unwrap();
-                (0..5).map(|_| motion.step(0.1).unwrap().newton_iterations).sum()
+                // The factors of later steps have another time s than their K.
+                let sizes = [0.1, 0.1, 0.1, 0.03, 0.03];
+                sizes.map(|h| motion.step(h).unwrap().newton_iterations).iter().sum()
             };
             let [viscous, elastic] = [viscosity, Viscosity::default()].map(corrections);
             assert!(viscous <= elastic + 5, "{what}, {scheme}, k = {degree}: {viscous} {elastic}");

@@ -12,8 +12,7 @@ use crate::time::{MAX_DEGREE, Memory};
 /// Each leaves a part of order h^2 of the defect, or of order h^3 with a new stiffness, since the tangent contains M
 /// exactly (except for the 16-bit matrix of conjugate gradients, which leaves less than a hundredth). The end of the
 /// step depends on a part of the rates that is small by orthogonality; the last change there estimates the remainder.
-/// Where one stiffness represents the stages poorly, as in a long step that bends the body, the exact tangent follows
-/// it.
+/// Where one stiffness represents the stages poorly, as in a long step that bends the body, the exact tangent follows.
 #[derive(Debug, Default)]
 pub(super) struct DefectCorrection {
     residual: Vec<f64>,
@@ -31,8 +30,8 @@ const TOLERANCE: f64 = 1e-4;
 const EXACT_TOLERANCE: f64 = 1e-3;
 
 /// Largest remaining change at the end of the step over the change so far. Where each correction is the part q of the
-/// one before, the remaining ones sum to q/(1 - q) of the last; q may grow by half towards the end, so that 5 % may be
-/// left.
+/// one before, the remaining ones sum to q/(1 - q) of the last. Half of the 5 % that may be left, because q grows where
+/// K is outdated.
 const MAX_END_CHANGE: f64 = 0.025;
 
 /// A correction that leaves a larger part of the residual has an outdated stiffness.

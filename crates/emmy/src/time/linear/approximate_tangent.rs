@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::mode_solvers::{ModeSolvers, Stiffness};
+use super::mode_solvers::{ModeSolvers, Stiffness, separated};
 use super::strain_rates::StrainRateTransform;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, ReusedDamping};
@@ -76,7 +76,7 @@ impl ApproximateTangent {
             (Rule::standard(1, &gauss(1)), 0.5)
         };
         let solvers = ModeSolvers::new(body, coefficients, solver)?;
-        let elastic = solvers.separate_viscosity(body, coefficients).then(|| body.assembly(&rule));
+        let elastic = separated(body, nodes.len()).then(|| body.assembly(&rule));
         Ok(ApproximateTangent {
             // m^-1 w is the square of w.
             response_size: solvers.largest_modulus().sqrt(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::decoupling::{StageMode, commute, modes};
+use super::decoupling::{StageMode, modes};
 use super::solver_choice::{Costs, factorization_cost};
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ pub(super) struct Stiffness<'a> {
     pub matrix: &'a StageMatrix,
     /// Rate of the viscosities in the matrix \[1/time\].
     pub viscous_rate: f64,
-    /// K alone, if [`ModeSolvers::separate_viscosity`].
+    /// K alone, if the viscosities are [`separated`].
     pub elastic: Option<&'a StageMatrix>,
     /// Positions of the nodes, `[n_nodes][3]`.
     pub positions: &'a [f64],
@@ -97,15 +97,6 @@ impl ModeSolvers {
         self.choice
     }
 
-    /// Whether factorisations of a body take its viscosities apart from K: they are no multiple of K, and a complex
-    /// mode turns them by another angle.
-    pub(super) fn separate_viscosity(&self, body: &Body, coefficients: &StageCoefficients) -> bool {
-        let is_decoupled = commute(&coefficients.inverse_mass, &coefficients.response);
-        let has_internal_nodes = body.space.has_internal_nodes();
-        let is_alone = !body.space.is_shared() && !has_internal_nodes;
-        coefficients.rule.degree() > 1 && is_decoupled && is_alone && body.has_uneven_viscosity()
-    }
-
     /// Whether the present solver is of a kind.
     pub(super) fn is(&self, kind: SolverKind) -> bool {
         self.choice.is_some_and(|choice| choice.kind == kind)
@@ -155,20 +146,28 @@ impl ModeSolvers {
 
     /// `number`: the stiffness number.
     fn factorize(&mut self, body: &Body, given: Stiffness<'_>, number: f64) -> Result<()> {
-        let in_single_precision = number <= MOST_IN_SINGLE_PRECISION;
         let Stiffness { matrix: mut stiffness, positions, viscous_rate, .. } = given;
         let (mut mass, mut fixed) = (body.mass(), body.space.inactive());
         let elastic = given.elastic.filter(|_| self.is(SolverKind::Direct));
+        let elastic = elastic.map(|elastic| {
+            (elastic, [given.matrix, elastic].map(|matrix| stiffness_over_mass(body, matrix)))
+        });
         if let Some(condensation) = &mut self.condensation {
             body.space.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let of_sum = shift(mode, self.time_scale);
-            let shifts = separate_shifts(mode, self.time_scale, viscous_rate, body.viscous_time());
-            let shift = elastic.map_or(of_sum, |_| shifts[0]);
-            let elastic = elastic.map(|elastic| (elastic, shifts[1]));
+            let (shift, elastic, number) = match &elastic {
+                None => (shift(mode, self.time_scale), None, number),
+                Some((elastic, ratios)) => {
+                    let shifts = separate_shifts(mode, self.time_scale, viscous_rate, body.viscous_time());
+                    let moduli = shifts.map(|[re, im]| re.hypot(im));
+                    let number = moduli[0] * ratios[0] + moduli[1] * ratios[1];
+                    (shifts[0], Some((*elastic, shifts[1])), number)
+                }
+            };
+            let in_single_precision = number <= MOST_IN_SINGLE_PRECISION;
             let system = Shifted { stiffness, mass, fixed, positions, shift, elastic, in_single_precision };
             solver.factorize(&system)?;
         }
@@ -403,6 +402,13 @@ fn condensed<T>(
 /// lambda of a mode.
 fn shift(mode: &StageMode, time_scale: f64) -> [f64; 2] {
     mode.eigenvalue.map(|part| time_scale * time_scale * part)
+}
+
+/// Whether factorisations of a body take its viscosities apart from K. They need not for degree 1, where K contains
+/// them exactly at its own time s, and cannot where internal nodes are condensed or by a team, which have one matrix.
+pub(super) fn separated(body: &Body, degree: usize) -> bool {
+    let has_one_matrix = body.space.is_shared() || body.space.has_internal_nodes();
+    degree > 1 && !has_one_matrix && body.has_uneven_viscosity()
 }
 
 /// The factors a, b with which `M + a K_v + b K` is `M + s^2 lambda K + s nu C`, for `K_v = (K + 2 rate C)/(1 + 2 rate
