@@ -41,6 +41,8 @@ pub(crate) struct Arguments {
 
 /// Beginning of the message of a run that cannot solve a step, or gives up.
 pub(crate) const UNSOLVED: &str = "the run failed";
+/// What the message says if it took too long.
+pub(crate) const GAVE_UP: &str = "gave up after";
 
 /// Runs the case and returns its figures.
 ///
@@ -101,7 +103,7 @@ impl Observer for Steps {
         self.clocks.push((now, Instant::now()));
         self.records.push(view.record.clone());
         match self.longest {
-            Some(longest) if now.as_secs_f64() > longest => Err(format!("over {longest:.1} s").into()),
+            Some(longest) if now.as_secs_f64() > longest => Err(format!("{GAVE_UP} {longest:.1} s").into()),
             _ => Ok(()),
         }
     }

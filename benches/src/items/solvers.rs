@@ -5,7 +5,7 @@ use emmy::mesh::CellKind;
 use super::side_by_side::Figure;
 use super::{Settings, locking};
 use crate::job::{Case, Job};
-use crate::measure::UNSOLVED;
+use crate::measure::{GAVE_UP, UNSOLVED};
 use crate::mesh_file::block_file;
 use crate::report::{Goal, Limit, Report, Table, number};
 use crate::scratch::Scratch;
@@ -32,8 +32,8 @@ const PROJECTED: (f64, f64) = (1e4, 0.02);
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let scratch = Scratch::new("solvers")?;
-    let note = "Motions with their start, one thread; CPU seconds by `[solver]`; -: fails, or takes over 4 s and over \
-        four times as long as `auto`.";
+    let note = "Motions with their start, one thread; CPU seconds by `[solver]`; -: fails; slow: takes over 4 s and \
+        over four times as long as `auto`.";
     let mut report = Report::new("Solvers", note);
     let heading = ["motion", "scheme", "k"].into_iter().chain(KINDS).chain(["auto / best"]);
     let mut table = Table::with_heading(2, heading.map(String::from).collect());
@@ -45,8 +45,8 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
             let first = solved(session.attempts(&[Job::case(&of_kind(KINDS[0]))?], is_unsolved))?;
             let seconds = first[0].as_ref().map(|runs| runs.median(|o| Figure::WithStart.of(o)));
             let job = |kind| match seconds {
-                Some(seconds) => Job::case(&of_kind(kind).at_longest(HOPELESS * seconds.max(LEAST))),
-                None => Job::case(&of_kind(kind)),
+                Ok(seconds) => Job::case(&of_kind(kind).at_longest(HOPELESS * seconds.max(LEAST))),
+                Err(_) => Job::case(&of_kind(kind)),
             };
             let jobs = KINDS.into_iter().map(job).collect::<Result<Vec<_>, _>>()?;
             let runs = solved(session.attempts(&jobs, is_unsolved))?;
@@ -57,7 +57,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
             };
             let ratio = runs.iter().flatten().map(over).fold(0.0, f64::max);
             let mut row = vec![name.clone(), scheme.to_string(), k.to_string()];
-            row.extend(runs.iter().map(|runs| runs.as_ref().map_or("-".into(), seconds)));
+            row.extend(runs.iter().map(|runs| runs.as_ref().map_or_else(|word| word.to_string(), seconds)));
             row.push(number(ratio));
             table.push(row);
             if ratio > largest.0 {
@@ -101,11 +101,12 @@ fn is_unsolved(message: &str) -> bool {
     message.contains(UNSOLVED)
 }
 
-/// The runs of the kinds that suit; an error for any other failure.
-fn solved(attempts: Vec<Result<Runs, String>>) -> Result<Vec<Option<Runs>>, String> {
+/// The runs of the kinds that suit, and for the others a word; an error for any other failure.
+fn solved(attempts: Vec<Result<Runs, String>>) -> Result<Vec<Result<Runs, &'static str>>, String> {
     let solved = |attempt: Result<Runs, String>| match attempt {
-        Ok(runs) => Ok(Some(runs)),
-        Err(message) if is_unsolved(&message) => Ok(None),
+        Ok(runs) => Ok(Ok(runs)),
+        Err(message) if message.contains(GAVE_UP) => Ok(Err("slow")),
+        Err(message) if is_unsolved(&message) => Ok(Err("-")),
         Err(message) => Err(message),
     };
     attempts.into_iter().map(solved).collect()

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::mode_solvers::{ModeSolvers, Stiffness, separated};
+use super::mode_solvers::{ElasticStiffness, ModeSolvers, Stiffness, separated};
 use super::strain_rates::StrainRateTransform;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, ReusedDamping};
@@ -30,7 +30,7 @@ pub(crate) struct ApproximateTangent {
     rule: Rule,
     assembly: Assembly,
     /// K without viscosities, if the solvers take them apart.
-    elastic: Option<Assembly>,
+    elastic: Option<ElasticStiffness>,
     /// Rotation from the body of K to the body in the middle of the step.
     orientation: Mat3<f64>,
     /// Rotation vector of the step.
@@ -76,7 +76,7 @@ impl ApproximateTangent {
             (Rule::standard(1, &gauss(1)), 0.5)
         };
         let solvers = ModeSolvers::new(body, coefficients, solver)?;
-        let elastic = separated(body, nodes.len()).then(|| body.assembly(&rule));
+        let elastic = separated(body, nodes.len()).then(ElasticStiffness::default);
         Ok(ApproximateTangent {
             // m^-1 w is the square of w.
             response_size: solvers.largest_modulus().sqrt(),
@@ -217,16 +217,13 @@ impl ApproximateTangent {
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
-        let undamped = StepInput {
-            tangent_factor: 2.0,
-            local: (!self.local.is_empty()).then_some(&self.local),
-            ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
-        };
         if let Some(elastic) = &mut self.elastic {
-            body.assemble(&undamped, Request::Tangent, &[0.0], elastic)?;
+            elastic.invalidate();
         }
+        let factor = self.rate_factor(body);
+        let undamped = undamped(&self.rule, &self.displacement, &self.rates, &self.local);
         let step = StepInput {
-            tangent_factor: self.rate_factor(body),
+            tangent_factor: factor,
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
             ..undamped
         };
@@ -246,7 +243,8 @@ impl ApproximateTangent {
         let stiffness = Stiffness {
             matrix: &self.assembly.matrix,
             viscous_rate: self.viscous_rate,
-            elastic: self.elastic.as_ref().map(|elastic| &elastic.matrix),
+            elastic: self.elastic.as_mut(),
+            undamped: &undamped(&self.rule, &self.displacement, &self.rates, &self.local),
             positions: &self.positions,
             soft_part: self.soft_part,
         };
@@ -401,6 +399,20 @@ impl ApproximateTangent {
         let mut sum = [body.space.counted_dofs().map(term).sum::<f64>()];
         body.space.sum_ranks("energy of the rounding", &mut sum);
         0.125 * f64::EPSILON * f64::EPSILON * sum[0]
+    }
+}
+
+/// The step without viscosities at which K is taken: dP/dF' is half of dP/dF.
+fn undamped<'a>(
+    rule: &'a Rule,
+    displacement: &'a [f64],
+    rates: &'a [f64],
+    local: &'a [f64],
+) -> StepInput<'a> {
+    StepInput {
+        tangent_factor: 2.0,
+        local: (!local.is_empty()).then_some(local),
+        ..StepInput::undamped(rule, displacement, rates)
     }
 }
 

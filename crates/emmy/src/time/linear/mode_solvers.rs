@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::decoupling::{StageMode, modes};
 use super::solver_choice::{Costs, factorization_cost};
-use crate::body::Body;
+use crate::average::Request;
+use crate::body::{Assembly, Body};
 use crate::error::{Error, Result};
+use crate::force::StepInput;
 use crate::sparse::{
     Condensation, Direct, DirectPair, Iterative, Multigrid, SharedRows, Shifted, ShiftedSolver, Solver,
     SolverChoice, SolverKind, StageMatrix, SweepOrder, TeamSolver, inverse,
@@ -15,18 +17,44 @@ use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
 
 /// A stiffness for the solvers of the modes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Stiffness<'a> {
     /// K with the viscosities C, `(K + 2 rate C) / (1 + 2 rate t_v)` with the mean time t_v of the body.
     pub matrix: &'a StageMatrix,
     /// Rate of the viscosities in the matrix \[1/time\].
     pub viscous_rate: f64,
     /// K alone, if the viscosities are [`separated`].
-    pub elastic: Option<&'a StageMatrix>,
+    pub elastic: Option<&'a mut ElasticStiffness>,
+    /// The step without viscosities at which K is taken.
+    pub undamped: &'a StepInput<'a>,
     /// Positions of the nodes, `[n_nodes][3]`.
     pub positions: &'a [f64],
     /// Part of M + s^2 K that is not the stiffness of projected volumes.
     pub soft_part: f64,
+}
+
+/// K without viscosities, assembled when a factorisation asks for it.
+#[derive(Debug, Default)]
+pub(super) struct ElasticStiffness {
+    assembly: Option<Assembly>,
+    /// Whether it is K at the present displacement.
+    is_current: bool,
+}
+
+impl ElasticStiffness {
+    /// Tells that K is taken at another displacement.
+    pub(super) fn invalidate(&mut self) {
+        self.is_current = false;
+    }
+
+    fn assemble(&mut self, body: &Body, undamped: &StepInput<'_>) -> Result<&StageMatrix> {
+        let assembly = self.assembly.get_or_insert_with(|| body.assembly(undamped.rule));
+        if !self.is_current {
+            body.assemble(undamped, Request::Tangent, &[0.0], assembly)?;
+            self.is_current = true;
+        }
+        Ok(&assembly.matrix)
+    }
 }
 
 /// The modes of the stage equations with their solvers.
@@ -112,7 +140,7 @@ impl ModeSolvers {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub(super) fn set(&mut self, body: &Body, stiffness: Stiffness<'_>, time_scale: f64) -> Result<()> {
+    pub(super) fn set(&mut self, body: &Body, mut stiffness: Stiffness<'_>, time_scale: f64) -> Result<()> {
         if body.dissipates() && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
@@ -123,7 +151,7 @@ impl ModeSolvers {
         self.time_scale = time_scale;
         loop {
             let chosen = self.choose(body, number, is_stiff);
-            let done = body.space.agree(chosen).and_then(|()| self.factorize(body, stiffness, number));
+            let done = body.space.agree(chosen).and_then(|()| self.factorize(body, &mut stiffness, number));
             let done = body.space.agree(done);
             let Err(error) = &done else { return done };
             match self
@@ -145,13 +173,13 @@ impl ModeSolvers {
     }
 
     /// `number`: the stiffness number.
-    fn factorize(&mut self, body: &Body, given: Stiffness<'_>, number: f64) -> Result<()> {
-        let Stiffness { matrix: mut stiffness, positions, viscous_rate, .. } = given;
+    fn factorize(&mut self, body: &Body, given: &mut Stiffness<'_>, number: f64) -> Result<()> {
+        let Stiffness { matrix: mut stiffness, positions, viscous_rate, undamped, .. } = *given;
         let (mut mass, mut fixed) = (body.mass(), body.space.inactive());
-        let elastic = given.elastic.filter(|_| self.is(SolverKind::Direct));
-        let elastic = elastic.map(|elastic| {
-            (elastic, [given.matrix, elastic].map(|matrix| stiffness_over_mass(body, matrix)))
-        });
+        let elastic = given.elastic.as_mut().filter(|_| self.is(SolverKind::Direct));
+        let elastic = elastic.map(|elastic| elastic.assemble(body, undamped)).transpose()?;
+        let elastic = elastic
+            .map(|elastic| (elastic, [stiffness, elastic].map(|matrix| stiffness_over_mass(body, matrix))));
         if let Some(condensation) = &mut self.condensation {
             body.space.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
