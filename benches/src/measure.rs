@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
 
 /// Beginning of the message of a run that cannot solve a step, or gives up.
 pub(crate) const UNSOLVED: &str = "the run failed";
-/// What the message says if it took too long.
+/// Words of the message of one that gives up.
 pub(crate) const GAVE_UP: &str = "gave up after";
 
 /// Runs the case and returns its figures.

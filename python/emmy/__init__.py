@@ -51,7 +51,7 @@ from ._lists import (
 from ._materials import Energy, Material
 from ._mesh import Mesh
 from ._motion import Motion
-from ._parts import Adaptive, Initial, Load, Mass, Region, Support, Viscosity
+from ._parts import Adaptive, Initial, Load, Mass, Region, Support, Tie, Viscosity
 from ._results import Frame, Frames, Run
 from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
 from ._run import Comparison, check, compare, report, resume, run
@@ -68,8 +68,8 @@ __all__ = [
     "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded",
     "Load", "Mass", "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke",
     "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem", "Region", "ResultsError",
-    "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError",
-    "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements", "equilibrium", "examples",
-    "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes",
+    "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "Tie",
+    "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements", "equilibrium",
+    "examples", "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes",
     "set_threads", "solvers", "sweep", "threads",
 ]  # fmt: skip

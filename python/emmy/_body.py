@@ -13,7 +13,7 @@ from . import _emmy
 from . import _words as words
 from ._errors import missing, of_whole_input, warn
 from ._mesh import Mesh
-from ._parts import Load, Mass, Region, Support
+from ._parts import Load, Mass, Region, Support, Tie
 
 
 class Prescribed(NamedTuple):
@@ -39,7 +39,7 @@ class Prescribed(NamedTuple):
 
 
 class Body:
-    """A mesh with materials, supports, loads and further masses. It cannot be changed.
+    """A mesh with materials, supports, loads, further masses and ties. It cannot be changed.
 
     Parameters
     ----------
@@ -53,6 +53,8 @@ class Body:
         Loads.
     masses : Mass or list of Mass, optional
         Masses besides those of the cells.
+    ties : Tie or list of Tie, optional
+        Nodes that follow other parts of the body.
 
     Raises
     ------
@@ -82,6 +84,7 @@ class Body:
         supports: Support | Iterable[Support] = (),
         loads: Load | Iterable[Load] = (),
         masses: Mass | Iterable[Mass] = (),
+        ties: Tie | Iterable[Tie] = (),
     ) -> None:
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
@@ -90,8 +93,15 @@ class Body:
         self._supports = words.each(supports, Support, "supports")
         self._loads = words.each(loads, Load, "loads")
         self._masses = words.each(masses, Mass, "masses")
+        self._ties = words.each(ties, Tie, "ties")
         self._try_histories()
-        parts = {"region": self._regions, "support": self._supports, "load": self._loads, "mass": self._masses}
+        parts: dict[str, tuple[words.Table, ...]] = {
+            "region": self._regions,
+            "support": self._supports,
+            "load": self._loads,
+            "mass": self._masses,
+            "tie": self._ties,
+        }
         tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
         with of_whole_input():
             self._native = _emmy.Body({"mesh": mesh._native} | tables)
@@ -132,13 +142,18 @@ class Body:
         return self._masses
 
     @property
+    def ties(self) -> tuple[Tie, ...]:
+        """Nodes that follow other parts of the body."""
+        return self._ties
+
+    @property
     def n_dofs(self) -> int:
-        """Number of degrees of freedom; fixed ones are counted."""
+        """Number of degrees of freedom; fixed and tied ones are counted."""
         return self._native.n_dofs
 
     @property
     def fixed(self) -> NDArray[np.bool_]:
-        """Whether a component of a node is fixed or driven, array (n, 3)."""
+        """Whether a component of a node is fixed, driven or tied, array (n, 3)."""
         return self._native.fixed
 
     @property
@@ -369,11 +384,13 @@ class Body:
         return self._native.report()
 
     def __repr__(self) -> str:
-        fixed = int(self.fixed.sum())
-        return f"<emmy.Body: {self.mesh.n_cells} cells, {self.n_dofs} degrees of freedom, {fixed} fixed>"
+        tied = self._native.n_tied
+        fixed = int(self.fixed.sum()) - tied
+        of_ties = f", {tied} tied" if tied else ""
+        return f"<emmy.Body: {self.mesh.n_cells} cells, {self.n_dofs} degrees of freedom, {fixed} fixed{of_ties}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Body, (self._mesh, self._regions, self._supports, self._loads, self._masses)
+        return Body, (self._mesh, self._regions, self._supports, self._loads, self._masses, self._ties)
 
 
 def sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) -> Any:

@@ -229,7 +229,7 @@ _WORDS = [
 
 # From tables of a whole input to arguments of `Body` and `Motion`, in this order.
 _WORDS_OF_WHOLE = [
-    (r"^(load|region|support)(?=\[)", r"\1s"),
+    (r"^(load|region|support|tie)(?=\[)", r"\1s"),
     (r"^mass(?=\[)", "masses"),
     (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
     (r"^time$", "steps"),

@@ -172,6 +172,43 @@ class Support(Table):
         return own
 
 
+class Tie(Table):
+    """Nodes that follow the points of another group, on which they lie.
+
+    Parameters
+    ----------
+    follower : str
+        Group of facets, nodes or cells, whose nodes follow.
+    leader : str
+        Group that they follow: its facets; if it has none its nodes, which they must meet, else its cells.
+    kind : str, optional
+        "nodes": each node follows the nearest point of the leader.
+    tolerance : float, optional
+        Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of a node
+        onto a node, to the shortest edge at the follower.
+
+    Raises
+    ------
+    InputError
+        If a group follows itself, the kind is another word, or `tolerance` is negative.
+
+    Examples
+    --------
+    >>> emmy.Tie("upper-face", "lower-face", tolerance=0.1)
+    Tie(follower='upper-face', leader='lower-face', tolerance=0.1)
+    """
+
+    _section = "tie"
+    follower: str = field(kw_only=False)
+    leader: str = field(kw_only=False)
+    kind: str = "nodes"
+    tolerance: float = 0.05
+
+    def _tree(self) -> dict[str, Any]:
+        # The input has no default of the kind.
+        return super()._tree() | {"kind": self.kind}
+
+
 class Load(Table):
     """A load on a group. Exactly one of the kinds must be given.
 

@@ -1,11 +1,11 @@
-"""Regions, supports, loads and masses from the tables of an input file."""
+"""Regions, supports, loads, masses and ties from the tables of an input file."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ._materials import Material
-from ._parts import Load, Mass, Region, Support, Viscosity
+from ._parts import Load, Mass, Region, Support, Tie, Viscosity
 
 
 def material(tree: dict[str, Any]) -> Material:
@@ -33,6 +33,11 @@ def loads(tree: dict[str, Any]) -> tuple[Load, ...]:
 def masses(tree: dict[str, Any]) -> tuple[Mass, ...]:
     """The point masses of an input."""
     return tuple(Mass(**table) for table in _tables(tree, "mass"))
+
+
+def ties(tree: dict[str, Any]) -> tuple[Tie, ...]:
+    """The ties of an input."""
+    return tuple(Tie(**table) for table in _tables(tree, "tie"))
 
 
 def _tables(tree: dict[str, Any], key: str) -> list[dict[str, Any]]:

@@ -218,10 +218,16 @@ impl Body {
         self.inner().n_dofs()
     }
 
-    /// Held components of the nodes.
+    /// Held and tied components of the nodes.
     #[getter]
     fn fixed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
         table_of(py, self.inner().fixed()[..self.n_mesh_dofs()].to_vec(), 3)
+    }
+
+    /// Number of degrees of freedom of nodes that follow others.
+    #[getter]
+    fn n_tied(&self) -> usize {
+        3 * self.inner().ties().iter().map(|tie| tie.n_followers).sum::<usize>()
     }
 
     #[getter]

@@ -30,6 +30,7 @@ def test_parts():
         emmy.Support("y-min", fix="xyz"),
         load,
         emmy.Mass("y-max", 2.0),
+        emmy.Tie("y-max", "y-min"),
         emmy.Initial(velocity=(1, 2, 3)),
         emmy.Adaptive(1e-4, max_size=0.1),
     ]

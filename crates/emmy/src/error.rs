@@ -260,6 +260,18 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// An impossible tie.
+    #[error("tie of \"{follower}\" to \"{leader}\": {reason}")]
+    Tie {
+        /// Number of the tie, from 0.
+        number: usize,
+        /// Group of the nodes that follow.
+        follower: String,
+        /// Group that they follow.
+        leader: String,
+        /// Reason.
+        reason: String,
+    },
     /// A prescribed motion that does not begin where its nodes are, which is zero in an undeformed body.
     #[error(
         "a prescribed motion starts with a displacement of {} from its nodes at t = {}; let it start from zero, or the \

@@ -6,7 +6,7 @@
 
 pub use crate::body::Body;
 pub use crate::input::{
-    InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, TimeFunction, Viscosity,
+    InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, Tie, TimeFunction, Viscosity,
 };
 pub use crate::material::{
     ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link, Material,

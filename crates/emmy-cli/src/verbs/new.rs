@@ -56,7 +56,7 @@ pub(super) const TEMPLATES: [Template; 14] = [
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.
-const ON_MESHES: [&str; 4] = ["bracket", "steel-bracket", "tuning-fork", "two-materials"];
+const ON_MESHES: [&str; 5] = ["bracket", "steel-bracket", "tied-blocks", "tuning-fork", "two-materials"];
 
 /// Writes the example, unless the file exists.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {

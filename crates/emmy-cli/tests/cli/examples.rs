@@ -243,6 +243,52 @@ fn tuning_fork() {
     assert!(back > half_period && back < 1.25 * half_period, "{back} {half_period}");
 }
 
+/// Results of an independent implementation of ties and of the DGM.
+#[test]
+fn tied_blocks() {
+    let place = Place::new();
+    let file = format!("{}/../../examples/tied-blocks.toml", env!("CARGO_MANIFEST_DIR"));
+    // The strain energy is 1/700 of the whole: the default tolerance leaves it seven digits.
+    let run = |sets: &[&str]| {
+        let flags = ["run", &file, "--quiet", "--output", "tied-blocks", "--set", "newton.tolerance=1e-13"];
+        place.succeed(&[&flags, sets].concat());
+        place.history("tied-blocks")
+    };
+    let finer = ["--set", "time.degree=2", "--set", "time.steps.0.size=0.1"];
+    for (sets, energies, top, bottom) in [
+        (
+            &[][..],
+            [3.573168142182188, 0.005231857817814],
+            [1.24948249420703, 2.038659931294496, 2.363332993942927],
+            [0.750736227896432, -0.038590136246274, -0.363321401731075],
+        ),
+        (
+            &finer[..],
+            [3.574166510508787, 0.004233489491215],
+            [1.250040935209925, 2.038155804151999, 2.363446878176956],
+            [0.749770456401862, -0.038248174008589, -0.363492432421059],
+        ),
+    ] {
+        let history = run(sets);
+        for (name, energy) in ["kinetic_energy", "strain_energy"].into_iter().zip(energies) {
+            close(last(&history[name]), energy, 1e-9);
+        }
+        for (probe, place) in [("top", top), ("bottom", bottom)] {
+            for (axis, expected) in ["x", "y", "z"].into_iter().zip(place) {
+                let x = last(&history[&format!("{probe}_{axis}")]);
+                assert!((x - expected).abs() < 1e-9, "{probe}_{axis}: {x} is not {expected}");
+            }
+        }
+        // The moments of inertia of a cube of mass 8 and edges of 2 are 16/3.
+        for (axis, spin) in [("x", 0.5), ("y", 0.3), ("z", 1.0)] {
+            let momenta = &history[&format!("angular_momentum_{axis}")];
+            momenta.iter().for_each(|&momentum| close(momentum, 16.0 / 3.0 * spin, 1e-12));
+        }
+        let energy = &history["total_energy"];
+        energy.iter().for_each(|&own| close(own, energy[0], 1e-12));
+    }
+}
+
 #[test]
 fn two_materials() {
     let (place, history) = run_in_place("two-materials");

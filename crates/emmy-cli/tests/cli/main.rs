@@ -27,6 +27,7 @@ mod resume;
 mod resume_rejections;
 mod run;
 mod sweep;
+mod ties;
 mod units;
 mod unwritable;
 mod verbs;

@@ -8,7 +8,7 @@ use crate::input::Problem;
 use crate::team::other_than_first;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
-const FIXED: [&str; 7] = ["mesh", "region", "mass", "load", "support", "initial", "equilibrium"];
+const FIXED: [&str; 8] = ["mesh", "region", "mass", "load", "support", "tie", "initial", "equilibrium"];
 
 /// The run that a checkpoint belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -261,6 +261,7 @@ mod tests {
             ("scale = 1.0", "scale = 2.0", "`mesh.scale` is 2.0, but 1.0"),
             ("[1, 2, 3]", "[1, 2, 4]", "`load.0.traction.2` is 4, but 3"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[support]]\ngroup = 'a'", "`support` is [{"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[tie]]\nfollower = 'a'", "`tie` is [{"),
         ] {
             let error = check(&old.replace(from, to)).unwrap_err();
             assert!(error.contains(key), "{error}");
@@ -278,6 +279,7 @@ mod tests {
         // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
         assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
+        assert!(!identity(old).has_same_stepper(&identity(&format!("{old}[[tie]]\nfollower = 'a'\n"))));
         let pushed =
             |history: &str| identity(&old.replace("[1, 2, 3]", &format!("[1, 2, 3]\nhistory = '{history}'")));
         assert!(pushed("<function ramp>1").has_same_stepper(&pushed("<function ramp>7")));

@@ -3,7 +3,9 @@
 use std::sync::LazyLock;
 
 use super::description::{Described, Key, Kind, Section, tables};
-use super::{equilibrium, initial, load, material, nodal, region, settings, shape, support, time, units};
+use super::{
+    equilibrium, initial, load, material, nodal, region, settings, shape, support, tie, time, units,
+};
 
 /// The whole input.
 pub(super) static ROOT: Described = Described::new(|| {
@@ -15,6 +17,7 @@ pub(super) static ROOT: Described = Described::new(|| {
         .may("mass", tables(0, &nodal::MASS), "", "Masses besides those of the cells; none, one or more")
         .may("load", tables(0, &load::LOAD), "", "Loads on the body; none, one or more")
         .may("support", tables(0, &support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
+        .may("tie", tables(0, &tie::TIE), "", "Nodes that follow other parts of the body; none, one or more")
         .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
         .absent("at rest")
         .may(
@@ -46,7 +49,9 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
     let around = tables.clone().find(|table| table.key_of(section.name).is_some());
     let models: Vec<&Section> = material::sections().filter(|table| table.key_of(word).is_some()).collect();
-    let table = around.or_else(|| tables.next())?;
+    // A tolerance or a kind alone is seldom that of a tie.
+    let other = tables.clone().find(|table| !std::ptr::eq(*table, &*tie::TIE));
+    let table = around.or(other).or_else(|| tables.next())?;
     let name = match models.len() {
         _ if !models.iter().any(|model| model.name == table.name) => table.title(),
         0..=MAX_MODELS => models.iter().map(|model| model.title()).collect::<Vec<_>>().join(" or "),

@@ -9,6 +9,7 @@ use super::fault::{Fault, Faults, Place};
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 use super::suggest::{did_you_mean, listed};
+use super::tie::PlacedTie;
 
 /// The name of a group with its place and the members that it needs.
 pub(super) type NamedGroup = (String, Place, Members);
@@ -67,8 +68,9 @@ pub(super) fn near(mesh: &Mesh, name: &str, members: Members) -> Option<String> 
 }
 
 /// Where the nodes of a group are taken, and the kinds of its members in the order in which they are.
-const NODES: [(&str, [&str; 3]); 6] = [
+const NODES: [(&str, [&str; 3]); 7] = [
     ("support", ["facets", "nodes", "cells"]),
+    ("tie", ["facets", "nodes", "cells"]),
     ("force at each node", ["facets", "nodes", "cells"]),
     ("mass or spring", ["facets", "nodes", "cells"]),
     ("spread mass", ["facets", "cells", "nodes"]),
@@ -81,15 +83,17 @@ pub(super) fn notes<'a>(
     mesh: &Mesh,
     loads: &'a [Placed<(Load, Members)>],
     supports: &'a [Placed<Support>],
+    ties: &'a [PlacedTie],
     initial: &'a [Placed<InitialVelocity>],
     nodal: &'a PlacedNodal,
 ) -> Vec<String> {
-    let [support, force, mass, spread, velocity, attraction] = NODES;
+    let [support, tie, force, mass, spread, velocity, attraction] = NODES;
     let nodal_forces = loads.iter().filter(|load| load.value.1 == Members::Nodes);
     let mut named: Vec<(&str, &'a str, [&str; 3])> = Vec::new();
     let name = |group: &'a Option<(String, Place)>| group.as_ref().map(|(name, _)| name.as_str());
     let of = |(what, order): (&'static str, _)| move |name| (what, name, order);
     named.extend(supports.iter().filter_map(|support| name(&support.group)).map(of(support)));
+    named.extend(ties.iter().flat_map(PlacedTie::names).map(of(tie)));
     named.extend(nodal_forces.filter_map(|load| name(&load.group)).map(of(force)));
     named.extend(nodal.at_nodes().filter_map(name).map(of(mass)));
     named.extend(nodal.spread().filter_map(name).map(of(spread)));

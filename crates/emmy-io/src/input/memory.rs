@@ -13,7 +13,7 @@ use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
     Overrides, Problem, adaptive, catalogue, complete, load, material, measured, reading, region, support,
-    walk,
+    tie, walk,
 };
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a
@@ -112,7 +112,7 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
-/// `region`, `material`, `viscosity`, `load`, `support`, `mass`, `initial`, `adaptive`.
+/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `mass`, `initial`, `adaptive`.
 ///
 /// ```
 /// use emmy_io::input::{Tree, check};
@@ -134,6 +134,7 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
             support::read(table, context, faults);
             Some(())
         }
+        "tie" => faults.keep(tie::read(table)).map(drop),
         "adaptive" => faults.keep(adaptive::check(table)),
         _ => Some(()),
     };

@@ -23,11 +23,12 @@ use super::shape::Shape;
 use super::source::{CheckedMesh, Source};
 use super::start::Start;
 use super::table::{Item, Table};
+use super::tie::PlacedTie;
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
     derived, equilibrium, groups, initial, load, material, nodal, placed, plausible, quantities, region,
-    settings, shape, start, support, time, units, walk,
+    settings, shape, start, support, tie, time, units, walk,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -42,6 +43,7 @@ pub(super) struct Sections {
     regions: Vec<Placed<Region>>,
     loads: Vec<Placed<(Load, Members)>>,
     supports: Vec<Placed<Support>>,
+    ties: Vec<PlacedTie>,
     nodal: PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
     pub(super) start: Start,
@@ -111,6 +113,7 @@ impl Sections {
             held.into_iter().map(|held| (held.support, held.spring)).unzip();
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
+        let ties = root.each("tie", |table, faults| faults.keep(tie::read(table)));
         let masses = root.each("mass", |table, _| Some(nodal::read(table)));
         let nodal = PlacedNodal { masses, springs, attractions, drags };
         let start = start.map(|start| if table.item("time").is_some() { start } else { Start::Undeformed });
@@ -132,7 +135,7 @@ impl Sections {
             Some((output, requested, plan.and_then(|plan| faults.keep(plan))))
         });
         let requested = output.as_ref().map(|(_, requested, _)| requested);
-        let named = named_groups(&regions, &loads, &supports, &initial, &nodal, requested);
+        let named = named_groups(&regions, &loads, &supports, &ties, &initial, &nodal, requested);
         let Root { mut faults, .. } = root;
         match (shape, start, time, output) {
             (Some(shape), Some(start), Some(time), Some((Some(output), requested, Some(plan))))
@@ -151,6 +154,7 @@ impl Sections {
                     regions,
                     loads,
                     supports,
+                    ties,
                     nodal,
                     initial,
                     link_groups,
@@ -167,8 +171,8 @@ impl Sections {
 
     /// The groups that the input names.
     fn named_groups(&self) -> Vec<NamedGroup> {
-        let requested = Some(&self.requested);
-        named_groups(&self.regions, &self.loads, &self.supports, &self.initial, &self.nodal, requested)
+        let Sections { regions, loads, supports, ties, initial, nodal, requested, .. } = self;
+        named_groups(regions, loads, supports, ties, initial, nodal, Some(requested))
     }
 
     /// Checks that the mesh has the groups and cells that the input names.
@@ -188,12 +192,16 @@ impl Sections {
     fn checked_mesh(&self) -> Result<CheckedMesh, InputError> {
         let mut file = self.shape.mesh(&self.link_groups)?;
         let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
+        if !self.ties.is_empty() {
+            file.leave_out_joined(tie::joins(&file.mesh, &self.ties));
+        }
         let mesh = &file.mesh;
         let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
         let loads = self.loads.iter().map(|load| &load.value.0);
         file.notes.extend(plausible::note_on_size(mesh, self.units));
         file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
-        file.notes.extend(groups::notes(mesh, &self.loads, &self.supports, &self.initial, &self.nodal));
+        let Sections { loads, supports, ties, initial, nodal, .. } = self;
+        file.notes.extend(groups::notes(mesh, loads, supports, ties, initial, nodal));
         Ok(CheckedMesh { file, formulations })
     }
 
@@ -219,6 +227,7 @@ impl Sections {
         let held = placed::groups(self.supports.iter().map(|support| &support.group));
         let pressed = placed::groups(self.loads.iter().map(|load| &load.group));
         let supports = values(self.supports);
+        let (ties, tied): (Vec<_>, Vec<_>) = self.ties.into_iter().map(PlacedTie::into_parts).unzip();
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
         let spread = placed::groups(self.nodal.spread());
@@ -242,17 +251,20 @@ impl Sections {
                     .regions(values(self.regions))
                     .point_terms(nodal.clone())
                     .supports(&supports)
+                    .ties(ties)
                     .loads(&loads)
                     .drag(drag)
                     .build();
                 let fault = |error| {
                     let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
                     let own = own.or_else(|| load::fault(&error, &pressed));
+                    let own = own.or_else(|| tie::fault(&error, &tied));
                     own.unwrap_or_else(|| self.shape.fault(&error))
                 };
                 body.map_err(fault)?
             }
         };
+        notes.extend(tie::notes(&body, self.units));
         time::check_scale(&body, &self.time)?;
         if self.output.has_frames() {
             self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
@@ -341,6 +353,7 @@ fn named_groups(
     regions: &[Placed<Region>],
     loads: &[Placed<(Load, Members)>],
     supports: &[Placed<Support>],
+    ties: &[PlacedTie],
     initial: &[Placed<InitialVelocity>],
     nodal: &PlacedNodal,
     requested: Option<&Requested>,
@@ -351,7 +364,8 @@ fn named_groups(
     let at_nodes = supports.chain(initial.iter().map(|initial| &initial.group)).chain(nodal.groups());
     let all = regions.chain(loads).chain(at_nodes.map(|group| (group, Members::Nodes)));
     let all = all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members)));
-    all.chain(requested.into_iter().flat_map(Requested::groups).cloned()).collect()
+    let tied = ties.iter().flat_map(PlacedTie::groups);
+    all.chain(tied).chain(requested.into_iter().flat_map(Requested::groups).cloned()).collect()
 }
 
 /// Groups that the supports name, also in tables with faults; `None` if a name cannot be read.
@@ -390,9 +404,9 @@ const LINKS: &str = "links";
 
 /// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
 /// there: loads and supports themselves tell them apart.
-fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 4]> {
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 5]> {
     let mut table = resolved.parse::<toml::Table>().ok()?;
-    Some(["region", "mass", "load", "support"].map(|section| table.remove(section)))
+    Some(["region", "mass", "load", "support", "tie"].map(|section| table.remove(section)))
 }
 
 fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {

@@ -14,9 +14,18 @@ pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) 
     // A single letter is similar to any other.
     let allowed = (length / 3).max(1).min(length.saturating_sub(1));
     let known: Vec<&str> = known.into_iter().collect();
-    let near = known.iter().map(|word| (distance(word), *word)).filter(|(d, _)| *d <= allowed).min();
+    // Of equally near words one with all letters: `tim` and `tiem` are `time` rather than `tie`.
+    let lacks_letters = |word: &&str| !has_letters(&self::plain(word), &plain);
+    let near = known.iter().map(|word| (distance(word), lacks_letters(word), *word));
+    let near = near.filter(|(distance, ..)| *distance <= allowed).min();
     let begins = |word: &&&str| length >= SHORTEST_BEGINNING && self::plain(word).starts_with(&plain);
-    near.map(|(_, word)| word).or_else(|| known.iter().find(begins).copied())
+    near.map(|(.., word)| word).or_else(|| known.iter().find(begins).copied())
+}
+
+/// Whether a word has all letters of another one.
+fn has_letters(word: &str, other: &str) -> bool {
+    let count = |text: &str, letter: char| text.chars().filter(|own| *own == letter).count();
+    other.chars().all(|letter| count(word, letter) >= count(other, letter))
 }
 
 /// "did you mean ...?", or nothing.
@@ -60,6 +69,15 @@ mod tests {
         assert_eq!(nearest("Poissons", ["youngs_modulus", "poissons_ratio"]), Some("poissons_ratio"));
         assert_eq!(nearest("po", ["youngs_modulus", "poissons_ratio"]), None);
         assert_eq!(nearest("density", ["densities", "density_of_cells"]), Some("density_of_cells"));
+    }
+
+    #[test]
+    fn of_equally_near_words_the_likelier_is_meant() {
+        for word in ["tim", "tiem", "tme"] {
+            assert_eq!(nearest(word, ["tie", "time"]), Some("time"), "{word}");
+        }
+        assert_eq!(nearest("ties", ["tie", "time"]), Some("tie"));
+        assert_eq!(nearest("sine", ["sinh", "sin"]), Some("sin"));
     }
 
     #[test]

@@ -60,6 +60,14 @@ pub struct MeshFile {
     pub files: Vec<PathBuf>,
 }
 
+impl MeshFile {
+    /// Leaves pairs of nodes that are joined out of the note on nodes at one position.
+    pub(crate) fn leave_out_joined(&mut self, is_joined: impl Fn([u32; 2]) -> bool) {
+        let Some(at) = self.notes.iter().position(|note| note.ends_with(NOT_JOINED)) else { return };
+        self.notes.splice(at..=at, note_on_coincident_nodes(&self.mesh, is_joined));
+    }
+}
+
 /// How a file is read where its format leaves a choice.
 ///
 /// ```
@@ -289,7 +297,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     for (name, _) in mesh.groups().nodes.iter().filter(|(_, nodes)| nodes.is_empty()) {
         notes.push(format!("node group \"{name}\" has no node of a cell"));
     }
-    notes.extend(note_on_coincident_nodes(&mesh));
+    notes.extend(note_on_coincident_nodes(&mesh, |_| false));
     notes.extend(note_on_collapsed_cells(&mesh, origin));
     Ok(MeshFile { mesh, notes, files: vec![file()] })
 }
@@ -344,14 +352,17 @@ fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
     })
 }
 
-/// Nodes at one position belong to contact or cracks, or to a mesh that was not joined.
-fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
-    let pairs = mesh.coincident_nodes();
+/// End of the note on nodes at one position.
+const NOT_JOINED: &str = "cells on both sides are not joined there";
+
+/// Nodes at one position belong to contact or cracks, or to a mesh that was not joined. A function says which pairs
+/// something else joins.
+fn note_on_coincident_nodes(mesh: &Mesh, is_joined: impl Fn([u32; 2]) -> bool) -> Option<String> {
+    let mut pairs = mesh.coincident_nodes();
+    pairs.retain(|pair| !is_joined(*pair));
     let place = short_vector(mesh.points()[pairs.first()?[1] as usize]);
     let lie = counted(pairs.len(), "node lies", "nodes lie");
-    Some(format!(
-        "{lie} where another one does, the first at {place}: cells on both sides are not joined there"
-    ))
+    Some(format!("{lie} where another one does, the first at {place}: {NOT_JOINED}"))
 }
 
 /// Cells with two corners at one position are integrated as they are, although they were probably meant as wedges or

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 45] = [
+const ORDER: [&str; 46] = [
     "fault",
     "excerpt",
     "syntax",
@@ -21,6 +21,7 @@ const ORDER: [&str; 45] = [
     "adaptive",
     "time",
     "support",
+    "tie",
     "nodal",
     "load",
     "initial",

@@ -6,11 +6,11 @@ use std::sync::{Arc, OnceLock};
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
-use crate::input::{GroundSpring, Load, PointTerms, Region, Support};
+use crate::input::{GroundSpring, Load, PointTerms, Region, Support, Tie};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
 use crate::space::geometry::MassKind;
-use crate::space::{InternalNodes, Space, Supports};
+use crate::space::{InternalNodes, Space, Supports, Ties};
 
 use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
@@ -38,6 +38,7 @@ pub struct BodyBuilder {
     drag: f64,
     forces: Vec<Arc<dyn ForceSource>>,
     constraints: Vec<Arc<dyn ConstraintSource>>,
+    ties: Vec<Tie>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -59,6 +60,7 @@ impl BodyBuilder {
             drag: 0.0,
             forces,
             constraints,
+            ties: Vec::new(),
             ranks,
             rank,
         }
@@ -100,6 +102,18 @@ impl BodyBuilder {
         self
     }
 
+    /// Adds a tie: nodes that follow others.
+    pub fn tie(mut self, tie: Tie) -> Self {
+        self.ties.push(tie);
+        self
+    }
+
+    /// Adds ties.
+    pub fn ties(mut self, ties: impl IntoIterator<Item = impl Borrow<Tie>>) -> Self {
+        self.ties.extend(ties.into_iter().map(|tie| tie.borrow().clone()));
+        self
+    }
+
     /// Sets the masses and forces at single nodes.
     pub fn point_terms(mut self, terms: PointTerms) -> Self {
         self.point_terms = terms;
@@ -132,12 +146,17 @@ impl BodyBuilder {
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
-    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without
-    /// mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team
-    /// [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one rank.
-    pub fn build(self) -> Result<Body> {
+    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
+    /// [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless the
+    /// drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
+    /// error of one rank.
+    pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
+        if ranks.size() > 1 && !self.ties.is_empty() {
+            return Err(Error::NotOnTeam { what: "a body with ties".to_string() });
+        }
+        let ties = Ties::new(&mut self.mesh, &self.ties)?;
         let sizes = GroupSizes::new(&self);
         let own = match (self.rank, ranks.rank()) {
             (given, rank) if given == rank => Ok(()),
@@ -145,7 +164,7 @@ impl BodyBuilder {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
         };
-        Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes)))?.with_sums_of_ranks())
+        Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes, ties)))?.with_sums_of_ranks())
     }
 }
 
@@ -212,7 +231,7 @@ impl Body {
         BodyBuilder::new(share, team)
     }
 
-    fn from_parts(parts: BodyBuilder, sizes: &GroupSizes) -> Result<Self> {
+    fn from_parts(parts: BodyBuilder, sizes: &GroupSizes, ties: Ties) -> Result<Self> {
         let BodyBuilder {
             mesh,
             regions,
@@ -254,7 +273,7 @@ impl Body {
         let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let pattern = couplings(&mesh, &internal).with_inner_rows_from(mesh.n_nodes());
+        let pattern = couplings(&mesh, &internal, &ties).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
@@ -299,14 +318,17 @@ impl Body {
             return Err(Error::NotOnTeam { what: "a body with constraints".to_string() });
         }
         let rows = constraints.iter().map(|source| source.constraints(&mesh)).collect::<Result<Vec<_>>>()?;
+        let rows = rows.into_iter().flatten().map(|row| row.on_leaders(|node| ties.leaders_of(node)));
         let is_grounded = constraints.iter().any(|source| source.is_grounded());
-        let constraints = Constraints::new(rows.concat(), is_grounded);
+        let constraints = Constraints::new(rows.collect(), is_grounded);
         let guests = n_own..mesh.n_nodes();
-        let held = Supports::new(&mesh, (&internal, guests), (&supports, &nodal.springs), |_| true)?;
+        let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
+        ties.fold_lumped(&mut lumped_mass);
         points::check_masses(&mesh, &lumped_mass, &held.inactive)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
+        ties.fold_mass(&pattern, &mut mass);
         let body = Body {
             forces: Forces { cells: Arc::new(OnceLock::new()), others },
             constraints: Arc::new(constraints),
@@ -322,7 +344,7 @@ impl Body {
             lumped: None,
             pattern: Arc::new(pattern),
             parts,
-            space: Space::new(Arc::new(mesh), internal, ranks, held),
+            space: Space::new(Arc::new(mesh), internal, ranks, held, ties),
         };
         let lumped = on_lumped_mass.map(|others| {
             let body = Body { forces: Forces { others, ..body.forces.clone() }, ..body.clone() };
@@ -340,7 +362,8 @@ impl Body {
         for &time in times.iter().rev() {
             let holds = |support: &Support| support.until.is_none_or(|until| until > time);
             let (mesh, internal) = (self.mesh(), self.space.internal());
-            let held = Supports::new(mesh, (internal, self.space.guests()), (supports, springs), holds)?;
+            let nodes = (&**internal, self.space.guests(), self.space.ties());
+            let held = Supports::new(mesh, nodes, (supports, springs), holds)?;
             points::check_masses(mesh, &self.lumped_mass, &held.inactive)?;
             let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
             release = Some((time, Box::new(body)));
@@ -357,13 +380,15 @@ fn forces_of<'a>(
     sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
-/// The pattern of the nodes that cells couple.
-fn couplings(mesh: &Mesh, internal: &InternalNodes) -> Pattern {
-    if internal.dofs().is_empty() {
+/// The pattern of the nodes that cells couple, with those that their tied nodes follow.
+fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties) -> Pattern {
+    if internal.dofs().is_empty() && ties.is_empty() {
         return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
     }
     let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
-        cell.nodes.iter().copied().chain(internal.of_cell(index as u32)).collect()
+        let leaders = cell.nodes.iter().filter_map(|&node| ties.leaders_of(node)).flatten();
+        let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
+        cell.nodes.iter().copied().chain(others).collect()
     };
     let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).collect();
     Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))

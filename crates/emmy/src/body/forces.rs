@@ -208,6 +208,7 @@ impl Body {
             is_loaded |= *acts && is_on_right(force);
             *varies |= *acts && is_on_right(force) && !force.is_steady();
         }
+        self.space.gather(steady);
         // A field may fail at a point of one rank alone; whether it acts depends on the time alone.
         self.space.agree(outcome).map(|()| is_loaded)
     }
@@ -324,7 +325,9 @@ impl Body {
         } else {
             rows.par_iter_mut().zip(&mut *parts).enumerate().for_each(work);
         }
-        self.space.agree(parts.iter().try_for_each(|part| part.outcome.clone()))
+        self.space.agree(parts.iter().try_for_each(|part| part.outcome.clone()))?;
+        self.space.ties().fold(&self.pattern, matrix, input.1 == Request::Tangent);
+        Ok(())
     }
 
     /// Largest part, up to 1, of a correction of the rates that the forces admit, on all ranks.

@@ -10,7 +10,8 @@ use crate::tensor::{Mat3, det, dot3, mat3};
 
 impl Body {
     /// Upper bound of `omega_max^2`, the largest eigenvalue of `M^-1 K` with the lumped mass M and the stiffness K at
-    /// rest \[1/time^2\]; `None` if the body has links, incompatible modes, or springs and attractions to the ground.
+    /// rest \[1/time^2\]; `None` if the body has links, incompatible modes, ties, or springs and attractions to the
+    /// ground.
     ///
     /// The largest eigenvalue of a body is at most that of one of its cells (Fried 1972), and that of a cell at most
     ///
@@ -36,7 +37,8 @@ impl Body {
     pub fn frequency_bound(&self) -> crate::Result<Option<f64>> {
         self.space.check_whole("a bound of the frequencies")?;
         let has_links = self.made_of.iter().any(|region| region.link().is_some());
-        if has_links || self.has_ground() || !self.space.internal_dofs().is_empty() {
+        if has_links || self.has_ground() || !self.space.internal_dofs().is_empty() || !self.ties().is_empty()
+        {
             return Ok(None);
         }
         let stiffness = self.made_of.iter().map(specific_stiffness).collect::<crate::Result<Vec<_>>>()?;

@@ -59,7 +59,7 @@ impl Body {
         let here: Vec<(Vec<u32>, Vec<u32>)> =
             self.mesh().parts().into_iter().map(|cells| (nodes_of(&cells), cells)).collect();
         if !self.space.is_shared() {
-            return here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes)).collect();
+            return self.tied(here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes)).collect());
         }
         let ranks = self.ranks();
         // The parts of all ranks that meet at guests get the lowest cell among them.
@@ -96,6 +96,34 @@ impl Body {
             let nodes = (0..).zip(own).filter(|(_, first)| **first == cell as f64).map(|(node, _)| node);
             parts.push((cell, nodes.collect()));
         }
+    }
+
+    /// The connected parts, those that ties connect as one, without the nodes that follow others.
+    fn tied(&self, parts: Vec<(usize, Vec<u32>)>) -> Vec<(usize, Vec<u32>)> {
+        let ties = self.space.ties();
+        if ties.is_empty() {
+            return parts;
+        }
+        let mut part_of = vec![0; self.mesh().n_nodes()];
+        for (number, (_, nodes)) in parts.iter().enumerate() {
+            nodes.iter().for_each(|&node| part_of[node as usize] = number);
+        }
+        // The first of the parts that are one with each.
+        let mut first: Vec<usize> = (0..parts.len()).collect();
+        for &node in ties.followers() {
+            let leaders = ties.leaders_of(node).unwrap_or_default().iter().map(|(leader, _)| *leader);
+            let joined: Vec<usize> =
+                leaders.chain([node]).map(|node| first[part_of[node as usize]]).collect();
+            let least = joined.iter().copied().min().unwrap_or(0);
+            first.iter_mut().filter(|first| joined.contains(first)).for_each(|first| *first = least);
+        }
+        let mut all: Vec<(usize, Vec<u32>)> = parts.iter().map(|(cell, _)| (*cell, Vec::new())).collect();
+        for (number, (_, nodes)) in parts.into_iter().enumerate() {
+            let free = nodes.into_iter().filter(|node| ties.leaders_of(*node).is_none());
+            all[first[number]].1.extend(free);
+        }
+        all.retain(|(_, nodes)| !nodes.is_empty());
+        all
     }
 
     /// Force of springs and attractions on a displacement.

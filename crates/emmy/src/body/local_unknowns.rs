@@ -123,6 +123,7 @@ impl Body {
                 }
             }
         }
+        self.space.gather(force);
     }
 
     /// Adds the changes of the pressures with the rates, with the exact tangent assembled last.
@@ -172,6 +173,7 @@ impl Body {
                 add_multiple(factor * terms.sum::<f64>(), function.forces, function.nodes, force);
             }
         }
+        self.space.gather(force);
     }
 
     /// [`Body::add_local_response`] with one tangent for all stages, that of a rule with one stage, at half a rate.

@@ -73,7 +73,7 @@ impl MassSolver {
         solved
     }
 
-    /// Sets the free entries of the velocity: `M_ff v_f = p_f`.
+    /// Sets the free entries of the velocity, `M_ff v_f = p_f`, and those of tied nodes.
     fn solve(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) -> Result<()> {
         if let Some(iteration) = &mut self.iteration {
             return iteration.solve(body, momentum, velocity);
@@ -85,6 +85,7 @@ impl MassSolver {
             };
             factor.solve(axes.len(), &mut &mut *velocity, read, write);
         }
+        body.space.follow(velocity);
         Ok(())
     }
 }

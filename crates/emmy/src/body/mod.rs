@@ -20,10 +20,10 @@ mod team;
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
     Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass,
-    PointTerms, Region, Rotation, SpreadMass, Support, TimeFunction, Viscosity,
+    PointTerms, Region, Rotation, SpreadMass, Support, Tie, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
-pub use crate::space::Reaction;
+pub use crate::space::{Reaction, TieSummary};
 pub use crate::sparse::BlockRow;
 pub use builder::BodyBuilder;
 pub(crate) use entries::Entries;

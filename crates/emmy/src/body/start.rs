@@ -54,7 +54,7 @@ impl Body {
             });
             self.space.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
         }
-        self.space.update_guests("initial velocity", &mut velocity);
+        self.space.complete("initial velocity", &mut velocity);
         self.space.set_internal_means(&mut velocity);
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))
@@ -84,6 +84,8 @@ impl Body {
 
         let mut held = self.fixed().to_vec();
         self.space.driven_dofs().for_each(|dof| held[dof] = false);
+        let tied = self.space.ties().followers().iter().flat_map(|&node| nodal::dofs(node as usize));
+        tied.for_each(|dof| held[dof] = false);
         let at_held = |node: usize| nodal::at(&held, node);
         let held_velocity =
             |node| [0, 1, 2].map(|d| if at_held(node)[d] { at(velocity, node)[d] } else { 0.0 });

@@ -8,7 +8,7 @@ use crate::force::Forces;
 use crate::input::{Region, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
-use crate::space::Space;
+use crate::space::{Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
 use crate::unknowns::Constraints;
@@ -84,6 +84,17 @@ impl Body {
         self.space.n_dofs_of_ranks()
     }
 
+    /// A summary of each tie, in their order.
+    pub fn ties(&self) -> &[TieSummary] {
+        self.space.ties().summaries()
+    }
+
+    /// Sets nodal vectors at tied nodes to those of the nodes that they follow, `[k][n_nodes][3]`: displacements, rates
+    /// and velocities, for a scheme from outside. Forces, masses and momenta there are zero.
+    pub fn follow(&self, vectors: &mut [f64]) {
+        self.space.follow(vectors);
+    }
+
     /// The constraints of the motion beside supports.
     pub(crate) fn constraints(&self) -> &Constraints {
         &self.constraints
@@ -97,12 +108,12 @@ impl Body {
         if self.constraints.is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
     }
 
-    /// Number of degrees of freedom that are neither fixed nor driven.
+    /// Number of degrees of freedom that are not given.
     pub fn n_free_dofs(&self) -> usize {
         self.fixed().iter().filter(|fixed| !**fixed).count()
     }
 
-    /// Which degrees of freedom are fixed, at rest or driven, `[n_nodes][3]`.
+    /// Which degrees of freedom are given: fixed at rest, driven, or tied, `[n_nodes][3]`.
     pub fn fixed(&self) -> &[bool] {
         self.space.fixed()
     }

@@ -15,6 +15,7 @@ mod span;
 mod support;
 pub(crate) mod symmetry;
 mod target;
+mod tie;
 pub(crate) mod time_function;
 mod viscosity;
 
@@ -28,6 +29,7 @@ pub(crate) use span::SAME_TIME;
 pub use span::Span;
 pub use support::{Rotation, Support};
 pub(crate) use target::SignalTarget;
+pub use tie::Tie;
 pub(crate) use time_function::NotFinite;
 pub use time_function::TimeFunction;
 pub use viscosity::Viscosity;

@@ -4,12 +4,14 @@ mod boundary;
 mod builder;
 mod connectivity;
 mod groups;
+mod nearest;
 pub(crate) mod quality;
 pub(crate) mod shapes;
 mod share;
 
 pub use builder::MeshBuilder;
 pub use groups::{Facet, Groups};
+pub(crate) use nearest::{Nearest, Patch};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{MAX_CELLS, block, l_block, rectangle};
 pub use share::{Share, Shares, owners};
@@ -281,6 +283,11 @@ impl Mesh {
             .and_then(|whole| whole.facet_groups.get(self.groups.plain("facets", group)))
             .copied()
             .unwrap_or_else(own))
+    }
+
+    /// Moves a node in the reference configuration.
+    pub(crate) fn move_node(&mut self, node: usize, point: [f64; 3]) {
+        self.points[node] = point;
     }
 
     /// The node nearest to a point in the reference configuration; the first of several.

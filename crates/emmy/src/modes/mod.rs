@@ -220,7 +220,11 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
             Some(lowest) if !is_found => shift = lowest,
             Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
             None if !is_found => shift = 0.01 * pencil.shift(),
-            _ => return Ok(described(body, found, zero)),
+            _ => {
+                let mut found = found;
+                body.space.follow(&mut found.vectors);
+                return Ok(described(body, found, zero));
+            }
         }
         if (shift / before - 1.0).abs() < SAME_SHIFT {
             break;

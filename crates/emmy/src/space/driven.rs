@@ -100,9 +100,9 @@ impl Space {
         Ok(())
     }
 
-    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the
-    /// rate after it, at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`:
-    /// size of the step that ends or starts here.
+    /// Sets the velocity of the fixed degrees of freedom: zero, the rate of the given motion, or at tied nodes that of
+    /// the nodes that they follow. At a kink it is the rate after it, at the end of a support the rate before it. Free
+    /// degrees of freedom are unchanged. `step_size`: size of the step that ends or starts here.
     ///
     /// # Errors
     /// [`Error::NotFiniteAt`].
@@ -117,6 +117,7 @@ impl Space {
                 velocity[dof] = apply(&rate[component], offset);
             }
         }
+        self.follow(velocity);
         Ok(())
     }
 

@@ -9,6 +9,7 @@ pub(crate) mod internal_nodes;
 mod reactions;
 mod reductions;
 pub(crate) mod supports;
+mod ties;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,6 +20,8 @@ pub(crate) use internal_nodes::InternalNodes;
 pub use reactions::Reaction;
 pub use reductions::sum;
 pub(crate) use supports::Supports;
+pub use ties::TieSummary;
+pub(crate) use ties::Ties;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -26,8 +29,8 @@ use crate::nodal;
 use crate::team::Subdomain;
 
 /// The nodes of a body on one rank: own nodes, guests, and the internal nodes of cells; which of their components
-/// supports hold or drive. All sums and other decisions over nodes are made here, by all ranks together; a body alone
-/// is on a team of one.
+/// supports hold or drive; which nodes follow others. All sums and other decisions over nodes are made here, by all
+/// ranks together; a body alone is on a team of one.
 ///
 /// Nodal vectors are `[n_nodes][3]`, those of several stages `[k][n_nodes][3]`. Own nodes come first, then guests, then
 /// internal nodes.
@@ -37,6 +40,7 @@ pub(crate) struct Space {
     internal: Arc<InternalNodes>,
     ranks: Arc<Subdomain>,
     supports: Supports,
+    ties: Arc<Ties>,
     n_dofs_of_ranks: usize,
     has_plane_cells: bool,
 }
@@ -48,10 +52,12 @@ impl Space {
         internal: InternalNodes,
         ranks: Arc<Subdomain>,
         supports: Supports,
+        ties: Ties,
     ) -> Self {
         let has_plane_cells = mesh.cells().any(|cell| cell.kind.dimension() == 2);
         let n_dofs_of_ranks = internal.dofs().end;
-        Space { mesh, internal: Arc::new(internal), ranks, supports, n_dofs_of_ranks, has_plane_cells }
+        let internal = Arc::new(internal);
+        Space { mesh, internal, ranks, supports, ties: Arc::new(ties), n_dofs_of_ranks, has_plane_cells }
     }
 
     /// The same nodes with other supports.
@@ -182,7 +188,28 @@ impl Space {
         [0, 1, 2].map(|d| X[d] + displacement[nodal::dof(node, d)])
     }
 
-    /// Which degrees of freedom are fixed, at rest or driven.
+    /// The nodes that follow others.
+    pub(crate) fn ties(&self) -> &Ties {
+        &self.ties
+    }
+
+    /// Sets nodal vectors at tied nodes to those of the nodes that they follow, `[k][n_nodes][3]`.
+    pub(crate) fn follow(&self, vectors: &mut [f64]) {
+        self.ties.follow(vectors, self.n_dofs());
+    }
+
+    /// Moves forces at tied nodes to the nodes that they follow, `[k][n_nodes][3]`.
+    pub(crate) fn gather(&self, forces: &mut [f64]) {
+        self.ties.gather(forces, self.n_dofs());
+    }
+
+    /// Completes nodal vectors without the values of tied nodes and guests, `[k][n_nodes][3]`.
+    pub(crate) fn complete(&self, name: &'static str, vectors: &mut [f64]) {
+        self.update_guests(name, vectors);
+        self.follow(vectors);
+    }
+
+    /// Which degrees of freedom are given: fixed at rest, driven, or tied.
     pub(crate) fn fixed(&self) -> &[bool] {
         &self.supports.fixed
     }

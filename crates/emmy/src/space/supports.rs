@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::drive::Drive;
 use super::internal_nodes::InternalNodes;
+use super::ties::Ties;
 use crate::error::{Error, Result};
 use crate::input::{GroundSpring, Rotation, Support};
 use crate::mesh::Mesh;
@@ -14,7 +15,7 @@ use crate::team::Subdomain;
 /// Degrees of freedom with a given motion, the motions, and the groups that are held.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Supports {
-    /// Whether each is given, at rest or driven, `[n_nodes][3]`.
+    /// Whether each is given: at rest, driven or tied, `[n_nodes][3]`.
     pub fixed: Vec<bool>,
     /// Fixed ones, and those of guests.
     pub inactive: Vec<bool>,
@@ -28,14 +29,14 @@ pub(crate) struct Supports {
 
 impl Supports {
     /// The supports of a mesh that `hold`, and the places of all supports and springs among the supported groups;
-    /// `guests`: nodes that other ranks own.
+    /// `guests`: nodes that other ranks own; `ties`: nodes that follow others.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
     /// degree of freedom disagree.
     pub(crate) fn new(
         mesh: &Mesh,
-        (internal, guests): (&InternalNodes, Range<usize>),
+        (internal, guests, ties): (&InternalNodes, Range<usize>, &Ties),
         all: (&[Support], &[GroundSpring]),
         holds: impl Fn(&Support) -> bool,
     ) -> Result<Self> {
@@ -52,6 +53,9 @@ impl Supports {
         }
         supports.fix_planes(mesh, internal);
         supports.fixed.iter().enumerate().for_each(|(dof, fixed)| supports.held_axes[dof % 3] |= fixed);
+        check_tied(mesh, all.0, ties)?;
+        let tied = || ties.followers().iter().flat_map(|&node| nodal::dofs(node as usize));
+        tied().for_each(|dof| supports.fixed[dof] = true);
         supports.inactive = supports.fixed.clone();
         supports.inactive[3 * guests.start..3 * guests.end].fill(true);
         supports.groups = supported_groups(mesh, guests.start, all, &holds)?;
@@ -117,6 +121,23 @@ impl Supports {
         self.drives.push(drive);
         Ok(())
     }
+}
+
+/// Checks that no support holds a node that follows others.
+///
+/// # Errors
+/// [`Error::Support`].
+fn check_tied(mesh: &Mesh, supports: &[Support], ties: &Ties) -> Result<()> {
+    for support in supports.iter().filter(|_| !ties.is_empty()) {
+        let group = &support.group;
+        let tied = |node: &u32| ties.leaders_of(*node).is_some();
+        if let Some(node) = mesh.group_nodes(group)?.into_iter().find(tied) {
+            let point = short_vector(mesh.points()[node as usize]);
+            let reason = format!("its node at {point} is tied to others; hold these instead");
+            return Err(Error::Support { group: group.clone(), reason });
+        }
+    }
+    Ok(())
 }
 
 /// A group with supports: the degrees of freedom that it holds before any other group, and its springs to the ground.

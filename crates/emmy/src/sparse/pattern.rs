@@ -123,6 +123,14 @@ impl Pattern {
         found.ok().map(|offset| self.row_begin[row] + offset)
     }
 
+    /// Position of a column in a row that has it.
+    ///
+    /// # Panics
+    /// If the row does not have the column.
+    pub fn coupling(&self, row: usize, column: usize) -> usize {
+        self.position(row, column).expect("the pattern has every coupling of a body")
+    }
+
     /// Contiguous ranges of all rows with about equal numbers of couplings.
     pub fn divided(&self, n_parts: usize) -> Vec<std::ops::Range<usize>> {
         self.divided_until(self.n_rows(), n_parts)

@@ -120,6 +120,8 @@ pub struct StageMatrix {
     n_rows: usize,
     /// The blocks of rows that no part owns.
     zero: Vec<f64>,
+    /// Memory for blocks that move.
+    folded: Vec<f64>,
 }
 
 impl StageMatrix {
@@ -127,7 +129,8 @@ impl StageMatrix {
     /// another rank owns.
     pub fn new(pattern: &Pattern, parts: &[Range<usize>], degree: usize) -> Self {
         let parts = parts.iter().map(|rows| RowPart::new(pattern, rows.clone(), degree)).collect();
-        StageMatrix { parts, degree, n_rows: pattern.n_rows(), zero: vec![0.0; 9 * degree * degree] }
+        let zero = vec![0.0; 9 * degree * degree];
+        StageMatrix { parts, degree, n_rows: pattern.n_rows(), folded: Vec::with_capacity(zero.len()), zero }
     }
 
     /// Parts by rows.
@@ -138,6 +141,54 @@ impl StageMatrix {
     /// Copies the stage forces to `force: [k][n_rows][3]`.
     pub fn copy_force(&self, force: &mut [f64]) {
         self.scatter(force, |part| &part.force);
+    }
+
+    /// Moves the forces of a row to others, times weights.
+    pub fn fold_force(&mut self, row: usize, others: &[(u32, f64)]) {
+        for stage in 0..self.degree {
+            let own = std::mem::take(self.force_mut(stage, row));
+            for &(other, weight) in others {
+                let sum = self.force_mut(stage, other as usize);
+                (0..3).for_each(|d| sum[d] += weight * own[d]);
+            }
+        }
+    }
+
+    fn force_mut(&mut self, stage: usize, row: usize) -> &mut [f64; 3] {
+        let part = self.parts.partition_point(|part| part.rows.end <= row);
+        let part = &mut self.parts[part];
+        let at = stage * part.rows.len() + row - part.rows.start;
+        &mut part.force.as_chunks_mut().0[at]
+    }
+
+    /// Moves the blocks of a row to other rows that have its columns, times weights.
+    pub fn fold_row(&mut self, pattern: &Pattern, row: usize, others: &[(u32, f64)]) {
+        for (from, &column) in pattern.range(row).zip(pattern.row(row)) {
+            let to = |other: u32| pattern.coupling(other as usize, column as usize);
+            self.fold_block(from, others.iter().map(|&(other, weight)| (to(other), weight)));
+        }
+    }
+
+    /// Moves the blocks of a column to other columns that have its rows, times weights; the pattern is symmetric.
+    pub fn fold_column(&mut self, pattern: &Pattern, column: usize, others: &[(u32, f64)]) {
+        for row in pattern.row(column).iter().map(|&row| row as usize) {
+            let to = |other: u32| pattern.coupling(row, other as usize);
+            let from = pattern.coupling(row, column);
+            self.fold_block(from, others.iter().map(|&(other, weight)| (to(other), weight)));
+        }
+    }
+
+    /// Moves the blocks of all stages from one position to others, times weights.
+    fn fold_block(&mut self, from: usize, to: impl Iterator<Item = (usize, f64)>) {
+        let mut own = std::mem::take(&mut self.folded);
+        own.clear();
+        own.extend_from_slice(self.block(from));
+        self.block_mut(from).fill(0.0);
+        for (position, weight) in to {
+            let sums = self.block_mut(position).iter_mut().zip(&own);
+            sums.for_each(|(sum, entry)| *sum += weight * entry);
+        }
+        self.folded = own;
     }
 
     /// The blocks of all stages at a position of the pattern, `[i k + j][3 a + b]`.

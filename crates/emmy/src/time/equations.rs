@@ -105,6 +105,7 @@ impl<'a> Equations<'a> {
     /// Inserts the rates of the degrees of freedom whose motion is given into a starting point of the iteration.
     pub(super) fn drive(&self, rates: &mut [f64]) {
         self.driven.insert(&self.body.space, rates);
+        self.body.space.follow(rates);
     }
 
     /// Sets the coefficients of the inertia, with a further part of the diagonal ones.

@@ -65,7 +65,7 @@ impl State {
             displacement.resize(body.n_dofs(), 0.0);
         }
         if displacement.len() == body.n_dofs() {
-            body.space.update_guests("displacement", &mut displacement);
+            body.space.complete("displacement", &mut displacement);
         }
         if !has_modes {
             body.space.set_internal_means(&mut displacement);

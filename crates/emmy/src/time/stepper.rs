@@ -20,6 +20,8 @@ pub enum BodyFeature {
     IncompatibleModes,
     /// Rigid links, which need multipliers.
     RigidLinks,
+    /// Ties: nodes that follow others ([`Body::follow`]).
+    Ties,
     /// Forces with history variables ([`State::history`]).
     ForcesWithHistory,
 }
@@ -32,6 +34,7 @@ impl BodyFeature {
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
             (BodyFeature::RigidLinks, !body.constraints().is_empty()),
+            (BodyFeature::Ties, !body.ties().is_empty()),
             (BodyFeature::ForcesWithHistory, body.n_history() > 0),
         ];
         features.into_iter().filter(|(_, has)| *has).map(|(feature, _)| feature)
@@ -44,6 +47,7 @@ impl BodyFeature {
             BodyFeature::Damping => "viscosity or drag",
             BodyFeature::IncompatibleModes => "cells with incompatible modes",
             BodyFeature::RigidLinks => "rigid links",
+            BodyFeature::Ties => "ties",
             BodyFeature::ForcesWithHistory => "forces with a history",
         }
     }

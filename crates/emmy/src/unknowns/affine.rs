@@ -1,6 +1,7 @@
 //! Points and vectors of a body.
 
 use crate::nodal;
+
 /// An affine combination of nodes, `A = A_0 + sum_a w_a u_a`: a point if the weights sum to 1, a vector that turns with
 /// the body if they sum to 0. Without nodes it is a point or a vector of the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +13,16 @@ pub struct Affine {
 }
 
 impl Affine {
+    /// The same point or vector on the nodes that tied nodes follow.
+    pub(crate) fn on_leaders<'t>(&self, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]>) -> Self {
+        let own = self.nodes.iter().zip(&self.weights).flat_map(|(&node, &weight)| match leaders(node) {
+            None => vec![(node, weight)],
+            Some(leaders) => leaders.iter().map(|(leader, share)| (*leader, weight * share)).collect(),
+        });
+        let (nodes, weights) = own.unzip();
+        Affine { nodes, weights, reference: self.reference }
+    }
+
     /// Its value at displacements of the nodes.
     pub fn value(&self, displacement: impl Fn(usize) -> f64) -> [f64; 3] {
         let change = self.change(displacement);

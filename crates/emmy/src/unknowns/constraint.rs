@@ -42,6 +42,13 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Constraint {
+    /// The same constraint on the nodes that tied nodes follow.
+    pub(crate) fn on_leaders<'t>(self, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]>) -> Self {
+        let pairs = self.pairs.into_iter();
+        let pairs = pairs.map(|(a, b, c)| (a.on_leaders(&leaders), b.on_leaders(&leaders), c)).collect();
+        Constraint { pairs, ..self }
+    }
+
     /// Nodes, some of them more than once.
     pub fn nodes(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().flat_map(|(a, b, _)| a.nodes.iter().chain(&b.nodes)).copied()

@@ -83,10 +83,14 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "load",
             "points",
             "support",
+            "tie",
             "models",
         ],
     ),
-    ("space", &["geometry", "internal_nodes", "drive", "supports", "reductions", "driven", "reactions"]),
+    (
+        "space",
+        &["ties", "geometry", "internal_nodes", "drive", "supports", "reductions", "driven", "reactions"],
+    ),
     ("mass", &["regions", "points", "spread"]),
     (
         "force",

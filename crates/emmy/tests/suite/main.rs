@@ -40,4 +40,5 @@ mod starts;
 mod stiff_bodies;
 mod teams;
 mod teams_solvers;
+mod ties;
 mod tuning_fork;

@@ -11,7 +11,7 @@ use emmy::body::{
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy::time::Scheme;
-use emmy_io::input::{Problem, Start};
+use emmy_io::input::{Problem, Start, shift_of_followers};
 use emmy_io::message::{counted, shown};
 use emmy_io::units::Units;
 
@@ -74,7 +74,10 @@ impl Report {
         let all = body.n_dofs();
         let free = body.n_free_dofs();
         let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
-        self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
+        let tied = 3 * body.ties().iter().map(|tie| tie.n_followers).sum::<usize>();
+        let of_ties = if tied > 0 { format!(", {tied} tied") } else { String::new() };
+        let held = all - free - tied;
+        self.line("dofs", &format!("{all} degrees of freedom, {held} {given}{of_ties}, {free} free"));
         let of_cells = all - body.mesh().n_dofs();
         if of_cells > 0 {
             self.line("", &format!("{of_cells} of them in the incompatible modes of cells, without mass"));
@@ -99,7 +102,19 @@ impl Report {
         }
         problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
+        self.ties(body);
         self.damping(body);
+    }
+
+    /// Ties, with the largest shift of their followers.
+    fn ties(&mut self, body: &Body) {
+        for tie in body.ties() {
+            let nodes = counted(tie.n_followers, "node", "nodes");
+            let follow = if tie.n_followers == 1 { "follows" } else { "follow" };
+            let shift = shift_of_followers(body, tie).map(|shift| self.units.number(shift, "length"));
+            let shift = shift.map_or(String::new(), |shift| format!(", shifted by up to {shift}"));
+            self.line("tie", &format!("{nodes} of {} {follow} {}{shift}", tie.follower, tie.leader));
+        }
     }
 
     /// Drag and viscosity.
@@ -170,7 +185,8 @@ impl Report {
         if parts.len() == 1 {
             return;
         }
-        self.line("parts", &format!("{}, which are not connected", parts.len()));
+        let how = if body.ties().is_empty() { "are not connected" } else { "share no nodes" };
+        self.line("parts", &format!("{}, which {how}", parts.len()));
         for cells in parts.iter().take(MAX_LISTED_PARTS) {
             let mut counts = BTreeMap::<u32, usize>::new();
             cells

@@ -3,11 +3,36 @@
 use super::{FIX, HISTORY, MESH, Mistake, TRACTION, changed};
 
 pub(super) fn all() -> Vec<Mistake> {
-    [loads(), histories(), measurements(), supports(), motions()].into_iter().flatten().collect()
+    [loads(), histories(), measurements(), supports(), motions(), ties()].into_iter().flatten().collect()
 }
 
 fn load(name: &str, to: &str) -> Mistake {
     changed(name, TRACTION, to)
+}
+
+/// A tie beside the support.
+fn tie(name: &str, keys: &str) -> Mistake {
+    changed(name, "[[support]]", &format!("[[tie]]\n{keys}\n\n[[support]]"))
+}
+
+fn ties() -> Vec<Mistake> {
+    let groups = "follower = \"y-max\"\nleader = \"x-min\"";
+    vec![
+        tie("tie-without-a-kind", groups),
+        tie("tie-by-mortar", &format!("{groups}\nkind = \"mortar\"")),
+        tie("tie-of-an-unknown-kind", &format!("{groups}\nkind = \"node\"")),
+        tie("tie-below-nothing", &format!("{groups}\nkind = \"nodes\"\ntolerance = -0.1")),
+        tie("tie-in-other-words", "slave = \"y-max\"\nmaster = \"x-min\"\nkind = \"nodes\""),
+        tie("tie-to-itself", "follower = \"y-max\"\nleader = \"y-max\"\nkind = \"nodes\"").unseen(),
+        tie("tie-of-groups-misspelt", "follower = \"y-mx\"\nleader = \"x-mn\"\nkind = \"nodes\"").unseen(),
+        tie("tie-from-afar", "follower = \"y-max\"\nleader = \"y-min\"\nkind = \"nodes\"").unseen(),
+        tie(
+            "tie-of-groups-with-an-edge-in-common",
+            "follower = \"y-min\"\nleader = \"x-min\"\nkind = \"nodes\"\ntolerance = 9",
+        )
+        .unseen(),
+        changed("tie-misspelt", "[[support]]", "[[ties]]\nfollower = \"y-max\"\n\n[[support]]"),
+    ]
 }
 
 fn history(name: &str, history: &str) -> Mistake {

@@ -94,8 +94,10 @@ impl Stepper for CentralDifferences<'_> {
         for (dof, x) in self.increment.iter_mut().enumerate() {
             let middle = state.momentum[dof] + 0.5 * h * self.inertia[dof];
             *x = if body.fixed()[dof] { 0.0 } else { h * middle / body.lumped_mass()[dof / 3] };
-            self.end.displacement[dof] = state.displacement[dof] + *x;
         }
+        body.space.follow(&mut self.increment);
+        let moved = state.displacement.iter().zip(&self.increment);
+        self.end.displacement.iter_mut().zip(moved).for_each(|(end, (u, x))| *end = u + x);
         self.end.evaluate(&mut self.forces, state.time + h)?;
         check_finite(body, state, h, &self.end)?;
         self.limit.n_steps += 1;
@@ -109,6 +111,7 @@ impl Stepper for CentralDifferences<'_> {
         for (dof, v) in state.velocity.iter_mut().enumerate() {
             *v = if body.fixed()[dof] { 0.0 } else { state.momentum[dof] / body.lumped_mass()[dof / 3] };
         }
+        body.space.follow(&mut state.velocity);
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);

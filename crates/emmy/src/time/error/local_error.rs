@@ -219,6 +219,8 @@ impl<'a> LocalError<'a> {
         for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
             (self.displacement[dof], self.velocity[dof]) = (0.0, 0.0);
         }
+        self.body.space.follow(&mut self.displacement);
+        self.body.space.follow(&mut self.velocity);
     }
 
     /// Advances to the next step.

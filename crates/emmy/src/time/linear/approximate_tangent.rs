@@ -306,6 +306,7 @@ impl ApproximateTangent {
             body.space.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
+        body.space.follow(z);
         let damping = ReusedDamping {
             viscous_rate: self.viscous_rate,
             inverse_time: self.time_scale_of_factors.map_or(0.0, f64::recip),

@@ -54,7 +54,7 @@ impl LinearSystem for LinearisedStages<'_> {
             }
         }
         // A product follows.
-        body.space.update_guests("preconditioned vector", y);
+        body.space.complete("preconditioned vector", y);
     }
 
     fn is_shared(&self) -> bool {

@@ -179,7 +179,7 @@ impl System for StageSystem<'_> {
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),
         }?;
-        self.equations.body.space.update_guests("correction", &mut dx[..n_rates]);
+        self.equations.body.space.complete("correction", &mut dx[..n_rates]);
         Ok(iterations)
     }
 

@@ -138,7 +138,7 @@ impl<'a> StaticSystem<'a> {
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
         self.solve(x, PREDICTION, &mut step)?;
-        body.space.update_guests("linear step", &mut step);
+        body.space.complete("linear step", &mut step);
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
     }
@@ -261,7 +261,7 @@ impl System for StaticSystem<'_> {
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
         let body = self.equations.body;
-        body.space.update_guests("correction", dx);
+        body.space.complete("correction", dx);
         change.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
         self.add_local_response(dx, change);
         self.predicted.get_or_insert_with(|| body.space.norm(dx));

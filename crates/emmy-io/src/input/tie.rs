@@ -1,0 +1,140 @@
+//! `[[tie]]`: nodes that follow the points of another group.
+
+use std::collections::HashSet;
+
+use emmy::body::{Body, Tie, TieSummary};
+use emmy::internals::material::Bounds;
+use emmy::mesh::Mesh;
+
+use super::description::{Described, Kind, Section};
+use super::fault::{Fault, Place};
+use super::placed::Members;
+use super::table::{Item, Table};
+use crate::units::Units;
+
+/// Kinds of ties.
+const KINDS: [&str; 1] = ["nodes"];
+
+/// `[[tie]]`.
+pub(super) static TIE: Described = Described::new(|| {
+    Section::new("[[tie]]", "Nodes that follow the points of another group, on which they lie")
+        .must("follower", Kind::Text, "", "Group of facets, nodes or cells, whose nodes follow")
+        .must(
+            "leader",
+            Kind::Text,
+            "",
+            "Group that they follow: its facets; if it has none its nodes, which they must meet, else its cells",
+        )
+        .must(
+            "kind",
+            Kind::Word("a kind of tie", KINDS.to_vec(), not_yet),
+            "",
+            "`nodes`: each node follows the nearest point of the leader",
+        )
+        .may(
+            "tolerance",
+            Kind::Number(Bounds::AtLeast(0.0)),
+            "",
+            "Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of \
+             a node onto a node, to the shortest edge at the follower",
+        )
+        .default("0.05")
+});
+
+/// The fault of a kind that is planned.
+fn not_yet(text: &str) -> Option<(Fault, String)> {
+    let fault = || Fault::new("Emmy has no ties of the kind `mortar` yet").help("there is kind = \"nodes\"");
+    (text == "mortar").then(|| (fault(), "not yet".to_string()))
+}
+
+/// A tie with the places of its table and of the names of its groups.
+#[derive(Debug)]
+pub(super) struct PlacedTie {
+    tie: Tie,
+    place: Place,
+    follower: Place,
+    leader: Place,
+}
+
+/// Reads one tie.
+pub(super) fn read(table: &Table<'_>) -> Result<PlacedTie, Fault> {
+    let [follower, leader] = ["follower", "leader"].map(|key| table.must::<Item<'_>>(key));
+    if follower.name() == leader.name() {
+        let message = format!("`{}` cannot follow itself", leader.name());
+        return Err(leader.fault(message, "leader").label(follower.place(), "follower"));
+    }
+    let tie = Tie::nodes(follower.name(), leader.name()).with_tolerance(table.must("tolerance"));
+    let [follower, leader] = [follower, leader].map(|item| item.place().clone());
+    Ok(PlacedTie { tie, place: table.place.clone(), follower, leader })
+}
+
+impl PlacedTie {
+    /// The groups with their places.
+    pub(super) fn groups(&self) -> [(String, Place, Members); 2] {
+        let PlacedTie { tie, follower, leader, .. } = self;
+        [(&tie.follower, follower), (&tie.leader, leader)]
+            .map(|(name, place)| (name.clone(), place.clone(), Members::Nodes))
+    }
+
+    /// The names of the groups.
+    pub(super) fn names(&self) -> [&str; 2] {
+        [&self.tie.follower, &self.tie.leader]
+    }
+
+    /// The tie and the place of its table.
+    pub(super) fn into_parts(self) -> (Tie, Place) {
+        (self.tie, self.place)
+    }
+}
+
+/// Whether a tie joins two nodes at one place.
+pub(super) fn joins(mesh: &Mesh, ties: &[PlacedTie]) -> impl Fn([u32; 2]) -> bool + use<> {
+    let nodes = |name: &str| -> HashSet<u32> { mesh.group_nodes(name).into_iter().flatten().collect() };
+    let sides: Vec<[HashSet<u32>; 2]> = ties.iter().map(|tie| tie.names().map(nodes)).collect();
+    move |[a, b]| {
+        let joins = |[follower, leader]: &[HashSet<u32>; 2]| {
+            follower.contains(&a) && leader.contains(&b) || follower.contains(&b) && leader.contains(&a)
+        };
+        sides.iter().any(joins)
+    }
+}
+
+/// Largest shift of the followers of a tie \[length\], unless it is rounding.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let points = [0.0, 1.0, 1.02, 2.0].map(|x| [x, 0.0, 0.0]);
+/// let bars = Mesh::from_cells(CellKind::Line2, &points, &[[0, 1], [2, 3]])?
+///     .with_node_group("end", [1])?
+///     .with_node_group("start", [2])?;
+/// let bar = Region::links(Link::bar(200.0, 0.5)?, 1.0);
+/// let body = Body::builder(bars).region(bar).tie(Tie::nodes("start", "end")).build()?;
+/// let shift = emmy_io::input::shift_of_followers(&body, &body.ties()[0]);
+/// assert!((shift.unwrap() - 0.02).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn shift_of_followers(body: &Body, tie: &TieSummary) -> Option<f64> {
+    (tie.largest_shift > 1e-9 * body.mesh().diagonal()).then_some(tie.largest_shift)
+}
+
+/// Notes on followers that were moved.
+pub(super) fn notes(body: &Body, units: Units) -> Vec<String> {
+    let note = |(number, tie): (usize, &TieSummary)| {
+        let shift = units.number(shift_of_followers(body, tie)?, "length");
+        Some(format!(
+            "tie {number}: nodes of `{}` are moved onto `{}`, by up to {shift}",
+            tie.follower, tie.leader
+        ))
+    };
+    body.ties().iter().enumerate().filter_map(note).collect()
+}
+
+/// The fault of a body with an impossible tie, or with ties on several ranks.
+pub(super) fn fault(error: &emmy::Error, places: &[Place]) -> Option<Fault> {
+    let place = match error {
+        emmy::Error::Tie { number, .. } => places.get(*number),
+        emmy::Error::NotOnTeam { .. } => places.first(),
+        _ => None,
+    };
+    Some(Fault::at(place?, error.to_string(), "this tie"))
+}

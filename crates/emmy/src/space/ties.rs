@@ -1,0 +1,320 @@
+//! Nodes that follow others.
+//!
+//! A follower s moves with its leaders, `u_s = sum_A w_A u_A`, or u = T u of the others. It has no equation: masses,
+//! forces and stiffnesses are those of the leaders, `T^T M T`, `T^T f`, `T^T K T`. With `sum_A w_A = 1` and
+//! `X_s = sum_A w_A X_A` the reduced body has all rigid motions, so every balance holds as it stands.
+//!
+//! Vectors keep all nodes. At followers, masses, momenta and forces are zero; displacements, rates and velocities are
+//! those of [`Ties::follow`].
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::input::Tie;
+use crate::mesh::{Mesh, Nearest, Patch};
+use crate::nodal;
+use crate::number::{short, short_vector};
+use crate::sparse::{Pattern, StageMatrix};
+
+/// Followers with their leaders and weights.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ties {
+    /// Followers, ascending.
+    followers: Vec<u32>,
+    /// Where the leaders of each begin, and the end of all.
+    begin: Vec<usize>,
+    leaders: Vec<(u32, f64)>,
+    summaries: Vec<TieSummary>,
+}
+
+/// Numbers of a tie.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let points = [0.0, 1.0, 1.02, 2.0].map(|x| [x, 0.0, 0.0]);
+/// let bars = Mesh::from_cells(CellKind::Line2, &points, &[[0, 1], [2, 3]])?
+///     .with_node_group("end", [1])?
+///     .with_node_group("start", [2])?;
+/// let bar = Region::links(Link::bar(200.0, 0.5)?, 1.0);
+/// let body = Body::builder(bars).region(bar).tie(Tie::nodes("start", "end")).build()?;
+/// assert_eq!(body.ties()[0].n_followers, 1);
+/// assert!((body.ties()[0].largest_shift - 0.02).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct TieSummary {
+    /// Group of the nodes that follow.
+    pub follower: String,
+    /// Group that they follow.
+    pub leader: String,
+    /// Number of nodes that follow.
+    pub n_followers: usize,
+    /// Largest distance by which one of them was moved in the reference configuration \[length\].
+    pub largest_shift: f64,
+}
+
+/// The leaders of followers, while they are collected.
+type Leaders = BTreeMap<u32, Vec<(u32, f64)>>;
+
+impl Ties {
+    /// Finds the leaders of all followers, and moves the followers to the points that they follow.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`]; [`Error::Tie`] for a follower too far from its leader, of two ties, or that leads back.
+    pub(crate) fn new(mesh: &mut Mesh, ties: &[Tie]) -> Result<Self> {
+        let mut all = Leaders::new();
+        let mut number_of = BTreeMap::new();
+        for (number, tie) in ties.iter().enumerate() {
+            for (node, nearest) in of_tie(mesh, number, tie)? {
+                if let Some(other) = number_of.insert(node, number) {
+                    let other: &Tie = &ties[other];
+                    let reason = format!(
+                        "its node at {} follows \"{}\" too; a node follows once",
+                        place(mesh, node),
+                        other.leader
+                    );
+                    return Err(fault(number, tie, reason));
+                }
+                all.insert(node, nearest.weights);
+            }
+        }
+        compose(&mut all, ties.len()).map_err(|node| {
+            let number = number_of[&node];
+            let reason = format!("its node at {} leads and follows in a circle", place(mesh, node));
+            fault(number, &ties[number], reason)
+        })?;
+        let mut summaries: Vec<TieSummary> = ties.iter().map(TieSummary::new).collect();
+        let (mut followers, mut begin, mut leaders) = (Vec::new(), vec![0], Vec::new());
+        for (node, own) in all {
+            let mut X = [0.0; 3];
+            for &(leader, weight) in &own {
+                (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
+            }
+            let summary = &mut summaries[number_of[&node]];
+            summary.n_followers += 1;
+            summary.largest_shift = summary.largest_shift.max(distance(X, mesh.points()[node as usize]));
+            mesh.move_node(node as usize, X);
+            followers.push(node);
+            leaders.extend(own);
+            begin.push(leaders.len());
+        }
+        Ok(Ties { followers, begin, leaders, summaries })
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.followers.is_empty()
+    }
+
+    /// A summary of each tie.
+    pub(crate) fn summaries(&self) -> &[TieSummary] {
+        &self.summaries
+    }
+
+    /// Followers, ascending.
+    pub(crate) fn followers(&self) -> &[u32] {
+        &self.followers
+    }
+
+    /// The leaders of a node with their weights, if it follows.
+    pub(crate) fn leaders_of(&self, node: u32) -> Option<&[(u32, f64)]> {
+        let at = self.followers.binary_search(&node).ok()?;
+        Some(&self.leaders[self.begin[at]..self.begin[at + 1]])
+    }
+
+    /// Followers with their leaders.
+    fn iter(&self) -> impl Iterator<Item = (usize, &[(u32, f64)])> {
+        let leaders = self.begin.windows(2).map(|range| &self.leaders[range[0]..range[1]]);
+        self.followers.iter().map(|&node| node as usize).zip(leaders)
+    }
+
+    /// Sets nodal vectors at followers to those of their leaders, `[k][n_nodes][3]`.
+    pub(crate) fn follow(&self, vectors: &mut [f64], n_dofs: usize) {
+        for (node, leaders) in self.iter() {
+            for vector in vectors.chunks_exact_mut(n_dofs) {
+                let mut sum = [0.0; 3];
+                for &(leader, weight) in leaders {
+                    let own = nodal::at(vector, leader as usize);
+                    (0..3).for_each(|d| sum[d] += weight * own[d]);
+                }
+                *nodal::at_mut(vector, node) = sum;
+            }
+        }
+    }
+
+    /// Moves forces at followers to their leaders, `[k][n_nodes][3]`.
+    pub(crate) fn gather(&self, forces: &mut [f64], n_dofs: usize) {
+        for (node, leaders) in self.iter() {
+            for force in forces.chunks_exact_mut(n_dofs) {
+                let own = std::mem::take(nodal::at_mut(force, node));
+                for &(leader, weight) in leaders {
+                    let sum = nodal::at_mut(force, leader as usize);
+                    (0..3).for_each(|d| sum[d] += weight * own[d]);
+                }
+            }
+        }
+    }
+
+    /// Moves the stage forces at followers to their leaders, and with `blocks` their rows and columns of the matrix.
+    pub(crate) fn fold(&self, pattern: &Pattern, matrix: &mut StageMatrix, blocks: bool) {
+        for (node, leaders) in self.iter() {
+            matrix.fold_force(node, leaders);
+            if blocks {
+                matrix.fold_row(pattern, node, leaders);
+            }
+        }
+        if blocks {
+            self.iter().for_each(|(node, leaders)| matrix.fold_column(pattern, node, leaders));
+        }
+    }
+
+    /// `T^T M T` for a mass of each coupling.
+    pub(crate) fn fold_mass(&self, pattern: &Pattern, mass: &mut [f64]) {
+        for (node, leaders) in self.iter() {
+            for (from, &column) in pattern.range(node).zip(pattern.row(node)) {
+                let own = std::mem::take(&mut mass[from]);
+                for &(leader, weight) in leaders {
+                    mass[pattern.coupling(leader as usize, column as usize)] += weight * own;
+                }
+            }
+        }
+        for (node, leaders) in self.iter() {
+            for row in pattern.row(node).iter().map(|&row| row as usize) {
+                let own = std::mem::take(&mut mass[pattern.coupling(row, node)]);
+                for &(leader, weight) in leaders {
+                    mass[pattern.coupling(row, leader as usize)] += weight * own;
+                }
+            }
+        }
+    }
+
+    /// Moves lumped masses to the leaders, in proportion to the moduli of their weights: those of quadratic facets may
+    /// be negative.
+    pub(crate) fn fold_lumped(&self, masses: &mut [f64]) {
+        for (node, leaders) in self.iter() {
+            let mass = std::mem::take(&mut masses[node]);
+            let sum: f64 = leaders.iter().map(|(_, weight)| weight.abs()).sum();
+            leaders.iter().for_each(|&(leader, weight)| masses[leader as usize] += mass * weight.abs() / sum);
+        }
+    }
+}
+
+impl TieSummary {
+    fn new(tie: &Tie) -> Self {
+        let Tie { follower, leader, .. } = tie.clone();
+        TieSummary { follower, leader, n_followers: 0, largest_shift: 0.0 }
+    }
+}
+
+/// The followers of a tie with the points that they follow.
+fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> {
+    if !(tie.tolerance >= 0.0 && tie.tolerance.is_finite()) {
+        let reason =
+            format!("its tolerance must be a finite number of at least 0, not {}", short(tie.tolerance));
+        return Err(fault(number, tie, reason));
+    }
+    let followers = mesh.group_nodes(&tie.follower)?;
+    let leaders = mesh.group_nodes(&tie.leader)?;
+    if let Some(&node) = followers.iter().find(|node| leaders.binary_search(node).is_ok()) {
+        let reason = format!("both have the node at {}; a tie joins different nodes", place(mesh, node));
+        return Err(fault(number, tie, reason));
+    }
+    let patches = patches(mesh, &tie.leader);
+    let point = |node: u32| mesh.points()[node as usize];
+    let edges = if patches.is_empty() { shortest_edges(mesh, &followers) } else { BTreeMap::new() };
+    let nearest = |&node: &u32| {
+        let X = point(node);
+        if patches.is_empty() {
+            let nodes = leaders.iter().map(|&leader| (leader, distance(point(leader), X)));
+            let (leader, distance) = nodes.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            let size = edges.get(&node).copied().unwrap_or(0.0);
+            return Some((node, Nearest { weights: vec![(leader, 1.0)], distance, size }));
+        }
+        let reach = patches.iter().map(|patch| patch.bounds(X)[1]).fold(f64::INFINITY, f64::min);
+        let near = patches.iter().filter(|patch| patch.bounds(X)[0] <= reach);
+        let found = near.map(|patch| patch.nearest(X)).min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        Some((node, found))
+    };
+    let found: Vec<(u32, Nearest)> = followers.par_iter().filter_map(nearest).collect();
+    match found.iter().find(|(_, nearest)| nearest.distance > tie.tolerance * nearest.size) {
+        None => Ok(found),
+        Some((node, nearest)) => {
+            let reason = format!(
+                "its node at {} is {} from it, more than the tolerance admits ({} x {}); is there nothing to tie?",
+                place(mesh, *node),
+                short(nearest.distance),
+                short(tie.tolerance),
+                short(nearest.size)
+            );
+            Err(fault(number, tie, reason))
+        }
+    }
+}
+
+/// The facets of a group, else its cells; empty if it is one of nodes.
+fn patches(mesh: &Mesh, group: &str) -> Vec<Patch> {
+    let kinds = mesh.groups().kinds(group);
+    if kinds.contains(&"facets") {
+        let facets = mesh.groups().facets(group).unwrap_or_default();
+        return facets.iter().map(|&facet| Patch::of_facet(mesh, facet)).collect();
+    }
+    let is_of_nodes = kinds.contains(&"nodes");
+    let cells = if is_of_nodes { &[] } else { mesh.groups().cells(group).unwrap_or_default() };
+    cells.iter().map(|&cell| Patch::of_cell(mesh, cell as usize)).collect()
+}
+
+/// The shortest distance from each of some nodes to another node of its cells.
+fn shortest_edges(mesh: &Mesh, nodes: &[u32]) -> BTreeMap<u32, f64> {
+    let mut shortest = BTreeMap::new();
+    for cell in mesh.cells() {
+        for &node in cell.nodes.iter().filter(|node| nodes.binary_search(node).is_ok()) {
+            let X = mesh.points()[node as usize];
+            let others = cell.nodes.iter().filter(|other| **other != node);
+            let own = others.map(|&other| distance(mesh.points()[other as usize], X));
+            let least: &mut f64 = shortest.entry(node).or_insert(f64::INFINITY);
+            *least = own.fold(*least, f64::min);
+        }
+    }
+    shortest
+}
+
+/// Replaces leaders that follow themselves by their leaders; the error is a node that leads itself.
+fn compose(all: &mut Leaders, n_ties: usize) -> std::result::Result<(), u32> {
+    // A chain has each tie once at most.
+    for pass in 0..=n_ties {
+        let follows = |own: &[(u32, f64)]| own.iter().any(|(leader, _)| all.contains_key(leader));
+        let chained: Vec<u32> = all.iter().filter(|(_, own)| follows(own)).map(|(&node, _)| node).collect();
+        match chained.first() {
+            None => return Ok(()),
+            Some(&node) if pass == n_ties => return Err(node),
+            Some(_) => {}
+        }
+        for node in chained {
+            let mut sums = BTreeMap::new();
+            for &(leader, weight) in &all[&node] {
+                match all.get(&leader) {
+                    None => *sums.entry(leader).or_insert(0.0) += weight,
+                    Some(others) => others.iter().for_each(|&(other, share)| {
+                        *sums.entry(other).or_insert(0.0) += weight * share;
+                    }),
+                }
+            }
+            all.insert(node, sums.into_iter().collect());
+        }
+    }
+    Ok(())
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn place(mesh: &Mesh, node: u32) -> String {
+    short_vector(mesh.points()[node as usize])
+}
+
+fn fault(number: usize, tie: &Tie, reason: String) -> Error {
+    let Tie { follower, leader, .. } = tie.clone();
+    Error::Tie { number, follower, leader, reason }
+}
