@@ -260,6 +260,25 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// An inertia tensor that is not symmetric, or that no body has.
+    #[error(
+        "no body has the inertia {inertia:?} of the rigid body \"{body}\": each principal moment is less than the sum \
+         of the others"
+    )]
+    Inertia {
+        /// Name of the body.
+        body: String,
+        /// Its inertia.
+        inertia: [[f64; 3]; 3],
+    },
+    /// An impossible joint.
+    #[error("joint \"{joint}\": {reason}")]
+    Joint {
+        /// Its name.
+        joint: String,
+        /// Reason.
+        reason: String,
+    },
     /// An impossible tie.
     #[error("tie of \"{follower}\" to \"{leader}\": {reason}")]
     Tie {

@@ -73,9 +73,10 @@ pub mod tensor {
     pub use crate::tensor::*;
 }
 
-/// Rigid links.
+/// Rigid bodies, joints and rigid links.
 pub mod unknowns {
-    pub use crate::unknowns::RigidLink;
+    pub use crate::input::RigidBody;
+    pub use crate::unknowns::{Joint, JointEnd, JointKind, RigidLink};
 }
 
 /// Tables of schemes and estimators, and the steppers of the library.

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
-use crate::input::{GroundSpring, Load, PointTerms, Region, Support, Tie};
+use crate::input::{GroundSpring, Load, PointTerms, Region, RigidBody, Support, Tie};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
 use crate::space::geometry::MassKind;
@@ -14,7 +14,7 @@ use crate::space::{InternalNodes, Space, Supports, Ties};
 
 use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
-use crate::unknowns::{ConstraintSource, Constraints};
+use crate::unknowns::{Attachments, ConstraintSource, Constraints, Frame, NODES_OF_FRAME};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -39,6 +39,7 @@ pub struct BodyBuilder {
     forces: Vec<Arc<dyn ForceSource>>,
     constraints: Vec<Arc<dyn ConstraintSource>>,
     ties: Vec<Tie>,
+    rigid: Vec<RigidBody>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -61,6 +62,7 @@ impl BodyBuilder {
             forces,
             constraints,
             ties: Vec::new(),
+            rigid: Vec::new(),
             ranks,
             rank,
         }
@@ -114,6 +116,13 @@ impl BodyBuilder {
         self
     }
 
+    /// Adds a rigid body without cells, as four nodes after those of the mesh.
+    #[doc(hidden)]
+    pub fn rigid(mut self, body: RigidBody) -> Self {
+        self.rigid.push(body);
+        self
+    }
+
     /// Sets the masses and forces at single nodes.
     pub fn point_terms(mut self, terms: PointTerms) -> Self {
         self.point_terms = terms;
@@ -153,10 +162,12 @@ impl BodyBuilder {
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
-        if ranks.size() > 1 && !self.ties.is_empty() {
-            return Err(Error::NotOnTeam { what: "a body with ties".to_string() });
+        if ranks.size() > 1 && !(self.ties.is_empty() && self.rigid.is_empty()) {
+            return Err(Error::NotOnTeam { what: "a body with ties or rigid bodies".to_string() });
         }
         let ties = Ties::new(&mut self.mesh, &self.ties)?;
+        let frames = self.frames()?;
+        let ranks = self.ranks.clone();
         let sizes = GroupSizes::new(&self);
         let own = match (self.rank, ranks.rank()) {
             (given, rank) if given == rank => Ok(()),
@@ -164,7 +175,25 @@ impl BodyBuilder {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
         };
-        Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes, ties)))?.with_sums_of_ranks())
+        Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes, ties, frames)))?.with_sums_of_ranks())
+    }
+}
+
+impl BodyBuilder {
+    /// Adds the nodes of the rigid bodies to the mesh.
+    fn frames(&mut self) -> Result<Vec<Frame>> {
+        let BodyBuilder { mesh, rigid, .. } = self;
+        let frame = |body: &RigidBody| {
+            let frame = Frame::new(body, mesh.n_nodes() as u32)?;
+            mesh.add_nodes(frame.points());
+            Ok(frame)
+        };
+        let frames: Vec<Frame> = rigid.iter().map(frame).collect::<Result<_>>()?;
+        if !frames.is_empty() {
+            let team = self.ranks.team().clone();
+            self.ranks = Arc::new(Subdomain::whole(team, self.mesh.n_nodes(), self.mesh.n_cells()));
+        }
+        Ok(frames)
     }
 }
 
@@ -231,7 +260,7 @@ impl Body {
         BodyBuilder::new(share, team)
     }
 
-    fn from_parts(parts: BodyBuilder, sizes: &GroupSizes, ties: Ties) -> Result<Self> {
+    fn from_parts(parts: BodyBuilder, sizes: &GroupSizes, ties: Ties, frames: Vec<Frame>) -> Result<Self> {
         let BodyBuilder {
             mesh,
             regions,
@@ -250,7 +279,8 @@ impl Body {
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
-        let point_masses = points::point_masses(&mesh, &nodal.masses)?;
+        let mut point_masses = points::point_masses(&mesh, &nodal.masses)?;
+        frames.iter().for_each(|frame| point_masses[frame.nodes()[0] as usize] += frame.body().mass);
         let spread = Spread::new(&mesh, &nodal.spread, &sizes.masses)?;
         // Of point masses and of those that are spread.
         let other_masses = |kind: MassKind| {
@@ -273,7 +303,7 @@ impl Body {
         let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let pattern = couplings(&mesh, &internal, &ties).with_inner_rows_from(mesh.n_nodes());
+        let pattern = couplings(&mesh, &internal, &ties, &frames).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
@@ -283,6 +313,7 @@ impl Body {
         for mass in &nodal.masses {
             regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
+        regions_and_masses.extend(frames.iter().map(Frame::summary));
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
         let point_terms = &nodal;
         let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {
@@ -317,18 +348,23 @@ impl Body {
         if ranks.size() > 1 && !constraints.is_empty() {
             return Err(Error::NotOnTeam { what: "a body with constraints".to_string() });
         }
-        let rows = constraints.iter().map(|source| source.constraints(&mesh)).collect::<Result<Vec<_>>>()?;
+        let attachments = Attachments { mesh: &mesh, frames: &frames };
+        let of_source = |source: &Arc<dyn ConstraintSource>| source.constraints(&attachments);
+        let mut rows = constraints.iter().map(of_source).collect::<Result<Vec<_>>>()?;
+        rows.extend(frames.iter().map(Frame::constraints));
         let rows = rows.into_iter().flatten().map(|row| row.on_leaders(|node| ties.leaders_of(node)));
         let is_grounded = constraints.iter().any(|source| source.is_grounded());
         let constraints = Constraints::new(rows.collect(), is_grounded);
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
-        points::check_masses(&mesh, &lumped_mass, &held.inactive)?;
+        let n_meshed = mesh.n_nodes() - NODES_OF_FRAME * frames.len();
+        points::check_masses(&mesh, &lumped_mass, &held.inactive, n_meshed)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         ties.fold_mass(&pattern, &mut mass);
+        frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass));
         let body = Body {
             forces: Forces { cells: Arc::new(OnceLock::new()), others },
             constraints: Arc::new(constraints),
@@ -339,6 +375,7 @@ impl Body {
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
+            frames: Arc::new(frames),
             node_order: Arc::new(OnceLock::new()),
             has_local,
             lumped: None,
@@ -364,7 +401,8 @@ impl Body {
             let (mesh, internal) = (self.mesh(), self.space.internal());
             let nodes = (&**internal, self.space.guests(), self.space.ties());
             let held = Supports::new(mesh, nodes, (supports, springs), holds)?;
-            points::check_masses(mesh, &self.lumped_mass, &held.inactive)?;
+            let n_meshed = mesh.n_nodes() - NODES_OF_FRAME * self.frames.len();
+            points::check_masses(mesh, &self.lumped_mass, &held.inactive, n_meshed)?;
             let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
             release = Some((time, Box::new(body)));
         }
@@ -380,9 +418,9 @@ fn forces_of<'a>(
     sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
-/// The pattern of the nodes that cells couple, with those that their tied nodes follow.
-fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties) -> Pattern {
-    if internal.dofs().is_empty() && ties.is_empty() {
+/// The pattern of the nodes that cells and rigid bodies couple, with those that tied nodes follow.
+fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, frames: &[Frame]) -> Pattern {
+    if internal.dofs().is_empty() && ties.is_empty() && frames.is_empty() {
         return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
     }
     let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
@@ -390,6 +428,7 @@ fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties) -> Pattern {
         let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
         cell.nodes.iter().copied().chain(others).collect()
     };
-    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).collect();
+    let of_frames = frames.iter().map(|frame| frame.nodes().to_vec());
+    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).chain(of_frames).collect();
     Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))
 }

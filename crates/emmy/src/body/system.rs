@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::space::{Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
-use crate::unknowns::Constraints;
+use crate::unknowns::{Constraints, Frame};
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -30,6 +30,8 @@ pub struct Body {
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
+    /// The rigid bodies without cells.
+    pub(super) frames: Arc<Vec<Frame>>,
     pub(super) forces: Forces,
     pub(super) constraints: Arc<Constraints>,
     /// Whether some cell, of any rank, has pressures.
@@ -87,6 +89,12 @@ impl Body {
     /// A summary of each tie, in their order.
     pub fn ties(&self) -> &[TieSummary] {
         self.space.ties().summaries()
+    }
+
+    /// Nodes of a rigid body: its centre and the ends of its axes.
+    #[doc(hidden)]
+    pub fn rigid_body(&self, name: &str) -> Option<[u32; 4]> {
+        self.frames.iter().find(|frame| frame.name() == name).map(Frame::nodes)
     }
 
     /// Sets nodal vectors at tied nodes to those of the nodes that they follow, `[k][n_nodes][3]`: displacements, rates

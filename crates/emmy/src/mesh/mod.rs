@@ -285,6 +285,20 @@ impl Mesh {
             .unwrap_or_else(own))
     }
 
+    /// A mesh without cells, for rigid bodies.
+    #[doc(hidden)]
+    pub fn without_cells() -> Mesh {
+        let (points, kinds, connectivity, groups) = Default::default();
+        Mesh { points, kinds, offsets: vec![0], connectivity, groups, whole: None }
+    }
+
+    /// Adds nodes without cells, after all others. Returns the number of the first.
+    pub(crate) fn add_nodes(&mut self, points: impl IntoIterator<Item = [f64; 3]>) -> usize {
+        let first = self.points.len();
+        self.points.extend(points);
+        first
+    }
+
     /// Moves a node in the reference configuration.
     pub(crate) fn move_node(&mut self, node: usize, point: [f64; 3]) {
         self.points[node] = point;

@@ -62,6 +62,12 @@ impl Subdomain {
         }
     }
 
+    /// The whole body on a team of one.
+    pub(crate) fn whole(team: Arc<dyn Team>, n_nodes: usize, n_cells: usize) -> Self {
+        let [nodes, cells] = [n_nodes, n_cells].map(|n| (0..n as u32).collect());
+        Subdomain::new(team, [n_nodes; 2], nodes, (cells, vec![true; n_cells]), Vec::new())
+    }
+
     /// The team.
     pub fn team(&self) -> &Arc<dyn Team> {
         &self.team

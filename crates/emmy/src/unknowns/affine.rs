@@ -13,6 +13,21 @@ pub struct Affine {
 }
 
 impl Affine {
+    /// A point or a vector of the ground.
+    pub(crate) fn constant(reference: [f64; 3]) -> Self {
+        Affine { nodes: Vec::new(), weights: Vec::new(), reference }
+    }
+
+    /// The vector from another point to this one.
+    pub(crate) fn less(&self, other: &Affine) -> Self {
+        let negative = other.weights.iter().map(|weight| -weight);
+        Affine {
+            nodes: self.nodes.iter().chain(&other.nodes).copied().collect(),
+            weights: self.weights.iter().copied().chain(negative).collect(),
+            reference: [0, 1, 2].map(|d| self.reference[d] - other.reference[d]),
+        }
+    }
+
     /// The same point or vector on the nodes that tied nodes follow.
     pub(crate) fn on_leaders<'t>(&self, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]>) -> Self {
         let own = self.nodes.iter().zip(&self.weights).flat_map(|(&node, &weight)| match leaders(node) {

@@ -1,11 +1,8 @@
 //! Constraints that are sums of scalar products.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use super::affine::Affine;
-use crate::error::Result;
-use crate::mesh::Mesh;
 use crate::nodal;
 
 /// A constraint `Phi(q) = sum_r c_r A_r . B_r - s = 0` on points and vectors of the body: it is quadratic in the
@@ -23,18 +20,6 @@ pub struct Constraint {
     pub pairs: Vec<(Affine, Affine, f64)>,
     /// s.
     pub value: f64,
-}
-
-/// Data of constraints: a kind of joint in a file of its own.
-pub trait ConstraintSource: fmt::Debug + Send + Sync {
-    /// The constraints on a mesh.
-    ///
-    /// # Errors
-    /// Whatever is wrong with the data.
-    fn constraints(&self, mesh: &Mesh) -> Result<Vec<Constraint>>;
-
-    /// Whether they join the body to the ground.
-    fn is_grounded(&self) -> bool;
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

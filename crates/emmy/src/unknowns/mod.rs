@@ -6,12 +6,20 @@
 #![allow(non_snake_case)]
 
 mod affine;
+mod attachments;
 mod blocks;
 mod constraint;
 mod constraints;
+mod frame;
+mod joint;
 mod rigid_link;
+mod source;
 
+pub(crate) use attachments::Attachments;
+pub use attachments::JointEnd;
 pub(crate) use blocks::Blocks;
-pub(crate) use constraint::ConstraintSource;
 pub(crate) use constraints::{Constraints, Derivatives};
+pub(crate) use frame::{Frame, NODES_OF_FRAME};
+pub use joint::{Joint, JointKind};
 pub use rigid_link::RigidLink;
+pub(crate) use source::ConstraintSource;

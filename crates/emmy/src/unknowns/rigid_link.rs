@@ -1,9 +1,10 @@
 //! A rigid link.
 
 use super::affine::Affine;
-use super::constraint::{Constraint, ConstraintSource};
+use super::attachments::Attachments;
+use super::constraint::Constraint;
+use super::source::ConstraintSource;
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
 
 /// A rigid link without mass, as long as it is in the mesh: between two nodes, or between a node and a point of the
 /// ground.
@@ -20,7 +21,8 @@ pub enum RigidLink {
 }
 
 impl ConstraintSource for RigidLink {
-    fn constraints(&self, mesh: &Mesh) -> Result<Vec<Constraint>> {
+    fn constraints(&self, attachments: &Attachments<'_>) -> Result<Vec<Constraint>> {
+        let mesh = attachments.mesh;
         let X = |node: u32| {
             let (node, n_nodes) = (node as usize, mesh.n_nodes());
             let group = "rigid link".to_string();

@@ -79,6 +79,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "symmetry",
             "region_material",
             "region",
+            "rigid_body",
             "initial_velocity",
             "load",
             "points",
@@ -117,7 +118,20 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "load",
         ],
     ),
-    ("unknowns", &["blocks", "affine", "constraint", "rigid_link", "constraints"]),
+    (
+        "unknowns",
+        &[
+            "blocks",
+            "affine",
+            "constraint",
+            "frame",
+            "attachments",
+            "source",
+            "rigid_link",
+            "joint",
+            "constraints",
+        ],
+    ),
     (
         "body",
         &[

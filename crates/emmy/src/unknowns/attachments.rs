@@ -1,0 +1,67 @@
+//! What joints hold: points and directions of rigid bodies, nodes, and the ground.
+
+use super::affine::Affine;
+use super::frame::Frame;
+use crate::mesh::Mesh;
+use crate::number::short_vector;
+
+/// One of the two bodies of a joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum JointEnd {
+    /// The ground.
+    Ground,
+    /// A node of the mesh, which has no direction.
+    Node(u32),
+    /// A rigid body, by its name.
+    Rigid(String),
+}
+
+/// The places of a body to which joints are attached.
+#[derive(Debug, Clone, Copy)]
+pub struct Attachments<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) frames: &'a [Frame],
+}
+
+/// Distance between the place of a joint and its node, over the size of the mesh, that is rounding.
+const SAME_PLACE: f64 = 1e-9;
+
+impl Attachments<'_> {
+    /// A point of one end.
+    ///
+    /// # Errors
+    /// What is wrong with the end.
+    pub(crate) fn point(&self, end: &JointEnd, point: [f64; 3]) -> Result<Affine, String> {
+        match end {
+            JointEnd::Ground => Ok(Affine::constant(point)),
+            JointEnd::Rigid(name) => Ok(self.frame(name)?.point(point)),
+            JointEnd::Node(node) => {
+                let X = self.mesh.points().get(*node as usize);
+                let X = *X.ok_or_else(|| format!("node {node} does not exist"))?;
+                let distance = (0..3).map(|d| (X[d] - point[d]).powi(2)).sum::<f64>().sqrt();
+                if distance > SAME_PLACE * self.mesh.diagonal() {
+                    let [X, point] = [X, point].map(short_vector);
+                    return Err(format!("its node lies at {X}, not at {point}"));
+                }
+                Ok(Affine { nodes: vec![*node], weights: vec![1.0], reference: point })
+            }
+        }
+    }
+
+    /// A direction of one end.
+    ///
+    /// # Errors
+    /// What is wrong with the end.
+    pub(crate) fn vector(&self, end: &JointEnd, direction: [f64; 3]) -> Result<Affine, String> {
+        match end {
+            JointEnd::Ground => Ok(Affine::constant(direction)),
+            JointEnd::Rigid(name) => Ok(self.frame(name)?.vector(direction)),
+            JointEnd::Node(_) => Err("a node has no direction; a spherical joint takes it".to_string()),
+        }
+    }
+
+    fn frame(&self, name: &str) -> Result<&Frame, String> {
+        let found = self.frames.iter().find(|frame| frame.name() == name);
+        found.ok_or_else(|| format!("there is no rigid body \"{name}\""))
+    }
+}
