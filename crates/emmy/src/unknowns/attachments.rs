@@ -1,4 +1,4 @@
-//! What joints hold: points and directions of rigid bodies, nodes, and the ground.
+//! The places of joints: points and directions of rigid bodies, nodes, and the ground.
 
 use super::affine::Affine;
 use super::frame::Frame;
@@ -30,7 +30,7 @@ impl Attachments<'_> {
     /// A point of one end.
     ///
     /// # Errors
-    /// What is wrong with the end.
+    /// The fault of the end.
     pub(crate) fn point(&self, end: &JointEnd, point: [f64; 3]) -> Result<Affine, String> {
         match end {
             JointEnd::Ground => Ok(Affine::constant(point)),
@@ -51,7 +51,7 @@ impl Attachments<'_> {
     /// A direction of one end.
     ///
     /// # Errors
-    /// What is wrong with the end.
+    /// The fault of the end.
     pub(crate) fn vector(&self, end: &JointEnd, direction: [f64; 3]) -> Result<Affine, String> {
         match end {
             JointEnd::Ground => Ok(Affine::constant(direction)),

@@ -263,6 +263,10 @@ fn coinciding_nodes_move_as_one_in_every_body() {
         body.support(Support::driven("floor", [Some(pushed), None, None]))
             .support(Support::of_components("floor", [false, true, true]))
     };
+    let shaken: fn(BodyBuilder) -> BodyBuilder = |body| {
+        let pushed = TimeFunction::smooth("0.2*t*t", |t| [0.2 * t * t, 0.4 * t, 0.4]);
+        body.support(Support::driven("lower-face", [Some(pushed), None, None]))
+    };
     let loaded: fn(BodyBuilder) -> BodyBuilder = |body| {
         let spring = GroundSpring { group: "upper-face".into(), stiffness: 50.0 };
         body.support(Support::fixed("floor"))
@@ -285,6 +289,7 @@ fn coinciding_nodes_move_as_one_in_every_body() {
         Case { name: "modes of cells", region: modes, ..case() }.compare();
         Case { name: "tet10", kind: CellKind::Tet10, ..case() }.compare();
         Case { name: "drag", build: |body| body.drag(0.3), ..case() }.compare();
+        Case { name: "driven leaders", build: shaken, start: rest(), ..case() }.compare();
         Case { name: "driven", build: held, start: rest(), ..case() }.compare();
         Case { name: "loaded", build: loaded, start: rest(), ..case() }.compare();
         let viscous = || projected().with_viscosity(Viscosity { time: 0.01, ..Default::default() });
@@ -504,4 +509,54 @@ fn chains_follow_their_first_leader_and_circles_are_refused() {
         Body::builder(mesh()).region(spring()).support(Support::fixed("b")).tie(Tie::nodes("b", "a")).build();
     let error = held.unwrap_err().to_string();
     assert!(error.contains("is tied to others; hold these instead"), "{error}");
+}
+
+/// Plane strips of quadrilaterals and of quadratic triangles, and links on a block.
+#[test]
+fn plane_cells_and_links_are_tied() {
+    let strips = |kinds: [CellKind; 2]| {
+        let mut mesh = MeshBuilder::new();
+        for (kind, [low, high], n) in [(kinds[0], [0.0, 1.0], 2), (kinds[1], [1.01, 2.0], 3)] {
+            let corners = [[0.0, low, 0.0], [2.0, high, 0.0]];
+            add_block(&mut mesh, kind, corners, [n, 2, 1], &mut HashMap::new());
+        }
+        with_faces(mesh, &[("lower", &|X| X[1] == 1.0), ("upper", &|X| X[1] == 1.01)])
+    };
+    let plane = |kinds: [CellKind; 2], tie: Tie| {
+        let turns = InitialVelocity { angular_velocity: [0.0, 0.0, 1.0], ..flight() };
+        (Body::builder(strips(kinds)).region(rubber()).tie(tie).build().unwrap(), turns)
+    };
+    let with_links = || {
+        let mut mesh = MeshBuilder::new();
+        add_block(&mut mesh, CellKind::Hex8, [[0.0; 3], [1.0; 3]], [2; 3], &mut HashMap::new());
+        let ends = [[0.3, 0.4, 1.0], [0.5, 0.5, 2.0], [0.8, 0.2, 1.0]].map(|X| mesh.point(X));
+        let links =
+            [[ends[0], ends[1]], [ends[2], ends[1]]].map(|nodes| mesh.cell(CellKind::Line2, &nodes).unwrap());
+        mesh.cell_group("links", links);
+        mesh.cell_group("block", 0..8);
+        mesh.node_group("feet", [ends[0], ends[2]]);
+        let mesh = with_faces(mesh, &[("top", &|X| X[2] == 1.0 && X[0] != 0.3)]);
+        let bars = Region::links(Link::bar(4000.0, 0.1).unwrap(), 1.0).on("links");
+        let body = Body::builder(mesh).region(rubber().on("block")).region(bars);
+        (body.tie(Tie::nodes("feet", "top")).build().unwrap(), flight())
+    };
+    for (name, (body, start)) in [
+        ("quadrilaterals", plane([CellKind::Quad4; 2], Tie::nodes("upper", "lower"))),
+        ("triangles", plane([CellKind::Quad8, CellKind::Tri6], Tie::nodes("lower", "upper"))),
+        ("links", with_links()),
+    ] {
+        for k in [1, 2] {
+            let state = State::initial(&body, 0.0, std::slice::from_ref(&start)).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+            let first = motion.record().clone();
+            for _ in 0..20 {
+                let record = motion.step(0.05).unwrap();
+                let energy = (record.total_energy - first.total_energy).abs() / first.total_energy;
+                assert!(energy < 1e-12, "{name}, k = {k}: {energy:e}");
+                assert!(record.linear_momentum_residual < 1e-12 && record.angular_momentum_residual < 1e-12);
+            }
+            // The strain is not rounding.
+            assert!(motion.record().strain_energy > 1e-5 * first.total_energy, "{name}, k = {k}");
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Joints: what two bodies have in common, as constraints. Each kind has its own file.
+//! Joints as constraints on two bodies. Each kind has its own file.
 
 mod cylindrical;
 mod fixed;
@@ -21,7 +21,7 @@ use crate::tensor::cross;
 pub struct Joint {
     /// Its name, for messages.
     pub name: String,
-    /// What it leaves free.
+    /// Its kind, which says how the bodies move against each other.
     pub kind: JointKind,
     /// The two bodies.
     pub between: [JointEnd; 2],
