@@ -59,7 +59,7 @@ fn check_says_how_far_followers_move() {
     let outcome = place(INPUT, [0.01, 0.02]).succeed(&["check", "box.toml"]);
     for line in [
         "dofs       72 degrees of freedom, 0 fixed, 24 tied, 48 free\n",
-        "parts      3, which share no nodes\n",
+        "parts      3, which share no nodes and are tied\n",
         "all cells: 3 cells, volume 3 mm³, mass 6 t, centre [0.5, 0.5, 1.5] mm\n",
         "tie        4 nodes of bottom-2 follow top-1, shifted by up to 0.01 mm\n",
         "tie        4 nodes of bottom-3 follow top-2, shifted by up to 0.02 mm\n",

@@ -205,9 +205,12 @@ impl Sections {
         Ok(CheckedMesh { file, formulations })
     }
 
-    /// The mesh alone, with remarks on it.
+    /// The mesh alone for several ranks, with remarks on it.
     pub(super) fn mesh(&self) -> Result<MeshFile, InputError> {
-        Ok(self.checked_mesh()?.file)
+        match self.ties.first() {
+            Some(tie) => Err(tie.not_on_ranks().into()),
+            None => Ok(self.checked_mesh()?.file),
+        }
     }
 
     /// The problem, once the mesh is made.
@@ -271,6 +274,7 @@ impl Sections {
         }
         let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
+        notes.extend(tie::notes_on_start(&body, &initial));
         source.agree(places.check(&body, &loads, &initial, &self.time.plan).map_err(InputError::from))?;
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());

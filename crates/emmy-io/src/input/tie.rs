@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use emmy::body::{Body, Tie, TieSummary};
+use emmy::body::{Body, InitialVelocity, Tie, TieSummary};
 use emmy::internals::material::Bounds;
 use emmy::mesh::Mesh;
 
@@ -81,6 +81,11 @@ impl PlacedTie {
         [&self.tie.follower, &self.tie.leader]
     }
 
+    /// The fault of a tie on several ranks.
+    pub(super) fn not_on_ranks(&self) -> Fault {
+        Fault::at(&self.place, "several ranks do not compute a body with ties", "this tie")
+    }
+
     /// The tie and the place of its table.
     pub(super) fn into_parts(self) -> (Tie, Place) {
         (self.tie, self.place)
@@ -115,6 +120,24 @@ pub(super) fn joins(mesh: &Mesh, ties: &[PlacedTie]) -> impl Fn([u32; 2]) -> boo
 /// ```
 pub fn shift_of_followers(body: &Body, tie: &TieSummary) -> Option<f64> {
     (tie.largest_shift > 1e-9 * body.mesh().diagonal()).then_some(tie.largest_shift)
+}
+
+/// Notes on tied nodes whose initial velocity is not that of the nodes that they follow.
+pub(super) fn notes_on_start(body: &Body, initial: &[InitialVelocity]) -> Vec<String> {
+    let note = |field: &InitialVelocity| {
+        let group = field.group.as_ref()?;
+        let nodes = body.mesh().volume_nodes(group).ok()?;
+        let is_apart = |node: &&u32| {
+            let mut leaders = body.leaders_of(**node).into_iter().flatten();
+            leaders.any(|(leader, _)| nodes.binary_search(leader).is_err())
+        };
+        let n = nodes.iter().filter(is_apart).count();
+        let what = if n == 1 { "node starts" } else { "nodes start" };
+        (n > 0).then(|| {
+            format!("initial velocity of `{group}`: {n} tied {what} with the velocity of the nodes followed instead")
+        })
+    };
+    initial.iter().filter_map(note).collect()
 }
 
 /// Notes on followers that were moved.

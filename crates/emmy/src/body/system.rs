@@ -97,6 +97,12 @@ impl Body {
         self.frames.iter().find(|frame| frame.name() == name).map(Frame::nodes)
     }
 
+    /// The nodes that a tied node follows, with their weights.
+    #[doc(hidden)]
+    pub fn leaders_of(&self, node: u32) -> Option<&[(u32, f64)]> {
+        self.space.ties().leaders_of(node)
+    }
+
     /// Sets nodal vectors at tied nodes to those of the nodes that they follow, `[k][n_nodes][3]`: displacements, rates
     /// and velocities, for a scheme from outside. Forces, masses and momenta there are zero.
     pub fn follow(&self, vectors: &mut [f64]) {

@@ -53,7 +53,7 @@ impl Supports {
         }
         supports.fix_planes(mesh, internal);
         supports.fixed.iter().enumerate().for_each(|(dof, fixed)| supports.held_axes[dof % 3] |= fixed);
-        check_tied(mesh, all.0, ties)?;
+        supports.check_tied(mesh, held().map(|(_, support)| support), ties)?;
         let tied = || ties.followers().iter().flat_map(|&node| nodal::dofs(node as usize));
         tied().for_each(|dof| supports.fixed[dof] = true);
         supports.inactive = supports.fixed.clone();
@@ -90,6 +90,33 @@ impl Supports {
         }
     }
 
+    /// Checks that supports hold a tied node only as the nodes that it follows are held.
+    ///
+    /// # Errors
+    /// [`Error::Support`].
+    fn check_tied<'s>(
+        &self,
+        mesh: &Mesh,
+        supports: impl Iterator<Item = &'s Support>,
+        ties: &Ties,
+    ) -> Result<()> {
+        for support in supports.filter(|_| !ties.is_empty()) {
+            let (group, fixed) = (&support.group, support.fixed_components(mesh)?);
+            let is_free = |node: &u32| {
+                let leaders = ties.leaders_of(*node).unwrap_or_default();
+                let held =
+                    |d: usize| leaders.iter().all(|(leader, _)| self.fixed[nodal::dof(*leader as usize, d)]);
+                !leaders.is_empty() && (0..3).any(|d| support.drives(d) || fixed[d] && !held(d))
+            };
+            if let Some(node) = mesh.group_nodes(group)?.into_iter().find(is_free) {
+                let point = short_vector(mesh.points()[node as usize]);
+                let reason = format!("its node at {point} is tied to others; hold these instead");
+                return Err(Error::Support { group: group.clone(), reason });
+            }
+        }
+        Ok(())
+    }
+
     fn drive(&mut self, mesh: &Mesh, number: usize, support: &Support) -> Result<()> {
         let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
         if let Some(time) = support.time_functions().find_map(|time_function| time_function.first_jump()) {
@@ -121,23 +148,6 @@ impl Supports {
         self.drives.push(drive);
         Ok(())
     }
-}
-
-/// Checks that no support holds a node that follows others.
-///
-/// # Errors
-/// [`Error::Support`].
-fn check_tied(mesh: &Mesh, supports: &[Support], ties: &Ties) -> Result<()> {
-    for support in supports.iter().filter(|_| !ties.is_empty()) {
-        let group = &support.group;
-        let tied = |node: &u32| ties.leaders_of(*node).is_some();
-        if let Some(node) = mesh.group_nodes(group)?.into_iter().find(tied) {
-            let point = short_vector(mesh.points()[node as usize]);
-            let reason = format!("its node at {point} is tied to others; hold these instead");
-            return Err(Error::Support { group: group.clone(), reason });
-        }
-    }
-    Ok(())
 }
 
 /// A group with supports: the degrees of freedom that it holds before any other group, and its springs to the ground.

@@ -55,6 +55,9 @@ pub struct TieSummary {
     pub largest_shift: f64,
 }
 
+/// Distances below this part of the diagonal of the mesh are rounding of coordinates.
+const ROUNDING: f64 = 1e-9;
+
 /// The leaders of followers, while they are collected.
 type Leaders = BTreeMap<u32, Vec<(u32, f64)>>;
 
@@ -237,19 +240,22 @@ fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> 
         Some((node, found))
     };
     let found: Vec<(u32, Nearest)> = followers.par_iter().filter_map(nearest).collect();
-    match found.iter().find(|(_, nearest)| nearest.distance > tie.tolerance * nearest.size) {
-        None => Ok(found),
-        Some((node, nearest)) => {
-            let reason = format!(
-                "its node at {} is {} from it, more than the tolerance admits ({} x {}); is there nothing to tie?",
-                place(mesh, *node),
-                short(nearest.distance),
-                short(tie.tolerance),
-                short(nearest.size)
-            );
-            Err(fault(number, tie, reason))
-        }
-    }
+    let rounding = ROUNDING * mesh.diagonal();
+    let is_far = |(_, nearest): &&(u32, Nearest)| nearest.distance > tie.tolerance * nearest.size + rounding;
+    let Some((node, nearest)) = found.iter().find(is_far) else { return Ok(found) };
+    let hint = match patches.is_empty() {
+        true => "nodes must meet: name facets or cells to follow, or is there nothing to tie?",
+        false => "is there nothing to tie?",
+    };
+    let reason = format!(
+        "its node at {} is {} away, and the limit is {} (tolerance {} x edge {}); {hint}",
+        place(mesh, *node),
+        short(nearest.distance),
+        short(tie.tolerance * nearest.size),
+        short(tie.tolerance),
+        short(nearest.size)
+    );
+    Err(fault(number, tie, reason))
 }
 
 /// The facets of a group, else its cells; empty if it is one of nodes.

@@ -278,6 +278,11 @@ fn coinciding_nodes_move_as_one_in_every_body() {
                 ..Default::default()
             })
     };
+    // The side is a plane of symmetry through both blocks, with followers on it.
+    let halved: fn(BodyBuilder) -> BodyBuilder = |body| {
+        let weight = Load::acceleration([0.0, 3.0, -9.81]);
+        body.support(Support::fixed("floor")).support(Support::symmetry("side")).load(weight)
+    };
     let rest = InitialVelocity::default;
     for k in [1, 2] {
         let case = || Case::new("body", at(DGM, k));
@@ -289,6 +294,7 @@ fn coinciding_nodes_move_as_one_in_every_body() {
         Case { name: "modes of cells", region: modes, ..case() }.compare();
         Case { name: "tet10", kind: CellKind::Tet10, ..case() }.compare();
         Case { name: "drag", build: |body| body.drag(0.3), ..case() }.compare();
+        Case { name: "symmetry", build: halved, start: rest(), ..case() }.compare();
         Case { name: "driven leaders", build: shaken, start: rest(), ..case() }.compare();
         Case { name: "driven", build: held, start: rest(), ..case() }.compare();
         Case { name: "loaded", build: loaded, start: rest(), ..case() }.compare();
@@ -471,8 +477,8 @@ fn followers_move_onto_the_leader() {
     let error = built(0.2, Tie::nodes("upper", "lower")).unwrap_err().to_string();
     assert_eq!(
         error,
-        "tie of \"upper\" to \"lower\": its node at [0, 0, 1.2] is 0.2 from it, more than the tolerance admits \
-         (0.05 x 1); is there nothing to tie?"
+        "tie of \"upper\" to \"lower\": its node at [0, 0, 1.2] is 0.2 away, and the limit is 0.05 (tolerance \
+         0.05 x edge 1); is there nothing to tie?"
     );
     assert!(built(0.2, Tie::nodes("upper", "lower").with_tolerance(0.2 + 1e-9)).is_ok());
 }

@@ -185,7 +185,7 @@ impl Report {
         if parts.len() == 1 {
             return;
         }
-        let how = if body.ties().is_empty() { "are not connected" } else { "share no nodes" };
+        let how = if body.ties().is_empty() { "are not connected" } else { "share no nodes and are tied" };
         self.line("parts", &format!("{}, which {how}", parts.len()));
         for cells in parts.iter().take(MAX_LISTED_PARTS) {
             let mut counts = BTreeMap::<u32, usize>::new();
