@@ -358,8 +358,7 @@ impl Body {
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
-        let n_meshed = mesh.n_nodes() - NODES_OF_FRAME * frames.len();
-        points::check_masses(&mesh, &lumped_mass, &held.inactive, n_meshed)?;
+        points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&frames, &mesh))?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
@@ -401,13 +400,17 @@ impl Body {
             let (mesh, internal) = (self.mesh(), self.space.internal());
             let nodes = (&**internal, self.space.guests(), self.space.ties());
             let held = Supports::new(mesh, nodes, (supports, springs), holds)?;
-            let n_meshed = mesh.n_nodes() - NODES_OF_FRAME * self.frames.len();
-            points::check_masses(mesh, &self.lumped_mass, &held.inactive, n_meshed)?;
+            points::check_masses(mesh, &self.lumped_mass, &held.inactive, n_before(&self.frames, mesh))?;
             let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
             release = Some((time, Box::new(body)));
         }
         Ok(Body { release, ..self })
     }
+}
+
+/// Number of nodes before those of some frames, which come last.
+fn n_before(frames: &[Frame], mesh: &Mesh) -> usize {
+    mesh.n_nodes() - NODES_OF_FRAME * frames.len()
 }
 
 /// The forces of some sources of one kind.

@@ -84,8 +84,7 @@ impl Body {
 
         let mut held = self.fixed().to_vec();
         self.space.driven_dofs().for_each(|dof| held[dof] = false);
-        let tied = self.space.ties().followers().iter().flat_map(|&node| nodal::dofs(node as usize));
-        tied.for_each(|dof| held[dof] = false);
+        self.space.ties().dofs().for_each(|dof| held[dof] = false);
         let at_held = |node: usize| nodal::at(&held, node);
         let held_velocity =
             |node| [0, 1, 2].map(|d| if at_held(node)[d] { at(velocity, node)[d] } else { 0.0 });

@@ -11,7 +11,7 @@ mod share;
 
 pub use builder::MeshBuilder;
 pub use groups::{Facet, Groups};
-pub(crate) use nearest::{Nearest, Patch};
+pub(crate) use nearest::{Nearest, Patch, distance};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{MAX_CELLS, block, l_block, rectangle};
 pub use share::{Share, Shares, owners};
@@ -292,11 +292,9 @@ impl Mesh {
         Mesh { points, kinds, offsets: vec![0], connectivity, groups, whole: None }
     }
 
-    /// Adds nodes without cells, after all others. Returns the number of the first.
-    pub(crate) fn add_nodes(&mut self, points: impl IntoIterator<Item = [f64; 3]>) -> usize {
-        let first = self.points.len();
+    /// Adds nodes without cells, after all others.
+    pub(crate) fn add_nodes(&mut self, points: impl IntoIterator<Item = [f64; 3]>) {
         self.points.extend(points);
-        first
     }
 
     /// Moves a node in the reference configuration.

@@ -4,7 +4,7 @@
 
 use super::{CellKind, Facet, FacetKind, Mesh};
 use crate::element::{element, facet_element};
-use crate::tensor::{det, mat3};
+use crate::tensor::{det, dot3, mat3};
 
 /// Corrections of Newton's iteration for a point.
 const MAX_ITERATIONS: usize = 30;
@@ -106,7 +106,8 @@ impl Patch {
     }
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// Distance of two points.
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }
 
@@ -116,10 +117,6 @@ fn combined(points: &[[f64; 3]], weights: &[f64]) -> [f64; 3] {
         (0..3).for_each(|d| sum[d] += weight * X[d]);
     }
     sum
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|d| a[d] * b[d]).sum()
 }
 
 /// Shape functions of a facet at some coordinates, and their distance from X.
@@ -157,8 +154,8 @@ fn on_facet(kind: FacetKind, points: &[[f64; 3]], X: [f64; 3]) -> Candidate {
     let mut xi = [0, 1].map(|axis| corners.iter().map(|xi| xi[axis]).sum::<f64>() / corners.len() as f64);
     for _ in 0..MAX_ITERATIONS {
         let (r, [a, b]) = linearised(kind, points, xi, X);
-        let (aa, ab, bb) = (dot(a, a), dot(a, b), dot(b, b));
-        let (ra, rb) = (dot(r, a), dot(r, b));
+        let (aa, ab, bb) = (dot3(a, a), dot3(a, b), dot3(b, b));
+        let (ra, rb) = (dot3(r, a), dot3(r, b));
         let minor = aa * bb - ab * ab;
         let change = [(ab * rb - bb * ra) / minor, (ab * ra - aa * rb) / minor];
         xi = [xi[0] + change[0], xi[1] + change[1]];
@@ -183,7 +180,7 @@ fn on_edge(kind: FacetKind, points: &[[f64; 3]], [from, to]: [[f64; 2]; 2], X: [
     for _ in 0..MAX_ITERATIONS {
         let (r, [a, b]) = linearised(kind, points, at(t), X);
         let tangent = [0, 1, 2].map(|d| along[0] * a[d] + along[1] * b[d]);
-        let next = (t - dot(r, tangent) / dot(tangent, tangent)).clamp(0.0, 1.0);
+        let next = (t - dot3(r, tangent) / dot3(tangent, tangent)).clamp(0.0, 1.0);
         let goes_on = (next - t).abs() > ROUNDING;
         t = next;
         if !goes_on {

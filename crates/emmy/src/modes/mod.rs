@@ -209,7 +209,7 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
     let mut residual = f64::INFINITY;
     for _ in 0..MAX_SHIFTS {
         pencil.factorize(shift)?;
-        let found = smallest(&mut pencil, count, TOLERANCE, max_vectors);
+        let mut found = smallest(&mut pencil, count, TOLERANCE, max_vectors);
         let zero = pencil.rounding();
         let lowest = found.values.iter().copied().find(|value| *value > zero);
         let is_rigid = found.values.iter().any(|value| value.abs() <= zero);
@@ -221,7 +221,6 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
             Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
             None if !is_found => shift = 0.01 * pencil.shift(),
             _ => {
-                let mut found = found;
                 body.space.follow(&mut found.vectors);
                 return Ok(described(body, found, zero));
             }

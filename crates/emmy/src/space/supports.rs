@@ -54,8 +54,7 @@ impl Supports {
         supports.fix_planes(mesh, internal);
         supports.fixed.iter().enumerate().for_each(|(dof, fixed)| supports.held_axes[dof % 3] |= fixed);
         supports.check_tied(mesh, held().map(|(_, support)| support), ties)?;
-        let tied = || ties.followers().iter().flat_map(|&node| nodal::dofs(node as usize));
-        tied().for_each(|dof| supports.fixed[dof] = true);
+        ties.dofs().for_each(|dof| supports.fixed[dof] = true);
         supports.inactive = supports.fixed.clone();
         supports.inactive[3 * guests.start..3 * guests.end].fill(true);
         supports.groups = supported_groups(mesh, guests.start, all, &holds)?;

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::input::Tie;
-use crate::mesh::{Mesh, Nearest, Patch};
+use crate::mesh::{Mesh, Nearest, Patch, distance};
 use crate::nodal;
 use crate::number::{short, short_vector};
 use crate::sparse::{Pattern, StageMatrix};
@@ -118,6 +118,11 @@ impl Ties {
     /// Followers, ascending.
     pub(crate) fn followers(&self) -> &[u32] {
         &self.followers
+    }
+
+    /// Degrees of freedom of the followers.
+    pub(crate) fn dofs(&self) -> impl Iterator<Item = usize> {
+        self.followers.iter().flat_map(|&node| nodal::dofs(node as usize))
     }
 
     /// The leaders of a node with their weights, if it follows.
@@ -310,10 +315,6 @@ fn compose(all: &mut Leaders, n_ties: usize) -> std::result::Result<(), u32> {
         }
     }
     Ok(())
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }
 
 fn place(mesh: &Mesh, node: u32) -> String {

@@ -2,7 +2,7 @@
 
 use super::affine::Affine;
 use super::frame::Frame;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, distance};
 use crate::number::short_vector;
 
 /// One of the two bodies of a joint.
@@ -38,8 +38,7 @@ impl Attachments<'_> {
             JointEnd::Node(node) => {
                 let X = self.mesh.points().get(*node as usize);
                 let X = *X.ok_or_else(|| format!("node {node} does not exist"))?;
-                let distance = (0..3).map(|d| (X[d] - point[d]).powi(2)).sum::<f64>().sqrt();
-                if distance > SAME_PLACE * self.mesh.diagonal() {
+                if distance(X, point) > SAME_PLACE * self.mesh.diagonal() {
                     let [X, point] = [X, point].map(short_vector);
                     return Err(format!("its node lies at {X}, not at {point}"));
                 }

@@ -10,16 +10,19 @@ use emmy::prelude::*;
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-fn ground() -> JointEnd {
-    JointEnd::Ground
-}
-
 fn rigid(name: &str) -> JointEnd {
     JointEnd::Rigid(name.into())
 }
 
 fn joint(kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Joint {
     Joint { name: "joint".into(), kind, between, at }
+}
+
+/// A heavy rigid body that a joint at the origin joins to the ground.
+fn hung(body: RigidBody, kind: JointKind) -> Body {
+    let joint = joint(kind, [rigid(&body.name), JointEnd::Ground], [0.0; 3]);
+    let builder = Body::builder(Mesh::without_cells()).rigid(body).constraint(joint);
+    builder.load(Load::acceleration(GRAVITY)).build().unwrap()
 }
 
 fn spin(angular_velocity: [f64; 3]) -> InitialVelocity {
@@ -43,16 +46,8 @@ fn run(body: &Body, scheme: Scheme, start: &InitialVelocity, h: f64, until: f64)
 fn a_rigid_pendulum_on_a_hinge_has_the_errors_of_the_method() {
     let exact = [0.4852565253255716, 0.0, -0.1205242906179201];
     let centre = [0.5 * 2f64.sin(), 0.0, -0.5 * 2f64.cos()];
-    let body = Body::builder(Mesh::without_cells())
-        .rigid(RigidBody::new("pendulum", 3.0, centre, [0.3, 0.4, 0.2]))
-        .constraint(joint(
-            JointKind::Revolute { axis: [0.0, 1.0, 0.0] },
-            [rigid("pendulum"), ground()],
-            [0.0; 3],
-        ))
-        .load(Load::acceleration(GRAVITY))
-        .build()
-        .unwrap();
+    let pendulum = RigidBody::new("pendulum", 3.0, centre, [0.3, 0.4, 0.2]);
+    let body = hung(pendulum, JointKind::Revolute { axis: [0.0, 1.0, 0.0] });
     let node = body.rigid_body("pendulum").unwrap()[0] as usize;
     for (k, h, expected) in [(1, 0.01, 6.919_155e-4), (2, 0.02, 1.162_718e-6), (3, 0.05, 1.289_744e-7)] {
         let (state, records) = run(&body, at(DGM, k), &spin([0.0; 3]), h, 2.0);
@@ -101,12 +96,7 @@ fn a_heavy_top_nods_and_precesses() {
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         top.inertia[i][j] += 0.2 * axis[i] * axis[j];
     }
-    let body = Body::builder(Mesh::without_cells())
-        .rigid(top)
-        .constraint(joint(JointKind::Spherical, [rigid("top"), ground()], [0.0; 3]))
-        .load(Load::acceleration(GRAVITY))
-        .build()
-        .unwrap();
+    let body = hung(top, JointKind::Spherical);
     let centre = body.rigid_body("top").unwrap()[0] as usize;
     for (k, h, expected) in [(1, 0.0025, 8.564_459e-5), (2, 0.01, 2.152_286e-6), (3, 0.02, 1.170_326e-7)] {
         let (state, records) = run(&body, at(DGM, k), &spin(axis.map(|a| 20.0 * a)), h, 1.0);
