@@ -260,6 +260,12 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// A rigid body with the name of a group.
+    #[error("there is a group \"{group}\" already; a rigid body needs another name")]
+    GroupExists {
+        /// The name.
+        group: String,
+    },
     /// An inertia tensor that is not symmetric, or that no body has.
     #[error(
         "no body has the inertia {inertia:?} of the rigid body \"{body}\": each principal moment is less than the sum \
@@ -515,6 +521,19 @@ pub enum Error {
         /// Its last good position.
         position: [f64; 3],
     },
+    /// A step after which constraints do not hold.
+    #[error(
+        "step {step} failed at time {time}: joints are open by {residual:e}; the mechanism may be at a dead point, or its \
+         given motions contradict each other"
+    )]
+    ConstraintsLost {
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// Largest opening \[length\].
+        residual: f64,
+    },
     /// A step in which rounding of the internal forces leaves less than three digits of energy or momenta.
     #[error(
         "step {step}, to t = {time}: rounding leaves {digits:.1} correct digits of the body's inertia, fewer than three: the body is too \
@@ -632,7 +651,7 @@ pub enum Error {
         reason: String,
     },
     /// A computation that has no multipliers for the constraints of a body.
-    #[error("{what} does not cover rigid links; steps of a time element do")]
+    #[error("{what} does not cover rigid bodies and joints; steps of a time element do")]
     Constrained {
         /// The computation.
         what: &'static str,

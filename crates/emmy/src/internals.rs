@@ -73,12 +73,6 @@ pub mod tensor {
     pub use crate::tensor::*;
 }
 
-/// Rigid bodies, joints and rigid links.
-pub mod unknowns {
-    pub use crate::input::RigidBody;
-    pub use crate::unknowns::{Joint, JointEnd, JointKind, RigidLink};
-}
-
 /// Tables of schemes and estimators, and the steppers of the library.
 pub mod time {
     pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper, StaticStepper};

@@ -6,7 +6,8 @@
 
 pub use crate::body::Body;
 pub use crate::input::{
-    InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, Tie, TimeFunction, Viscosity,
+    InitialVelocity, Joint, JointEnd, JointKind, Load, LoadKind, PointMass, Region, RigidBody, Rotation,
+    Support, Tie, TimeFunction, Viscosity,
 };
 pub use crate::material::{
     ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link, Material,

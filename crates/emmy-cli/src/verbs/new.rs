@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 14] = [
+pub(super) const TEMPLATES: [Template; 16] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -53,6 +53,8 @@ pub(super) const TEMPLATES: [Template; 14] = [
     template!("rubber-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),
+    template!("heavy-top"),
+    template!("four-bar"),
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.

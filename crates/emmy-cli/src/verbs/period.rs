@@ -19,6 +19,9 @@ const MAX_DOFS: usize = 30_000;
 /// Reports on the lowest elastic mode of the start.
 pub(super) fn report(report: &mut Report, problem: &Problem, start: Option<&State>) {
     let body = &problem.body;
+    if !(problem.rigid.is_empty() && problem.joints.is_empty()) {
+        return report.line("period", "not computed: modes do not cover rigid bodies and joints yet");
+    }
     if body.n_dofs() > MAX_DOFS {
         let text = format!(
             "not computed beyond {MAX_DOFS} degrees of freedom; `emmy modes --count 7` finds the lowest one"

@@ -11,6 +11,7 @@ mod examples;
 mod formulations;
 mod hostile;
 mod in_process;
+mod joints;
 mod killed_frames;
 mod links;
 mod listings;

@@ -8,7 +8,8 @@ use crate::input::Problem;
 use crate::team::other_than_first;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
-const FIXED: [&str; 8] = ["mesh", "region", "mass", "load", "support", "tie", "initial", "equilibrium"];
+const FIXED: [&str; 10] =
+    ["mesh", "region", "mass", "load", "support", "tie", "rigid", "joint", "initial", "equilibrium"];
 
 /// The run that a checkpoint belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -188,7 +189,7 @@ pub(crate) fn remove_history_files(input: &mut toml::Table) {
             _ => {}
         }
     }
-    for section in ["load", "support"] {
+    for section in ["load", "support", "joint"] {
         input.get_mut(section).into_iter().for_each(remove);
     }
 }
@@ -230,10 +231,12 @@ pub(crate) fn digest(mesh: &Mesh) -> String {
     format!("{} nodes, {} cells, checksum {:08x}", mesh.n_nodes(), mesh.n_cells(), sum.finalize())
 }
 
-/// Digest of the tables that loads and supports follow.
+/// Digest of the tables that loads, supports and joints follow.
 pub(crate) fn digest_of_tables(problem: &Problem) -> String {
     let loads = problem.loads.iter().map(|load| &load.time_function);
-    let functions = loads.chain(problem.supports.iter().flat_map(|support| support.time_functions()));
+    let supports = problem.supports.iter().flat_map(|support| support.time_functions());
+    let joints = problem.joints.iter().filter_map(|joint| joint.drive.as_ref());
+    let functions = loads.chain(supports).chain(joints);
     let tables = functions.map(|function| function.acceleration().unwrap_or(function).entries());
     let mut sum = crc32fast::Hasher::new();
     let mut rows = 0;
@@ -262,6 +265,8 @@ mod tests {
             ("[1, 2, 3]", "[1, 2, 4]", "`load.0.traction.2` is 4, but 3"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[support]]\ngroup = 'a'", "`support` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[tie]]\nfollower = 'a'", "`tie` is [{"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[rigid]]\nname = 'a'", "`rigid` is [{"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[joint]]\nname = 'a'", "`joint` is [{"),
         ] {
             let error = check(&old.replace(from, to)).unwrap_err();
             assert!(error.contains(key), "{error}");
@@ -279,7 +284,9 @@ mod tests {
         // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
         assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
-        assert!(!identity(old).has_same_stepper(&identity(&format!("{old}[[tie]]\nfollower = 'a'\n"))));
+        for section in ["tie", "rigid", "joint"] {
+            assert!(!identity(old).has_same_stepper(&identity(&format!("{old}[[{section}]]\nname = 'a'\n"))));
+        }
         let pushed =
             |history: &str| identity(&old.replace("[1, 2, 3]", &format!("[1, 2, 3]\nhistory = '{history}'")));
         assert!(pushed("<function ramp>1").has_same_stepper(&pushed("<function ramp>7")));

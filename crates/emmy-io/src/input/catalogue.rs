@@ -2,44 +2,84 @@
 
 use std::sync::LazyLock;
 
-use super::description::{Described, Key, Kind, Section, tables};
+use super::description::{Described, Key, Kind, Rule, Section, tables};
 use super::{
-    equilibrium, initial, load, material, nodal, region, settings, shape, support, tie, time, units,
+    equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape, support, tie, time,
+    units,
 };
 
 /// The whole input.
 pub(super) static ROOT: Described = Described::new(|| {
-    Section::new("the input", "Motion of an elastic body; units are any consistent set")
-        .may("title", Kind::Text, "", "Any text; it goes into the summary")
-        .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
-        .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
-        .must("region", tables(1, &region::REGION), "", "Material of the cells; one or more")
-        .may("mass", tables(0, &nodal::MASS), "", "Masses besides those of the cells; none, one or more")
-        .may("load", tables(0, &load::LOAD), "", "Loads on the body; none, one or more")
-        .may("support", tables(0, &support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
-        .may("tie", tables(0, &tie::TIE), "", "Nodes that follow other parts of the body; none, one or more")
-        .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
-        .absent("at rest")
-        .may(
-            "equilibrium",
-            Kind::Table(&equilibrium::EQUILIBRIUM),
-            "",
-            "Start from the static equilibrium under the loads at t = 0; without `time` a static analysis",
-        )
-        .absent("starts undeformed")
-        .may("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
-        .absent("a static analysis, which needs `equilibrium`")
-        .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
-        .default("{}")
-        .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
-        .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
-        .default("{}")
-        .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
-        .at_least_one(&["time", "equilibrium"])
+    let section = Section::new(
+        "the input",
+        "Motion of elastic and rigid bodies; units are any consistent set",
+    )
+    .may("title", Kind::Text, "", "Any text; it goes into the summary")
+    .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
+    .may("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
+    .absent("required, unless there is `rigid`")
+    .may("region", tables(1, &region::REGION), "", "Material of the cells; one or more")
+    .absent("required with `mesh`")
+    .may("mass", tables(0, &nodal::MASS), "", "Masses besides those of the cells; none, one or more")
+    .may("load", tables(0, &load::LOAD), "", "Loads on the body; none, one or more")
+    .may("support", tables(0, &support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
+    .may("tie", tables(0, &tie::TIE), "", "Nodes that follow other parts of the body; none, one or more")
+    .may("rigid", tables(0, &rigid::RIGID), "", "Rigid bodies without cells; none, one or more")
+    .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
+    .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
+    .absent("at rest")
+    .may(
+        "equilibrium",
+        Kind::Table(&equilibrium::EQUILIBRIUM),
+        "",
+        "Start from the static equilibrium under the loads at t = 0; without `time` a static analysis",
+    )
+    .absent("starts undeformed")
+    .may("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
+    .absent("a static analysis, which needs `equilibrium`")
+    .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
+    .default("{}")
+    .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
+    .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
+    .default("{}")
+    .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early");
+    Section { rule: Rule::Input(&["time", "equilibrium"]), ..section }
 });
 
 /// The kind of the whole input.
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
+
+/// Keys that are planned: their table, the key, the fault and advice.
+const PLANNED: [(&str, &str, &str, &str); 8] = [
+    (
+        "the input",
+        "coupling",
+        "Emmy has no couplings yet",
+        "`[[joint]]` joins nodes of a mesh with rigid bodies, the ground and each other",
+    ),
+    ("[[rigid]]", "group", "Emmy has no rigid groups of a mesh yet", "give mass, centre and inertia"),
+    ("[[joint]]", "spring", SPRINGS, MASSLESS_SPRING),
+    ("[[joint]]", "damping", SPRINGS, MASSLESS_SPRING),
+    ("[[joint]]", "line", SPRINGS, MASSLESS_SPRING),
+    ("[[joint]]", "torque", MOTORS, "`angle` gives the angle of a revolute or cylindrical joint"),
+    (
+        "[[joint]]",
+        "force",
+        MOTORS,
+        "`slide` gives the slide of a prismatic joint, `length` that of a distance",
+    ),
+    ("[[joint]]", "until", "Emmy has no joints that are released yet", "leave `until` out"),
+];
+
+const SPRINGS: &str = "Emmy has no springs and dampers in joints yet";
+const MOTORS: &str = "Emmy has no motors in joints yet";
+const MASSLESS_SPRING: &str = "the material `spring` joins two nodes of a mesh";
+
+/// The fault of a key of a table that is planned, and advice.
+pub(super) fn planned(section: &Section, key: &str) -> Option<(&'static str, &'static str)> {
+    let found = PLANNED.iter().find(|(table, own, ..)| (*table, *own) == (section.name, key));
+    found.map(|(_, _, message, help)| (*message, *help))
+}
 
 /// Largest number of materials in a message about the tables of a key.
 const MAX_MODELS: usize = 3;
@@ -49,8 +89,9 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
     let around = tables.clone().find(|table| table.key_of(section.name).is_some());
     let models: Vec<&Section> = material::sections().filter(|table| table.key_of(word).is_some()).collect();
-    // A tolerance or a kind alone is seldom that of a tie.
-    let other = tables.clone().find(|table| !std::ptr::eq(*table, &*tie::TIE));
+    // A tolerance or a kind alone is seldom that of a tie, and a name seldom that of a rigid body.
+    let seldom = [&*tie::TIE, &*rigid::RIGID, &*joint::JOINT];
+    let other = tables.clone().find(|table| !seldom.iter().any(|own| std::ptr::eq(*own, *table)));
     let table = around.or(other).or_else(|| tables.next())?;
     let name = match models.len() {
         _ if !models.iter().any(|model| model.name == table.name) => table.title(),

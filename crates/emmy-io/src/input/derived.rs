@@ -1,11 +1,12 @@
 //! Values derived from an input, and their squares, must be finite: masses, volumes, resultants, energies.
 
-use emmy::body::{Body, InitialVelocity, Load, Region, Support, TimeFunction};
+use emmy::body::{Body, InitialVelocity, Joint, Load, Region, Support, TimeFunction};
 use emmy::internals::number::short;
 use emmy::motion::{State, StepPlan};
 
 use super::fault::{Fault, Place};
 use super::finite::{HELP, LARGEST};
+use super::mechanism::Mechanism;
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 
@@ -17,8 +18,13 @@ pub const NOTHING_MOVES: &str =
 pub const UNLOADED: &str =
     "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
 
-/// Remarks on the tables of loads and driven supports.
-pub(super) fn of_tables(loads: &[Load], supports: &[Support], plan: &StepPlan) -> Vec<String> {
+/// Remarks on the tables of loads, driven supports and driven joints.
+pub(super) fn of_tables(
+    loads: &[Load],
+    supports: &[Support],
+    joints: &[Joint],
+    plan: &StepPlan,
+) -> Vec<String> {
     let of_loads = loads
         .iter()
         .enumerate()
@@ -30,7 +36,9 @@ pub(super) fn of_tables(loads: &[Load], supports: &[Support], plan: &StepPlan) -
             of_table(&format!("support {i}"), table.acceleration().unwrap_or(table), plan)
         })
     });
-    of_loads.chain(of_supports).collect()
+    let driven = joints.iter().filter_map(|joint| Some((&joint.name, joint.drive.as_ref()?)));
+    let of_joints = driven.flat_map(|(name, drive)| of_table(&format!("joint `{name}`"), drive, plan));
+    of_loads.chain(of_supports).chain(of_joints).collect()
 }
 
 /// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that
@@ -72,8 +80,10 @@ pub(super) fn is_moved(
     loads: &[Placed<(Load, Members)>],
     supports: &[Placed<Support>],
     initial: &[Placed<InitialVelocity>],
+    mechanism: &Mechanism,
 ) -> bool {
     !loads.is_empty()
+        || mechanism.is_driven()
         || supports.iter().any(|support| support.value.is_driven())
         || initial.iter().any(|field| is_motion(&field.value))
         || pulls(regions)
@@ -91,7 +101,7 @@ fn is_motion(field: &InitialVelocity) -> bool {
 
 /// Places of the parts of a body, in its order.
 pub(super) struct Places {
-    /// Places of regions and point masses, and whether they have a mass.
+    /// Places of regions, point masses, rigid bodies and spread masses, and whether they have a mass.
     masses: Vec<(Place, bool)>,
     loads: Vec<Place>,
     initial: Option<Place>,
@@ -103,10 +113,13 @@ impl Places {
         loads: &[Placed<(Load, Members)>],
         initial: &[Placed<InitialVelocity>],
         nodal: &PlacedNodal,
+        mechanism: &Mechanism,
     ) -> Self {
         let regions = regions.iter().map(|region| (region.place.clone(), region.value.density > 0.0));
+        let [points, spread] = nodal.places_of_masses();
+        let masses = points.into_iter().chain(mechanism.places()).chain(spread);
         Places {
-            masses: regions.chain(nodal.places_of_masses().map(|place| (place.clone(), true))).collect(),
+            masses: regions.chain(masses.map(|place| (place.clone(), true))).collect(),
             loads: loads.iter().map(|load| load.place.clone()).collect(),
             initial: initial.first().map(|field| field.place.clone()),
         }

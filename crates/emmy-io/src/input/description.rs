@@ -78,6 +78,8 @@ pub(super) enum Kind {
     Expression,
     /// A vector of this kind, or the field of a program.
     Field(Box<Kind>),
+    /// A value of one of two kinds, which its form tells apart.
+    Either(Box<[Kind; 2]>),
     /// A table.
     Table(&'static Section),
     /// One table, or a list with a least number of them.
@@ -106,7 +108,12 @@ pub(super) enum Rule {
     AtLeastOne(Vec<&'static str>),
     /// `density` must be given unless the material has no mass; `pressure` belongs to a projected volume.
     Region,
+    /// `mesh` and `region` must be given, or neither of them but `rigid`; at least one of these keys, too.
+    Input(&'static [&'static str]),
 }
+
+/// Names that would repeat columns of the whole body.
+pub(super) const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
 
 /// A number.
 pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
@@ -147,6 +154,11 @@ pub(super) fn exactly(length: usize, of: Kind) -> Kind {
     Kind::Exactly(length, Box::new(of))
 }
 
+/// A value of one of two kinds.
+pub(super) fn either(first: Kind, second: Kind) -> Kind {
+    Kind::Either(Box::new([first, second]))
+}
+
 /// A list with a least number of entries.
 pub(super) fn list(least: usize, of: Kind) -> Kind {
     Kind::List(least, Box::new(of))
@@ -160,6 +172,7 @@ impl Kind {
             Kind::Field(of) => of.inner(),
             Kind::TimeFunction(_) => &ENTRY,
             Kind::Groups => &MEMBERS,
+            Kind::Either(kinds) => kinds[0].inner(),
             _ => self,
         }
     }
@@ -169,6 +182,7 @@ impl Kind {
         match self {
             Kind::Table(section) | Kind::TimeFunction(section) => Some(section),
             Kind::List(_, of) | Kind::Tables(_, of) => of.section(),
+            Kind::Either(kinds) => kinds.iter().find_map(Kind::section),
             _ => None,
         }
     }
@@ -253,6 +267,7 @@ impl Section {
         match &self.rule {
             Rule::ExactlyOne(sets) => sets.iter().filter_map(|keys| keys.first().copied()).collect(),
             Rule::AtLeastOne(keys) => keys.clone(),
+            Rule::Input(keys) => keys.to_vec(),
             Rule::Free | Rule::Region | Rule::OneSet(_) => Vec::new(),
         }
     }

@@ -12,22 +12,46 @@ use super::suggest::{did_you_mean, listed};
 use super::tie::PlacedTie;
 
 /// The name of a group with its place and the members that it needs.
-pub(super) type NamedGroup = (String, Place, Members);
+#[derive(Debug, Clone)]
+pub(super) struct NamedGroup {
+    pub(super) name: String,
+    pub(super) place: Place,
+    pub(super) members: Members,
+    /// Whether it may also be the name of a rigid body.
+    pub(super) or_body: bool,
+}
 
-/// Checks that the mesh has the groups that are named.
-pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], faults: &mut Faults) {
+impl NamedGroup {
+    /// The name of a group of the mesh.
+    pub(super) fn of_mesh(name: String, place: Place, members: Members) -> Self {
+        NamedGroup { name, place, members, or_body: false }
+    }
+}
+
+/// Checks that the mesh has the groups that are named, or that they are some of the names of rigid bodies.
+pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], bodies: &[&str], faults: &mut Faults) {
     let mut places = HashSet::new();
-    for (name, place, members) in named {
+    for group in named {
         // A support and its spring share one name, which is checked once.
-        if !faults.are_many() && places.insert(place.id()) {
-            faults.keep(find(mesh, name, place, *members));
+        if !faults.are_many() && places.insert(group.place.id()) {
+            faults.keep(find(mesh, group, bodies));
         }
     }
 }
 
-fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), Fault> {
+/// Advice on a rigid body in place of a group of cells or facets.
+const NO_GROUP: &str =
+    "the name of a rigid body is a group of one node, its centre; `force` and `acceleration` take it, too";
+
+fn find(mesh: &Mesh, group: &NamedGroup, bodies: &[&str]) -> Result<(), Fault> {
+    let NamedGroup { name, place, members, or_body } = group;
+    let (members, is_body) = (*members, bodies.contains(&name.as_str()));
     let groups = mesh.groups();
     let is_there = !groups.kinds(name).is_empty();
+    if is_body && !is_there {
+        let message = format!("`{name}` is a rigid body, and has neither cells nor facets");
+        return if *or_body { Ok(()) } else { Err(Fault::at(place, message, "a rigid body").help(NO_GROUP)) };
+    }
     let is_empty = match members {
         Members::Cells => groups.cells(name).ok().map(<[_]>::is_empty),
         Members::Facets => groups.facets(name).ok().map(<[_]>::is_empty),
@@ -44,9 +68,19 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
         Members::Nodes => ("nodes, facets or cells", groups.names()),
     };
     let other = is_there.then(|| format!("`{name}` exists, but has no {what}"));
-    let label = other.or_else(|| near(mesh, name, members)).unwrap_or_else(|| "not there".into());
-    let message = format!("the mesh has no group `{name}` of {what}");
-    let help = format!("groups of {what}: {}", listed(known.iter().copied()));
+    let bodies = if *or_body { bodies } else { &[] };
+    let label = other.or_else(|| near(mesh, name, members));
+    let label = label.or_else(|| did_you_mean(name, bodies.iter().copied()));
+    let label = label.unwrap_or_else(|| "not there".into());
+    let groups = format!("groups of {what}: {}", listed(known.iter().copied()));
+    let (message, help) = match bodies {
+        [] => (format!("the mesh has no group `{name}` of {what}"), groups),
+        _ => (
+            format!("there is no rigid body `{name}`, and the mesh has no such group of {what}"),
+            format!("rigid bodies: {}; {groups}", listed(bodies.iter().copied())),
+        ),
+    };
+    let known: Vec<&str> = known.iter().chain(bodies).copied().collect();
     Err(Fault::at(place, message, label).help(help).of_group(name, &known))
 }
 

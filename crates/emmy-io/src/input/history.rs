@@ -48,6 +48,20 @@ pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction,
     }
 }
 
+/// Reads a history that a motion can follow: one without jumps.
+pub(super) fn without_jumps(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
+    let history = read(item, context)?;
+    if let Some(time) = history.first_jump() {
+        let time = short(time);
+        let message = format!("`{}`: the motion jumps at t = {time}; give the jump a duration", item.key);
+        return Err(item.fault(message, "two values at one time"));
+    }
+    Ok(history)
+}
+
+/// Size of a value at the start that is rounding in an expression that is exactly zero.
+pub(super) const ROUNDING: f64 = 1e-9;
+
 /// Number of times at which an expression is checked before a run.
 const SAMPLES: usize = 1000;
 

@@ -64,11 +64,11 @@ impl PlacedNodal {
         self.attractions.iter().map(|attraction| &attraction.group)
     }
 
-    /// Places of the masses in their order in the body: point masses, then those that are spread.
-    pub(super) fn places_of_masses(&self) -> impl Iterator<Item = &Place> {
-        let (points, spread): (Vec<_>, Vec<_>) =
-            self.masses.iter().partition(|mass| matches!(mass.value, Mass::Point(_)));
-        points.into_iter().chain(spread).map(|mass| &mass.place)
+    /// Places of the point masses, and of those that are spread.
+    pub(super) fn places_of_masses(&self) -> [Vec<&Place>; 2] {
+        let is_point = |mass: &&Placed<Mass>| matches!(mass.value, Mass::Point(_));
+        let (points, spread): (Vec<_>, Vec<_>) = self.masses.iter().partition(is_point);
+        [points, spread].map(|masses| masses.into_iter().map(|mass| &mass.place).collect())
     }
 
     /// Sum of the rates of all drags.

@@ -117,7 +117,7 @@ const LENGTHS: [(i32, f64, &str, &str); 2] = [(-3, 0.3, "m", "1000"), (0, 1000.0
 
 /// A remark on a mesh that is probably in another unit of length than the input.
 pub(super) fn note_on_size(mesh: &Mesh, units: Units) -> Option<String> {
-    let system = units.system()?;
+    let system = units.system().filter(|_| mesh.n_cells() > 0)?;
     let power = system.power("length");
     let size = length(mesh);
     let (_, _, other, scale) = LENGTHS
@@ -161,6 +161,8 @@ pub(super) fn notes_on_loads<'a>(
                 (group.as_ref(), force * length(mesh), " over the length of the mesh")
             }
             LoadKind::Acceleration { group, acceleration } => {
+                // The name of a rigid body is none of a group.
+                group.as_ref().map_or(Ok(&[][..]), |group| mesh.groups().cells(group)).ok()?;
                 let force = density * size(acceleration);
                 (group.as_ref(), force * length(mesh), " over the length of the mesh")
             }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::body::{Body, InitialVelocity, Load, PointTerms, Support};
+use emmy::body::{Body, InitialVelocity, Joint, Load, PointTerms, RigidBody, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
@@ -58,6 +58,10 @@ pub struct Problem {
     pub supports: Vec<Support>,
     /// Masses besides those of the cells, springs to the ground, attraction to points.
     pub nodal: PointTerms,
+    /// Rigid bodies without cells.
+    pub rigid: Vec<RigidBody>,
+    /// Joints.
+    pub joints: Vec<Joint>,
     /// Loads.
     pub loads: Vec<Load>,
     /// Initial velocities.

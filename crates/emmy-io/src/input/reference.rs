@@ -73,7 +73,7 @@ fn keys(section: &Section) -> String {
 
 fn chosen(section: &Section) -> &'static str {
     match section.rule {
-        Rule::AtLeastOne(_) => "at least one of these",
+        Rule::AtLeastOne(_) | Rule::Input(_) => "at least one of these",
         Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of these",
         Rule::Free | Rule::Region => "",
     }
@@ -115,6 +115,7 @@ fn of(kind: &Kind) -> String {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
             Kind::Whole(least, _) => format!("{length} whole numbers ≥ {least}"),
             Kind::Expression => format!("{length} numbers or [expressions](#loadbody_force)"),
+            Kind::Text => format!("{length} names"),
             Kind::Exactly(inner, _) => format!("{length} × {inner} numbers"),
             entry => format!("{length} times {}", of(entry)),
         },
@@ -122,6 +123,7 @@ fn of(kind: &Kind) -> String {
         Kind::TimeFunction(_) => "[history](#loadhistory)".to_string(),
         Kind::Expression => "number or [expression](#loadbody_force)".to_string(),
         Kind::Field(vector) => of(vector),
+        Kind::Either(kinds) => kinds.each_ref().map(of).join(", or "),
         Kind::Table(_) => "table".to_string(),
         Kind::Tables(..) => "table, or list of tables".to_string(),
     }

@@ -86,6 +86,15 @@ fn rules(section: &Section) -> Map<String, Value> {
         Rule::AtLeastOne(keys) => {
             json!({ "anyOf": keys.iter().map(|key| required(&[key])).collect::<Vec<_>>() })
         }
+        Rule::Input(keys) => {
+            let bodies = [&["mesh", "region"][..], &["rigid"]];
+            let all = bodies.iter().flat_map(|body| keys.iter().map(|key| required(&[*body, &[*key]].concat())));
+            let with = |other: &str| required(&[other]);
+            json!({
+                "anyOf": all.collect::<Vec<_>>(),
+                "dependencies": { "mesh": with("region"), "region": with("mesh") },
+            })
+        }
         Rule::Region => {
             let massless = emmy::internals::body::MODELS.iter().map(|model| &model.model);
             let massless = massless.filter(|model| model.cells == ModelCells::MasslessLinks);
@@ -155,6 +164,7 @@ fn of(kind: &Kind) -> Value {
         Kind::TimeFunction(section) => history(section),
         Kind::Expression => json!({ "type": ["number", "string"], "pattern": "\\S" }),
         Kind::Field(vector) => of(vector),
+        Kind::Either(kinds) => json!({ "anyOf": kinds.each_ref().map(of) }),
         Kind::Table(section) => table(section),
         Kind::Tables(least, one) => one.section().map_or(Value::Null, |section| tables(*least, section)),
     }

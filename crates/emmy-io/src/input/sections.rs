@@ -3,8 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use emmy::body::{InitialVelocity, Load, Region, Support};
-use emmy::internals::material::ModelCells;
+use emmy::body::{BodyBuilder, InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, Solver};
 use emmy::time::Scheme;
@@ -14,20 +13,23 @@ use super::fault::{Fault, Faults, InputError};
 use super::formulation::Formulations;
 use super::groups::NamedGroup;
 use super::history::Context;
+use super::mechanism::Mechanism;
+use super::names::Naming;
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 use super::problem::{Overrides, Problem};
 use super::quantities::Requested;
+use super::root::Root;
 use super::settings::{Limits, Output};
 use super::shape::Shape;
 use super::source::{CheckedMesh, Source};
 use super::start::Start;
-use super::table::{Item, Table};
+use super::table::Item;
 use super::tie::PlacedTie;
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
-    derived, equilibrium, groups, initial, load, material, nodal, placed, plausible, quantities, region,
+    derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities, region, rigid,
     settings, shape, start, support, tie, time, units, walk,
 };
 use crate::accuracy;
@@ -44,6 +46,7 @@ pub(super) struct Sections {
     loads: Vec<Placed<(Load, Members)>>,
     supports: Vec<Placed<Support>>,
     ties: Vec<PlacedTie>,
+    mechanism: Mechanism,
     nodal: PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
     pub(super) start: Start,
@@ -54,36 +57,6 @@ pub(super) struct Sections {
     limits: Limits,
     /// Groups of the regions of links: lines of a mesh file that are cells.
     link_groups: Vec<String>,
-}
-
-/// The root of the tree. Every table is checked before it is read, and one with faults does not hinder the others.
-struct Root<'a> {
-    table: Table<'a>,
-    faults: Faults,
-}
-
-impl<'a> Root<'a> {
-    /// The tables of a section, with those that have faults.
-    fn raw(&self, key: &str) -> impl Iterator<Item = Table<'a>> + use<'a> {
-        let items = self.table.item(key).map(|item| item.items());
-        items.into_iter().flatten().filter_map(|item| item.table())
-    }
-
-    /// The tables of a section that are right.
-    fn tables(&mut self, key: &str) -> Vec<Table<'a>> {
-        self.table.item(key).map(|item| walk::tables(item, &mut self.faults)).unwrap_or_default()
-    }
-
-    /// Reads every table of a section that is right.
-    fn each<T>(&mut self, key: &str, read: impl Fn(&Table<'a>, &mut Faults) -> Option<T>) -> Vec<T> {
-        let tables = self.tables(key);
-        tables.iter().filter_map(|table| read(table, &mut self.faults)).collect()
-    }
-
-    /// Reads the table of a section.
-    fn one<T>(&mut self, key: &str, read: impl Fn(&Table<'a>, &mut Faults) -> Option<T>) -> Option<T> {
-        self.each(key, read).pop()
-    }
 }
 
 impl Sections {
@@ -98,10 +71,13 @@ impl Sections {
         let units = root.one("units", |table, _| Some(units::read(table))).unwrap_or_default();
         let shape = match table.item("mesh").map(|item| (item.value(), item.place())) {
             Some((Value::Mesh(mesh), place)) => Some(shape::given(mesh, place)),
+            None if table.item("rigid").is_some() && table.item("region").is_none() => {
+                root.raw("rigid").next().map(|rigid| shape::without_cells(rigid.place))
+            }
             _ => root.one("mesh", |table, faults| faults.keep(shape::read(table, directory))),
         };
         let regions = root.each("region", region::read);
-        let link_groups = link_groups(root.raw("region"));
+        let link_groups = root.link_groups();
         let (start, initial) = read_start(&mut root, directory);
         let time = read_time(&mut root, start.as_ref(), overrides);
         let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
@@ -114,6 +90,11 @@ impl Sections {
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
         let ties = root.each("tie", |table, faults| faults.keep(tie::read(table)));
+        let rigid = root.each("rigid", |table, faults| faults.keep(rigid::read(table)));
+        let joints = root.tables("joint").into_iter().zip(1..);
+        let joints =
+            joints.filter_map(|(table, number)| joint::read(&table, number, context, &mut root.faults));
+        let mechanism = Mechanism { rigid, joints: joints.collect() };
         let masses = root.each("mass", |table, _| Some(nodal::read(table)));
         let nodal = PlacedNodal { masses, springs, attractions, drags };
         let start = start.map(|start| if table.item("time").is_some() { start } else { Start::Undeformed });
@@ -125,7 +106,7 @@ impl Sections {
             Scheme::Static => time.plan.clone(),
             _ => support::plan_with_releases(&time.plan, &supports),
         });
-        let supported = supported_groups(&root);
+        let supported = root.supported_groups();
         let output = root.one("output", |table, faults| {
             let (output, requested) = (faults.keep(settings::output(table)), quantities::read(table, faults));
             supported.iter().for_each(|groups| requested.check_reactions(groups, faults));
@@ -135,7 +116,18 @@ impl Sections {
             Some((output, requested, plan.and_then(|plan| faults.keep(plan))))
         });
         let requested = output.as_ref().map(|(_, requested, _)| requested);
-        let named = named_groups(&regions, &loads, &supports, &ties, &initial, &nodal, requested);
+        let naming = Naming {
+            regions: &regions,
+            loads: &loads,
+            supports: &supports,
+            ties: &ties,
+            initial: &initial,
+            nodal: &nodal,
+            requested,
+        };
+        let named = naming.groups();
+        mechanism.check_names(requested.into_iter().flat_map(Requested::names), &mut root.faults);
+        let bodies = root.rigid_bodies();
         let Root { mut faults, .. } = root;
         match (shape, start, time, output) {
             (Some(shape), Some(start), Some(time), Some((Some(output), requested, Some(plan))))
@@ -155,6 +147,7 @@ impl Sections {
                     loads,
                     supports,
                     ties,
+                    mechanism,
                     nodal,
                     initial,
                     link_groups,
@@ -163,7 +156,9 @@ impl Sections {
             (shape, ..) => {
                 // Further faults: the groups, if the mesh can be made despite faults elsewhere.
                 let mesh = shape.and_then(|shape| faults.keep(shape.mesh(&link_groups)));
-                mesh.into_iter().for_each(|file| groups::check(&file.mesh, &named, &mut faults));
+                if let (Some(file), Some(bodies)) = (mesh, bodies) {
+                    groups::check(&file.mesh, &named, &bodies, &mut faults);
+                }
                 Err(faults.error())
             }
         }
@@ -172,13 +167,14 @@ impl Sections {
     /// The groups that the input names.
     fn named_groups(&self) -> Vec<NamedGroup> {
         let Sections { regions, loads, supports, ties, initial, nodal, requested, .. } = self;
-        named_groups(regions, loads, supports, ties, initial, nodal, Some(requested))
+        Naming { regions, loads, supports, ties, initial, nodal, requested: Some(requested) }.groups()
     }
 
     /// Checks that the mesh has the groups and cells that the input names.
     fn check_mesh(&self, mesh: &Mesh) -> Result<Formulations, InputError> {
         let mut faults = Faults::default();
-        groups::check(mesh, &self.named_groups(), &mut faults);
+        groups::check(mesh, &self.named_groups(), &self.mechanism.bodies(), &mut faults);
+        self.mechanism.check(mesh, &mut faults);
         faults.finish()?;
         let cells = groups::check_regions(mesh, &self.regions);
         let formulations = cells.and_then(|()| Formulations::new(mesh, &self.regions, &self.time));
@@ -207,6 +203,7 @@ impl Sections {
 
     /// The mesh alone for several ranks, with remarks on it.
     pub(super) fn mesh(&self) -> Result<MeshFile, InputError> {
+        self.mechanism.check_alone()?;
         match self.ties.first() {
             Some(tie) => Err(tie.not_on_ranks().into()),
             None => Ok(self.checked_mesh()?.file),
@@ -215,6 +212,10 @@ impl Sections {
 
     /// The problem, once the mesh is made.
     pub(super) fn problem(self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
+        if !matches!(source, Source::Alone(_)) {
+            self.mechanism.check_alone()?;
+        }
+        self.mechanism.check_scheme(&self.time)?;
         let (mesh, digest) = source.mesh(&resolved, || self.checked_mesh())?;
         let (mesh, mut notes, files, formulations) = match mesh {
             Some(CheckedMesh { file, formulations }) => {
@@ -223,8 +224,12 @@ impl Sections {
             None => Default::default(),
         };
         self.nodal.check_damping(&self.regions, &self.time)?;
-        let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
-        let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
+        let mechanism = &self.mechanism;
+        let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal, mechanism);
+        let is_moved =
+            derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial, mechanism);
+        let rigid = mechanism.rigid_bodies();
+        let joints = mesh.as_ref().map(|mesh| mechanism.joints(mesh)).transpose()?.unwrap_or_default();
         notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
         let pulls = derived::pulls(&self.regions);
         let held = placed::groups(self.supports.iter().map(|support| &support.group));
@@ -243,14 +248,16 @@ impl Sections {
                 && !is_static
                 && !known.is_static()
                 && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
+                && (&known.rigid, &known.joints) == (&rigid, &joints)
                 && known.body.drag() == drag
                 && body_of(&resolved).is_some_and(|own| body_of(&known.resolved) == Some(own))
         };
         let body = match source.known().filter(is_same) {
             Some(known) => known.body.clone(),
             None => {
-                let body = source
-                    .builder(mesh)?
+                let builder = rigid.iter().cloned().fold(source.builder(mesh)?, BodyBuilder::rigid);
+                let builder = joints.iter().cloned().fold(builder, BodyBuilder::joint);
+                let body = builder
                     .regions(values(self.regions))
                     .point_terms(nodal.clone())
                     .supports(&supports)
@@ -262,6 +269,7 @@ impl Sections {
                     let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
                     let own = own.or_else(|| load::fault(&error, &pressed));
                     let own = own.or_else(|| tie::fault(&error, &tied));
+                    let own = own.or_else(|| mechanism.fault(&error));
                     own.unwrap_or_else(|| self.shape.fault(&error))
                 };
                 body.map_err(fault)?
@@ -284,7 +292,7 @@ impl Sections {
             notes.push(derived::UNLOADED.to_string());
         }
         if !is_static {
-            notes.extend(derived::of_tables(&loads, &supports, &self.time.plan));
+            notes.extend(derived::of_tables(&loads, &supports, &joints, &self.time.plan));
             notes.extend(accuracy::long_step(&self.time.plan, self.units));
         }
         let body = if is_static { body.in_proportion(0.0) } else { body };
@@ -295,6 +303,8 @@ impl Sections {
             mesh_in_memory,
             supports,
             nodal,
+            rigid,
+            joints,
             loads,
             initial,
             start: self.start,
@@ -352,65 +362,12 @@ fn read_time(root: &mut Root<'_>, start: Option<&Start>, overrides: &Overrides) 
     root.faults.keep(time)
 }
 
-/// The groups that an input names, with the members that they need.
-fn named_groups(
-    regions: &[Placed<Region>],
-    loads: &[Placed<(Load, Members)>],
-    supports: &[Placed<Support>],
-    ties: &[PlacedTie],
-    initial: &[Placed<InitialVelocity>],
-    nodal: &PlacedNodal,
-    requested: Option<&Requested>,
-) -> Vec<NamedGroup> {
-    let regions = regions.iter().map(|region| (&region.group, Members::Cells));
-    let loads = loads.iter().map(|load| (&load.group, load.value.1));
-    let supports = supports.iter().map(|support| &support.group);
-    let at_nodes = supports.chain(initial.iter().map(|initial| &initial.group)).chain(nodal.groups());
-    let all = regions.chain(loads).chain(at_nodes.map(|group| (group, Members::Nodes)));
-    let all = all.filter_map(|(group, members)| group.clone().map(|(name, place)| (name, place, members)));
-    let tied = ties.iter().flat_map(PlacedTie::groups);
-    all.chain(tied).chain(requested.into_iter().flat_map(Requested::groups).cloned()).collect()
-}
-
-/// Groups that the supports name, also in tables with faults; `None` if a name cannot be read.
-fn supported_groups(root: &Root<'_>) -> Option<Vec<String>> {
-    if root.faults.are_many() || walk::meant(&root.table).any(|key| key == "support") {
-        return None;
-    }
-    let mut groups = Vec::new();
-    for support in root.table.item("support").into_iter().flat_map(|supports| supports.items()) {
-        let group = support.table()?.item("group").filter(|group| group.text().is_some())?.name();
-        if !groups.contains(&group) {
-            groups.push(group);
-        }
-    }
-    Some(groups)
-}
-
-/// Groups of the regions of links, also of regions with faults. A region with an unknown material may be one of them.
-fn link_groups<'a>(regions: impl Iterator<Item = Table<'a>>) -> Vec<String> {
-    let is_solid = |region: &Table<'_>| {
-        let mut cells = region.item("material").into_iter().flat_map(material::cells);
-        cells.any(|cells| cells == ModelCells::Solids)
-    };
-    let links = regions.filter(|region| !is_solid(region));
-    let names = links.map(|region| region.group().map_or_else(|| LINKS.to_string(), |(name, _)| name));
-    // `cells:NAME` means the cells of a group, unless a group itself has such a name.
-    let with_own = |name: String| {
-        let own = name.strip_prefix("cells:").map(str::to_string);
-        std::iter::once(name).chain(own)
-    };
-    names.flat_map(with_own).collect()
-}
-
-/// Group of all links of a mesh in memory.
-const LINKS: &str = "links";
-
 /// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
 /// there: loads and supports themselves tell them apart.
-fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 5]> {
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 7]> {
     let mut table = resolved.parse::<toml::Table>().ok()?;
-    Some(["region", "mass", "load", "support", "tie"].map(|section| table.remove(section)))
+    let sections = ["region", "mass", "load", "support", "tie", "rigid", "joint"];
+    Some(sections.map(|section| table.remove(section)))
 }
 
 fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {

@@ -134,6 +134,8 @@ enum Source {
     File(PathBuf),
     /// A mesh in memory.
     Given(Arc<Mesh>),
+    /// No cells: all bodies are rigid.
+    Nothing,
 }
 
 /// Points, links between them, and named groups of both.
@@ -213,6 +215,11 @@ pub(super) fn given(mesh: &Arc<Mesh>, place: &Place) -> Shape {
     Shape { source: Source::Given(mesh.clone()), place: place.clone(), scale: None, plane_shells: false }
 }
 
+/// No cells: the place is that of the rigid bodies.
+pub(super) fn without_cells(place: &Place) -> Shape {
+    Shape { source: Source::Nothing, place: place.clone(), scale: None, plane_shells: false }
+}
+
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<Shape, Fault> {
     let item = table.chosen();
@@ -289,6 +296,7 @@ impl Shape {
             Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells), Vec::new()),
             Source::Network(network) => made(network.mesh(), network.notes.clone()),
             Source::Given(mesh) => made(emmy::mesh::check(mesh).map(|()| Mesh::clone(mesh)), Vec::new()),
+            Source::Nothing => made(Ok(Mesh::without_cells()), Vec::new()),
             Source::File(path) => {
                 let options = MeshOptions { links: links.to_vec(), plane_shells: self.plane_shells };
                 crate::mesh::read_with(path, &options).map_err(|error| match neighbour(path) {
@@ -301,7 +309,9 @@ impl Shape {
             Some(scale) => file.mesh.scaled(scale).map_err(|error| at(&error))?,
             None => file.mesh,
         };
-        finite::check_extent(&mesh, &self.place)?;
+        if mesh.n_cells() > 0 {
+            finite::check_extent(&mesh, &self.place)?;
+        }
         Ok(MeshFile { mesh, notes: file.notes, files: file.files })
     }
 
@@ -316,7 +326,8 @@ impl Shape {
     /// The fault of a mesh that cannot become a body.
     pub(super) fn fault(&self, error: &emmy::Error) -> Fault {
         let Source::File(path) = &self.source else {
-            return Fault::at(&self.place, error.to_string(), "this mesh");
+            let label = if matches!(self.source, Source::Nothing) { "these bodies" } else { "this mesh" };
+            return Fault::at(&self.place, error.to_string(), label);
         };
         let fault = Fault::at(&self.place, format!("{}: {error}", path.display()), "this mesh");
         match error {

@@ -151,16 +151,11 @@ fn rotation(table: &Table<'_>, context: Context<'_>) -> Result<Rotation, Fault> 
 
 /// A time function that nodes can follow: without jumps, from zero on where the body is undeformed at the start.
 fn motion(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
-    let history = history::read(item, context)?;
-    let key = item.key;
-    if let Some(time) = history.first_jump() {
-        let message = format!("`{key}`: the motion jumps at t = {}; give the jump a duration", short(time));
-        return Err(item.fault(message, "two values at one time"));
-    }
-    // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
-    // mesh. Numbers that are not finite have their own fault.
-    let start = history.value(0.0);
-    if context.is_undeformed && start.abs() > 1e-9 {
+    let history = history::without_jumps(item, context)?;
+    // Rounding is no displacement; other values are checked with the size of the mesh. Numbers that are not finite have
+    // their own fault.
+    let (key, start) = (item.key, history.value(0.0));
+    if context.is_undeformed && start.abs() > history::ROUNDING {
         let message = format!(
             "`{key}` is {} at t = 0, where the body is undeformed; let it start from 0",
             short(start)

@@ -143,6 +143,17 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// The same value as one of the kind whose form it has, where there are two; `None` if it has neither form.
+    pub(super) fn of_one_kind(self) -> Option<Item<'a>> {
+        match self.kind {
+            Kind::Either(kinds) => {
+                let kind = kinds.iter().find(|kind| has_form(kind, self.value()))?;
+                Some(Item { kind, ..self })
+            }
+            _ => Some(self),
+        }
+    }
+
     /// A name that files can hold, read like the names in meshes.
     pub(super) fn name(&self) -> String {
         message::name(self.text().unwrap_or_default()).into_owned()
@@ -203,6 +214,21 @@ impl Read<'_> for usize {
             Value::Integer(value) => usize::try_from(value).unwrap_or(0),
             _ => 0,
         }
+    }
+}
+
+/// Whether a value has the form of numbers, histories, or lists of such a form.
+fn has_form(kind: &Kind, value: &Value) -> bool {
+    match (kind, value) {
+        (Kind::Number(_), Value::Integer(_) | Value::Float(_)) => true,
+        (
+            Kind::TimeFunction(_),
+            Value::String(_) | Value::Array(_) | Value::Table(_) | Value::TimeFunction(_),
+        ) => true,
+        (Kind::Exactly(_, of), Value::Array(items)) => {
+            items.first().is_none_or(|first| has_form(of, &first.value))
+        }
+        _ => false,
     }
 }
 

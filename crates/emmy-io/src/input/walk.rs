@@ -52,6 +52,10 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
             .is_some_and(|table| are_keys_right(&table, faults) & are_values_right(&table, faults)),
         (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
         (Kind::Field(of), _) if !is_of_program(item) => is_right(Item { kind: of, ..item }, faults),
+        (Kind::Either(_), _) => match item.of_one_kind() {
+            Some(item) => is_right(item, faults),
+            None => faults.keep(Err::<(), _>(mismatch(item))).is_some(),
+        },
         (
             Kind::TimeFunction(_) | Kind::Tables(..) | Kind::List(..) | Kind::Exactly(..) | Kind::Words(..),
             Value::Array(_),
@@ -291,6 +295,7 @@ fn wanted(kind: &Kind) -> String {
                 .to_string()
         }
         Kind::Field(of) => wanted(of),
+        Kind::Either(kinds) => kinds.each_ref().map(wanted).join(", or "),
         Kind::Table(section) => format!("a table with the keys {}", listed(section.names())),
         Kind::Tables(..) => "a table or a list of tables".to_string(),
     }
@@ -300,6 +305,7 @@ fn plural(of: &Kind) -> &'static str {
     match of {
         Kind::Expression => "numbers or expressions",
         Kind::Whole(..) => "whole numbers",
+        Kind::Text => "names",
         Kind::Exactly(..) => "rows",
         _ => "numbers",
     }
@@ -314,6 +320,11 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
     for (key, place) in table.keys().filter(|(key, _)| section.key_of(key).is_none()) {
         if faults.are_many() {
             return false;
+        }
+        if let Some((message, help)) = catalogue::planned(section, key) {
+            are_known = false;
+            faults.push(Fault::at(place, message, "not yet").help(help));
+            continue;
         }
         let (own, label) = meaning(section, key);
         meant.extend(own);
@@ -357,6 +368,16 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         }
         Rule::OneSet(sets) if are_known => {
             faults.keep(one_set(table, sets));
+        }
+        Rule::Input(keys) => {
+            // A body has cells with materials, or rigid bodies, or both.
+            let [mesh, region, rigid] = ["mesh", "region", "rigid"].map(is_there);
+            let is_needed = !rigid || mesh || region;
+            let absent = [("mesh", mesh), ("region", region)].into_iter().filter(|(_, there)| !there);
+            absent.filter(|_| is_needed).for_each(|(key, _)| faults.push(missing(key)));
+            if are_known && !keys.iter().any(|key| is_there(key)) {
+                faults.push(none("at least", section.choice()));
+            }
         }
         // A misspelt material may have no mass.
         Rule::Region

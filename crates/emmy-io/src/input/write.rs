@@ -27,7 +27,8 @@ pub(super) fn toml(root: &Node) -> String {
 }
 
 /// Headers of the sections that describe a body.
-const OF_BODY: [&str; 6] = ["[mesh]", "[[region]]", "[[mass]]", "[[support]]", "[[tie]]", "[[load]]"];
+const OF_BODY: [&str; 8] =
+    ["[mesh]", "[[region]]", "[[mass]]", "[[support]]", "[[tie]]", "[[rigid]]", "[[joint]]", "[[load]]"];
 
 /// The sections of a resolved input that describe the body, without those of its motion. A comment explains the names
 /// of functions, which no file can hold.

@@ -7,7 +7,7 @@ use super::collection::FrameSource;
 use super::pack::{Pack, quantised};
 use super::surface::Surface;
 use super::{MAX_NODES, ReportError};
-use crate::mesh::vtu;
+use crate::mesh::{MeshError, vtu};
 
 /// A nodal quantity for colouring.
 struct ColourField {
@@ -78,7 +78,11 @@ pub(super) fn gather(
     if n_frames == 0 {
         return Ok(None);
     }
-    let frame = frames.first()?;
+    let frame = match frames.first() {
+        // Rigid bodies alone have no surface.
+        Err(ReportError::Frame(MeshError::NoCells { .. })) => return Ok(None),
+        frame => frame?,
+    };
     let whole = Surface::new(&frame.cells);
     let n_whole = whole.nodes.len();
     // Without displacements there is no motion to show.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 46] = [
+const ORDER: [&str; 51] = [
     "fault",
     "excerpt",
     "syntax",
@@ -22,6 +22,9 @@ const ORDER: [&str; 46] = [
     "time",
     "support",
     "tie",
+    "rigid",
+    "joint",
+    "mechanism",
     "nodal",
     "load",
     "initial",
@@ -33,6 +36,7 @@ const ORDER: [&str; 46] = [
     "region",
     "units",
     "quantities",
+    "names",
     "settings",
     "catalogue",
     "synonyms",
@@ -46,6 +50,7 @@ const ORDER: [&str; 46] = [
     "problem",
     "start_state",
     "source",
+    "root",
     "sections",
     "reading",
     "memory",

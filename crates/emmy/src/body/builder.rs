@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
-use crate::input::{GroundSpring, Load, PointTerms, Region, RigidBody, Support, Tie};
+use crate::input::{GroundSpring, Joint, Load, PointTerms, Region, RigidBody, Support, Tie};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
 use crate::space::geometry::MassKind;
@@ -14,7 +14,7 @@ use crate::space::{InternalNodes, Space, Supports, Ties};
 
 use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
-use crate::unknowns::{Attachments, ConstraintSource, Constraints, Frame, NODES_OF_FRAME};
+use crate::unknowns::{Frame, Mechanism};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -37,9 +37,9 @@ pub struct BodyBuilder {
     loads: Vec<Load>,
     drag: f64,
     forces: Vec<Arc<dyn ForceSource>>,
-    constraints: Vec<Arc<dyn ConstraintSource>>,
     ties: Vec<Tie>,
     rigid: Vec<RigidBody>,
+    joints: Vec<Joint>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -51,7 +51,6 @@ impl BodyBuilder {
         let ranks = Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours);
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
         let (point_terms, ranks) = (PointTerms::default(), Arc::new(ranks));
-        let (forces, constraints) = (Vec::new(), Vec::new());
         BodyBuilder {
             mesh,
             regions,
@@ -59,10 +58,10 @@ impl BodyBuilder {
             supports,
             loads,
             drag: 0.0,
-            forces,
-            constraints,
+            forces: Vec::new(),
             ties: Vec::new(),
             rigid: Vec::new(),
+            joints: Vec::new(),
             ranks,
             rank,
         }
@@ -116,10 +115,16 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a rigid body without cells, as four nodes after those of the mesh.
-    #[doc(hidden)]
+    /// Adds a rigid body without cells. Its name becomes a group of the mesh: the node of its centre, at which supports,
+    /// masses and forces act. A further node for each of three axes follows; initial velocities of the group move all.
     pub fn rigid(mut self, body: RigidBody) -> Self {
         self.rigid.push(body);
+        self
+    }
+
+    /// Adds a joint between rigid bodies, nodes and the ground.
+    pub fn joint(mut self, joint: Joint) -> Self {
+        self.joints.push(joint);
         self
     }
 
@@ -143,27 +148,22 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds constraints of the motion.
-    #[doc(hidden)]
-    pub fn constraint(mut self, source: impl ConstraintSource + 'static) -> Self {
-        self.constraints.push(Arc::new(source));
-        self
-    }
-
     /// The body. Nodes of plane cells are fixed along z.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
-    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
+    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`], [`crate::Error::Inertia`],
+    /// [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a rigid body named as a group,
     /// [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless the
     /// drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
     /// error of one rank.
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
-        if ranks.size() > 1 && !(self.ties.is_empty() && self.rigid.is_empty()) {
-            return Err(Error::NotOnTeam { what: "a body with ties or rigid bodies".to_string() });
+        let is_mechanism = !(self.rigid.is_empty() && self.joints.is_empty());
+        if ranks.size() > 1 && (is_mechanism || !self.ties.is_empty()) {
+            return Err(Error::NotOnTeam { what: "a body with ties, rigid bodies or joints".to_string() });
         }
         let ties = Ties::new(&mut self.mesh, &self.ties)?;
         let frames = self.frames()?;
@@ -185,7 +185,7 @@ impl BodyBuilder {
         let BodyBuilder { mesh, rigid, .. } = self;
         let frame = |body: &RigidBody| {
             let frame = Frame::new(body, mesh.n_nodes() as u32)?;
-            mesh.add_nodes(frame.points());
+            mesh.add_nodes(&body.name, frame.points())?;
             Ok(frame)
         };
         let frames: Vec<Frame> = rigid.iter().map(frame).collect::<Result<_>>()?;
@@ -269,7 +269,7 @@ impl Body {
             loads,
             drag,
             forces,
-            constraints,
+            joints,
             ranks,
             ..
         } = parts;
@@ -280,7 +280,7 @@ impl Body {
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
         let mut point_masses = points::point_masses(&mesh, &nodal.masses)?;
-        frames.iter().for_each(|frame| point_masses[frame.nodes()[0] as usize] += frame.body().mass);
+        frames.iter().for_each(|frame| point_masses[frame.nodes().start as usize] += frame.body().mass);
         let spread = Spread::new(&mesh, &nodal.spread, &sizes.masses)?;
         // Of point masses and of those that are spread.
         let other_masses = |kind: MassKind| {
@@ -345,28 +345,18 @@ impl Body {
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        if ranks.size() > 1 && !constraints.is_empty() {
-            return Err(Error::NotOnTeam { what: "a body with constraints".to_string() });
-        }
-        let attachments = Attachments { mesh: &mesh, frames: &frames };
-        let of_source = |source: &Arc<dyn ConstraintSource>| source.constraints(&attachments);
-        let mut rows = constraints.iter().map(of_source).collect::<Result<Vec<_>>>()?;
-        rows.extend(frames.iter().map(Frame::constraints));
-        let rows = rows.into_iter().flatten().map(|row| row.on_leaders(|node| ties.leaders_of(node)));
-        let is_grounded = constraints.iter().any(|source| source.is_grounded());
-        let constraints = Constraints::new(rows.collect(), is_grounded);
+        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node))?;
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
-        points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&frames, &mesh))?;
+        points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&mechanism.frames, &mesh))?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         ties.fold_mass(&pattern, &mut mass);
-        frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass));
+        mechanism.frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass));
         let body = Body {
             forces: Forces { cells: Arc::new(OnceLock::new()), others },
-            constraints: Arc::new(constraints),
             release: None,
             viscous_time: 0.0,
             mass: Arc::new(mass),
@@ -374,7 +364,7 @@ impl Body {
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
-            frames: Arc::new(frames),
+            mechanism: Arc::new(mechanism),
             node_order: Arc::new(OnceLock::new()),
             has_local,
             lumped: None,
@@ -400,7 +390,12 @@ impl Body {
             let (mesh, internal) = (self.mesh(), self.space.internal());
             let nodes = (&**internal, self.space.guests(), self.space.ties());
             let held = Supports::new(mesh, nodes, (supports, springs), holds)?;
-            points::check_masses(mesh, &self.lumped_mass, &held.inactive, n_before(&self.frames, mesh))?;
+            points::check_masses(
+                mesh,
+                &self.lumped_mass,
+                &held.inactive,
+                n_before(&self.mechanism.frames, mesh),
+            )?;
             let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
             release = Some((time, Box::new(body)));
         }
@@ -410,7 +405,7 @@ impl Body {
 
 /// Number of nodes before those of some frames, which come last.
 fn n_before(frames: &[Frame], mesh: &Mesh) -> usize {
-    mesh.n_nodes() - NODES_OF_FRAME * frames.len()
+    frames.first().map_or(mesh.n_nodes(), |frame| frame.nodes().start as usize)
 }
 
 /// The forces of some sources of one kind.
@@ -431,7 +426,7 @@ fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, frames: &[Frame
         let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
         cell.nodes.iter().copied().chain(others).collect()
     };
-    let of_frames = frames.iter().map(|frame| frame.nodes().to_vec());
+    let of_frames = frames.iter().map(|frame| frame.nodes().collect());
     let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).chain(of_frames).collect();
     Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))
 }

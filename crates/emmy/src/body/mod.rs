@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 mod builder;
+mod constrained_velocity;
 pub(crate) mod entries;
 mod fields;
 pub(crate) mod forces;
@@ -19,13 +20,16 @@ mod team;
 
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
-    Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass,
-    PointTerms, Region, Rotation, SpreadMass, Support, Tie, TimeFunction, Viscosity,
+    Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind, Load,
+    LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass, Support, Tie, TimeFunction,
+    Viscosity,
 };
 pub use crate::mass::RegionSummary;
 pub use crate::space::{Reaction, TieSummary};
 pub use crate::sparse::BlockRow;
+pub use crate::unknowns::{JointState, Mobility, RigidMotion};
 pub use builder::BodyBuilder;
+pub(crate) use constrained_velocity::ConstrainedVelocity;
 pub(crate) use entries::Entries;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
 pub(crate) use forces::Assembly;

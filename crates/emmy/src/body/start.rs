@@ -1,5 +1,6 @@
 //! Start of a motion.
 
+use super::constrained_velocity::ConstrainedVelocity;
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::input::InitialVelocity;
@@ -38,12 +39,52 @@ impl Body {
     pub(crate) fn initial_motion(
         &self,
         time: f64,
+        displacement: &[f64],
         fields: &[InitialVelocity],
     ) -> Result<(Vec<f64>, Vec<f64>)> {
+        let mut velocity = self.given_velocity(time, fields)?;
+        if !self.constraints().is_empty() {
+            ConstrainedVelocity::new(self)?.project(self, time, displacement, &mut velocity)?;
+        }
+        let momentum = self.momentum_of(time, &mut velocity)?;
+        Ok((momentum, velocity))
+    }
+
+    /// Kinetic energies of an initial velocity field at a time: as it is given, and of what joints allow of it, with
+    /// which a motion begins.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let between = [JointEnd::Rigid("ball".into()), JointEnd::Ground];
+    /// let rod = Joint::new("rod", JointKind::Distance { to: [0.0; 3] }, between, [1.0, 0.0, 0.0]);
+    /// let ball = RigidBody::point("ball", 2.0, [1.0, 0.0, 0.0]);
+    /// let body = Body::builder(Mesh::without_cells()).rigid(ball).joint(rod).build()?;
+    /// let pushed = InitialVelocity { velocity: [3.0, 4.0, 0.0], ..Default::default() };
+    /// let [given, allowed] = body.initial_energies(0.0, &[pushed])?;
+    /// assert!((given - 25.0).abs() < 1e-13 && (allowed - 16.0).abs() < 1e-13);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::NotFiniteAt`], [`Error::Linear`].
+    pub fn initial_energies(&self, time: f64, fields: &[InitialVelocity]) -> Result<[f64; 2]> {
+        let mut given = self.given_velocity(time, fields)?;
+        let momentum = self.momentum_of(time, &mut given)?;
+        let displacement = vec![0.0; self.n_dofs()];
+        let (allowed_momentum, allowed) = self.initial_motion(time, &displacement, fields)?;
+        let energy = |p: &[f64], v: &[f64]| 0.5 * self.space.dot(p, v);
+        Ok([energy(&momentum, &given), energy(&allowed_momentum, &allowed)])
+    }
+
+    /// An initial velocity field at a time, as it is given; [`Body::initial_motion`] takes what joints allow of it.
+    fn given_velocity(&self, time: f64, fields: &[InitialVelocity]) -> Result<Vec<f64>> {
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {
             let nodes = match &field.group {
-                Some(name) => self.mesh().volume_nodes(name)?,
+                Some(name) => match self.nodes_of_rigid_body(name) {
+                    Some(nodes) => nodes.collect(),
+                    None => self.mesh().volume_nodes(name)?,
+                },
                 None => (0..self.mesh().n_nodes() as u32).collect(),
             };
             let mut set = nodes.into_iter().map(|node| {
@@ -56,8 +97,8 @@ impl Body {
         }
         self.space.complete("initial velocity", &mut velocity);
         self.space.set_internal_means(&mut velocity);
-        let momentum = self.momentum_of(time, &mut velocity)?;
-        Ok((momentum, velocity))
+        self.space.set_given_velocity(time, 0.0, &mut velocity)?;
+        Ok(velocity)
     }
 
     /// Momentum of a velocity whose fixed and driven components are set to their given motion at a time.

@@ -5,13 +5,13 @@ use std::sync::{Arc, OnceLock};
 
 use crate::error::{Error, Result};
 use crate::force::Forces;
-use crate::input::{Region, Viscosity};
+use crate::input::{Joint, Region, RigidBody, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
 use crate::space::{Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
-use crate::unknowns::{Constraints, Frame};
+use crate::unknowns::{Constraints, Frame, Mechanism, Mobility};
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -30,10 +30,8 @@ pub struct Body {
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
-    /// The rigid bodies without cells.
-    pub(super) frames: Arc<Vec<Frame>>,
+    pub(crate) mechanism: Arc<Mechanism>,
     pub(super) forces: Forces,
-    pub(super) constraints: Arc<Constraints>,
     /// Whether some cell, of any rank, has pressures.
     pub(super) has_local: bool,
     pub(super) pattern: Arc<Pattern>,
@@ -91,10 +89,24 @@ impl Body {
         self.space.ties().summaries()
     }
 
-    /// Nodes of a rigid body: its centre and the ends of its axes.
-    #[doc(hidden)]
-    pub fn rigid_body(&self, name: &str) -> Option<[u32; 4]> {
-        self.frames.iter().find(|frame| frame.name() == name).map(Frame::nodes)
+    /// The rigid bodies without cells.
+    pub fn rigid_bodies(&self) -> impl ExactSizeIterator<Item = &RigidBody> {
+        self.mechanism.frames.iter().map(Frame::body)
+    }
+
+    /// Nodes of a rigid body: its centre, and the ends of its axes unless it is a point mass.
+    pub fn nodes_of_rigid_body(&self, name: &str) -> Option<Range<u32>> {
+        self.mechanism.frames.iter().find(|frame| frame.name() == name).map(Frame::nodes)
+    }
+
+    /// The joints.
+    pub fn joints(&self) -> &[Joint] {
+        &self.mechanism.joints
+    }
+
+    /// How many ways the mechanism of rigid bodies and joints can move where it is drawn.
+    pub fn mobility(&self) -> Mobility {
+        self.mechanism.mobility(self.space.inactive())
     }
 
     /// The nodes that a tied node follows, with their weights.
@@ -111,7 +123,7 @@ impl Body {
 
     /// The constraints of the motion beside supports.
     pub(crate) fn constraints(&self) -> &Constraints {
-        &self.constraints
+        &self.mechanism.constraints
     }
 
     /// Checks that the body has no constraints, for a computation without multipliers.
@@ -119,7 +131,7 @@ impl Body {
     /// # Errors
     /// [`Error::Constrained`].
     pub(crate) fn check_unconstrained(&self, what: &'static str) -> Result<()> {
-        if self.constraints.is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
+        if self.constraints().is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
     }
 
     /// Number of degrees of freedom that are not given.

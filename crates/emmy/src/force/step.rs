@@ -42,6 +42,11 @@ impl<'a> StepInput<'a> {
         self.displacement_at(&self.rule.coefficients()[stage * k..(stage + 1) * k], dof)
     }
 
+    /// Displacement of a degree of freedom at the end of the step.
+    pub(crate) fn displacement_at_end(&self, dof: usize) -> f64 {
+        self.displacement_at(self.rule.weights(), dof)
+    }
+
     /// Displacement of a degree of freedom at a point with the integrals L_j of the basis.
     pub(crate) fn displacement_at(&self, integrals: &[f64], dof: usize) -> f64 {
         let rates = self.rates[dof..].iter().step_by(self.displacement.len());

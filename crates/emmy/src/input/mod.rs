@@ -5,6 +5,7 @@
 
 mod field;
 mod initial_velocity;
+mod joint;
 mod load;
 pub(crate) mod models;
 mod points;
@@ -22,6 +23,7 @@ mod viscosity;
 
 pub use field::Field;
 pub use initial_velocity::InitialVelocity;
+pub use joint::{Joint, JointEnd, JointKind};
 pub use load::{FieldDomain, Load, LoadKind};
 pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms, SpreadMass};
 pub use region::Region;

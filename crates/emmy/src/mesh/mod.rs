@@ -292,9 +292,17 @@ impl Mesh {
         Mesh { points, kinds, offsets: vec![0], connectivity, groups, whole: None }
     }
 
-    /// Adds nodes without cells, after all others.
-    pub(crate) fn add_nodes(&mut self, points: impl IntoIterator<Item = [f64; 3]>) {
+    /// Adds nodes without cells, after all others, and a group with the first of them.
+    ///
+    /// # Errors
+    /// [`Error::GroupExists`].
+    pub(crate) fn add_nodes(&mut self, group: &str, points: impl Iterator<Item = [f64; 3]>) -> Result<()> {
+        if self.groups.names().contains(&group) {
+            return Err(Error::GroupExists { group: group.to_string() });
+        }
+        self.groups.nodes.insert(group.to_string(), vec![self.points.len() as u32]);
         self.points.extend(points);
+        Ok(())
     }
 
     /// Moves a node in the reference configuration.

@@ -33,7 +33,7 @@ impl Motion<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Scheme`] for another scheme than a time element, and a body with rigid links; [`Error::Length`],
+    /// [`Error::Scheme`] for another scheme than a time element, and a body with joints; [`Error::Length`],
     /// [`Error::NoDuration`], [`Error::NotOnTeam`]; the reason of a force that refuses the rates, such as
     /// [`Error::Inverted`].
     pub fn residual(&mut self, rates: &[f64], step_size: f64) -> Result<Vec<f64>> {
@@ -79,7 +79,7 @@ impl Motion<'_> {
             return Err(self.without("residual and tangent need a time element"));
         }
         if !self.body.constraints().is_empty() {
-            return Err(self.without("rigid links have multipliers, which are not among the rates"));
+            return Err(self.without("joints have multipliers, which are not among the rates"));
         }
         self.check_step_size(step_size)?;
         let (found, expected) = (rates.len(), self.scheme.degree() * self.body.n_dofs());

@@ -8,6 +8,7 @@ mod event;
 mod failure;
 mod global_error;
 mod march;
+mod mechanism;
 mod observer;
 mod own;
 mod plan;

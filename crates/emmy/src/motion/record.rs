@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::StepLimit;
-use crate::body::Body;
+use crate::body::{Body, JointState, RigidMotion};
 use crate::force::StrainState;
 use crate::sparse::SolverChoice;
 use crate::time::{State, StepOutcome};
@@ -93,6 +93,18 @@ pub struct Record {
     pub is_unresolved: bool,
     /// Degree of the time element; 1 for other methods.
     pub degree: usize,
+    /// The joints, in the order of [`Body::joints`].
+    #[serde(default)]
+    pub joints: Vec<JointState>,
+    /// The rigid bodies, in the order of [`Body::rigid_bodies`], with velocities that the joints allow.
+    #[serde(default)]
+    pub rigid_bodies: Vec<RigidMotion>,
+    /// Largest opening of a joint or change of a rigid body's shape, over the size of the whole.
+    #[serde(default)]
+    pub constraint_residual: f64,
+    /// Largest rate of these \[length/time\]. Momenta carry it, positions do not: it does not grow.
+    #[serde(default)]
+    pub hidden_constraint: f64,
 }
 
 impl Record {

@@ -1,10 +1,11 @@
 //! A body in motion, and its single steps.
 
 use super::adaptive::{Control, degree_of};
+use super::mechanism::MechanismRecorder;
 use super::{
     Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
 };
-use crate::body::{Body, Reaction};
+use crate::body::{Body, JointState, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::number::short;
@@ -40,6 +41,7 @@ pub struct Motion<'a> {
     pub(super) statistics: RunStatistics,
     /// Reactions in the last step; empty before the first.
     pub(super) reactions: Vec<Reaction>,
+    pub(super) mechanism: Option<MechanismRecorder>,
     /// Smallest size of a cut step; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
@@ -151,8 +153,13 @@ impl<'a> Motion<'a> {
         due.fit_momentum(&state.velocity, &mut state.momentum)?;
         let stepper = stepper(&mut state)?;
         let degree = scheme.degree();
-        let record =
+        let mut record =
             Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
+        record.joints = vec![JointState::default(); body.joints().len()];
+        let mut mechanism = MechanismRecorder::new(body)?;
+        if let Some(recorder) = &mut mechanism {
+            recorder.set(body, &state, &mut record);
+        }
         let mut statistics = RunStatistics::default();
         statistics.add(body, &state, &record);
         Ok(Motion {
@@ -166,6 +173,7 @@ impl<'a> Motion<'a> {
             record,
             statistics,
             reactions: Vec::with_capacity(body.supported_groups().len()),
+            mechanism,
             smallest: None,
             subdivision: Subdivision::default(),
             control: None,
@@ -352,6 +360,7 @@ impl<'a> Motion<'a> {
         while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
             self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
             self.body = body;
+            self.mechanism = MechanismRecorder::new(body)?;
             self.releases += 1;
             self.released += 1;
             let message = format!("a support was released (until = {})", short(time));

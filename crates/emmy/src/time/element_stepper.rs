@@ -4,7 +4,7 @@ use super::equations::Equations;
 use super::implicit::ImplicitStep;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{BlockRow, Body, MassSolver, Reaction};
+use crate::body::{BlockRow, Body, JointState, MassSolver, Reaction};
 use crate::error::Result;
 use crate::force::StrainState;
 use crate::input::Span;
@@ -40,6 +40,7 @@ pub struct TimeElementStepper<'a> {
     end_velocity: Vec<f64>,
     is_loaded: bool,
     reactions: Vec<Reaction>,
+    joints: Vec<JointState>,
     /// Origin of the displacement in the stage system.
     origin: [f64; 3],
     /// Mass fractions of the nodes of a free body, `[n_nodes]`; empty otherwise.
@@ -67,6 +68,7 @@ impl<'a> TimeElementStepper<'a> {
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             is_loaded: false,
             reactions: body.space.no_reactions(),
+            joints: vec![JointState::default(); body.joints().len()],
             origin: [0.0; 3],
             mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
@@ -113,6 +115,7 @@ impl<'a> TimeElementStepper<'a> {
         // Loads contain the forces whose work is lost.
         let mut impulses = Impulses { dissipated: dissipated + lost, work: lost, ..Impulses::default() };
         equations.evaluate_outside(rates)?;
+        impulses.work += equations.set_joint_forces(unknowns, &mut self.joints);
         if !has_supports && !self.is_loaded && !equations.has_outside() {
             return Ok(impulses);
         }
@@ -348,6 +351,10 @@ impl Stepper for TimeElementStepper<'_> {
 
     fn rates(&self) -> &[f64] {
         self.step.rates()
+    }
+
+    fn joints(&self) -> &[JointState] {
+        &self.joints
     }
 
     fn reactions(&self) -> &[Reaction] {

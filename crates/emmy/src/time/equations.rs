@@ -6,13 +6,13 @@ use super::State;
 use super::scheme_force::SchemeForce;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
-use crate::body::{Assembly, Body, Reaction};
+use crate::body::{Assembly, Body, JointState, Reaction};
 use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::input::Span;
 use crate::newton::Ending;
 use crate::space::DrivenRates;
-use crate::unknowns::Blocks;
+use crate::unknowns::{Blocks, ConstraintStep, Held};
 
 /// The stage equations of a body and their memory; a step is set with [`Equations::start`].
 #[derive(Debug)]
@@ -42,6 +42,8 @@ pub(super) struct Equations<'a> {
     mass_rates: Vec<f64>,
     /// Squares of its terms, of each chunk of each stage.
     squares: Vec<[f64; 3]>,
+    /// Times and range of the constraints.
+    pub constraint_step: ConstraintStep,
     /// Forces of constraints in a stage; empty without constraints.
     constraint_force: Vec<f64>,
     /// Force on the ground through potentials in every stage; empty without such forces.
@@ -75,6 +77,7 @@ impl<'a> Equations<'a> {
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
             squares: vec![[0.0; 3]; k * n.div_ceil(CHUNK)],
+            constraint_step: ConstraintStep::new(body.constraints(), k),
             constraint_force: vec![0.0; if body.constraints().is_empty() { 0 } else { n }],
             on_ground: vec![0.0; if body.has_ground() { k * n } else { 0 }],
             coefficients,
@@ -99,7 +102,28 @@ impl<'a> Equations<'a> {
         self.scheme_force.begin(&state.momentum);
         let is_loaded = self.body.begin(rule, (span, *sampling), &state.history, &mut self.assembly)?;
         self.driven.set(&self.body.space, rule, span, &self.displacement)?;
+        if !self.body.constraints().is_empty() {
+            let body = (self.body.constraints(), self.body.space.inactive());
+            self.constraint_step.begin(body, rule, span, &self.displacement);
+        }
         Ok(is_loaded)
+    }
+
+    /// Projects multipliers on the range of the constraints.
+    pub(super) fn project(&mut self, multipliers: &mut [f64]) {
+        let n = self.body.constraints().len().max(1);
+        multipliers.chunks_exact_mut(n).for_each(|of_stage| self.constraint_step.project(of_stage));
+    }
+
+    /// Whether the constraints hold at the end of the step with some rates; if not, their range becomes that at the
+    /// end, for a repetition.
+    pub(super) fn constraints_hold(&mut self, rates: &[f64]) -> Held {
+        if self.body.constraints().is_empty() {
+            return Held::Yes;
+        }
+        let body = (self.body.constraints(), self.body.space.inactive());
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        self.constraint_step.hold(body, &step)
     }
 
     /// Inserts the rates of the degrees of freedom whose motion is given into a starting point of the iteration.
@@ -192,19 +216,18 @@ impl<'a> Equations<'a> {
         if constraints.is_empty() {
             return 0.0;
         }
-        let mut force = std::mem::take(&mut self.constraint_force);
-        let step = self.step_at(x);
-        constraints.set_residual(&step, of_constraints);
+        let Equations { constraint_step: times, constraint_force: force, .. } = self;
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        constraints.set_residual(&step, times, of_constraints);
         let n = self.body.n_dofs();
         let mut square = 0.0;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             force.fill(0.0);
-            constraints.add_force(&step, i, (1.0, multipliers), &mut force);
-            residual.iter_mut().zip(&force).for_each(|(r, f)| *r += f);
+            constraints.add_force((&step, times), i, (1.0, multipliers), force);
+            residual.iter_mut().zip(&*force).for_each(|(r, f)| *r += f);
             let free = force.iter().zip(self.body.fixed()).filter(|(_, fixed)| !**fixed);
             square += free.map(|(f, _)| f * f).sum::<f64>();
         }
-        self.constraint_force = force;
         square
     }
 
@@ -309,7 +332,8 @@ impl<'a> Equations<'a> {
         if self.body.constraints().is_grounded() {
             let [x, multipliers, _] = self.blocks.split(unknowns);
             let factor = -1.0 / (self.time_scale * self.time_scale);
-            self.body.constraints().add_force(&self.step_at(x), stage, (factor, multipliers), force);
+            let step = (&self.step_at(x), &self.constraint_step);
+            self.body.constraints().add_force(step, stage, (factor, multipliers), force);
         }
         if self.drag > 0.0 {
             let mass_rates = &self.mass_rates[stage * n..(stage + 1) * n];
@@ -330,6 +354,22 @@ impl<'a> Equations<'a> {
     ) {
         let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
+    }
+
+    /// Sets the forces of the joints in a solved step. Returns the work of the given motions.
+    pub(super) fn set_joint_forces(&self, unknowns: &[f64], joints: &mut [JointState]) -> f64 {
+        let Equations { body, constraint_step: times, .. } = self;
+        if body.constraints().is_empty() {
+            return 0.0;
+        }
+        let [x, multipliers, _] = self.blocks.split(unknowns);
+        let step = self.step_at(x);
+        joints.fill(JointState::default());
+        for stage in 0..self.coefficients.rule.degree() {
+            let mesh = body.mesh();
+            body.mechanism.add_forces((&step, times), (stage, multipliers), mesh.points(), joints);
+        }
+        body.constraints().work(&step, times, multipliers)
     }
 
     /// Stage average of the forces on the right, at the rates evaluated last; `at`: position in
@@ -445,7 +485,7 @@ fn mass_parts<'a>(
     mass.iter().zip(&coefficients.mass_low).map(|(m, low)| coefficients.parts([*m, *low]))
 }
 
-fn step_input<'a>(
+pub(super) fn step_input<'a>(
     coefficients: &'a StageCoefficients,
     s: f64,
     displacement: &'a [f64],

@@ -5,7 +5,7 @@ use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Ending, Newton, NewtonMemory, NewtonSettings, OpenEnd, Outcome, System};
-use crate::unknowns::Blocks;
+use crate::unknowns::{Blocks, Held};
 
 /// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
@@ -85,6 +85,7 @@ impl Iteration {
             Some(ratio) if self.multipliers.len() == multipliers.len() => {
                 let last = multipliers.iter_mut().zip(&self.multipliers);
                 last.for_each(|(multiplier, last)| *multiplier = ratio * ratio * last);
+                system.equations.project(multipliers);
             }
             _ => multipliers.fill(0.0),
         }
@@ -166,11 +167,34 @@ impl Iteration {
         system.equations.set_local_at_start(&mut self.unknowns[self.blocks.n_global()..])
     }
 
+    /// Solves the equations of a step, once more if more constraints are independent at its end than at its start.
+    ///
+    /// # Errors
+    /// [`Error::NoConvergence`], [`Error::ConstraintsLost`].
+    pub(super) fn solve(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+        given: Option<&[f64]>,
+    ) -> Result<Outcome> {
+        let outcome = self.solve_in_range(system, state, step_size, given)?;
+        let Held::No { .. } = system.equations.constraints_hold(self.rates()) else { return Ok(outcome) };
+        let outcome = self.solve_in_range(system, state, step_size, given)?;
+        match system.equations.constraints_hold(self.rates()) {
+            Held::Yes => Ok(outcome),
+            Held::No { residual } => {
+                let (step, time) = (state.step + 1, state.time + step_size);
+                Err(Error::ConstraintsLost { step, time, residual })
+            }
+        }
+    }
+
     /// Solves the equations of a step from the first starting point with a solution; given rates come first.
     ///
     /// # Errors
     /// [`Error::NoConvergence`].
-    pub(super) fn solve(
+    fn solve_in_range(
         &mut self,
         system: &mut StageSystem<'_>,
         state: &State,

@@ -71,7 +71,7 @@ impl State {
             body.space.set_internal_means(&mut displacement);
         }
         body.check_start(time, &displacement)?;
-        let (momentum, velocity) = body.initial_motion(time, fields)?;
+        let (momentum, velocity) = body.initial_motion(time, &displacement, fields)?;
         let displacement_low = vec![0.0; body.n_dofs()];
         Ok(State {
             time,

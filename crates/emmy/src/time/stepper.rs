@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{BlockRow, Body, Reaction};
+use crate::body::{BlockRow, Body, JointState, Reaction};
 use crate::error::{Error, Result};
 use crate::force::StrainState;
 use crate::newton::Outcome;
@@ -18,8 +18,8 @@ pub enum BodyFeature {
     Damping,
     /// Cells with incompatible modes, which have no mass.
     IncompatibleModes,
-    /// Rigid links, which need multipliers.
-    RigidLinks,
+    /// Rigid bodies and joints, which need multipliers.
+    Joints,
     /// Ties: nodes that follow others ([`Body::follow`]).
     Ties,
     /// Forces with history variables ([`State::history`]).
@@ -33,7 +33,7 @@ impl BodyFeature {
             (BodyFeature::PrescribedMotion, body.is_driven()),
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
-            (BodyFeature::RigidLinks, !body.constraints().is_empty()),
+            (BodyFeature::Joints, !body.constraints().is_empty()),
             (BodyFeature::Ties, !body.ties().is_empty()),
             (BodyFeature::ForcesWithHistory, body.n_history() > 0),
         ];
@@ -46,7 +46,7 @@ impl BodyFeature {
             BodyFeature::PrescribedMotion => "supports with a given motion",
             BodyFeature::Damping => "viscosity or drag",
             BodyFeature::IncompatibleModes => "cells with incompatible modes",
-            BodyFeature::RigidLinks => "rigid links",
+            BodyFeature::Joints => "rigid bodies or joints",
             BodyFeature::Ties => "ties",
             BodyFeature::ForcesWithHistory => "forces with a history",
         }
@@ -146,6 +146,11 @@ pub trait Stepper: fmt::Debug + Send {
     /// Reactions in the last step, in the order of [`Body::supported_groups`]. Reactions and loads,
     /// springs included, add up to [`Impulses`]. Empty if the stepper does not compute them.
     fn reactions(&self) -> &[Reaction] {
+        &[]
+    }
+
+    /// Forces of the joints in the last step, in the order of [`Body::joints`]; their coordinates mean nothing.
+    fn joints(&self) -> &[JointState] {
         &[]
     }
 

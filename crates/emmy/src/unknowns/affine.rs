@@ -5,7 +5,7 @@ use crate::nodal;
 /// An affine combination of nodes, `A = A_0 + sum_a w_a u_a`: a point if the weights sum to 1, a vector that turns with
 /// the body if they sum to 0. Without nodes it is a point or a vector of the ground.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Affine {
+pub(crate) struct Affine {
     pub nodes: Vec<u32>,
     pub weights: Vec<f64>,
     /// A_0, the value in the reference configuration.
@@ -39,13 +39,13 @@ impl Affine {
     }
 
     /// Its value at displacements of the nodes.
-    pub fn value(&self, displacement: impl Fn(usize) -> f64) -> [f64; 3] {
+    pub(crate) fn value(&self, displacement: impl Fn(usize) -> f64) -> [f64; 3] {
         let change = self.change(displacement);
         [0, 1, 2].map(|d| self.reference[d] + change[d])
     }
 
     /// Its change with some nodal vectors, by degree of freedom.
-    pub fn change(&self, vectors: impl Fn(usize) -> f64) -> [f64; 3] {
+    pub(crate) fn change(&self, vectors: impl Fn(usize) -> f64) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (&node, weight) in self.nodes.iter().zip(&self.weights) {
             (0..3).for_each(|d| sum[d] += weight * vectors(nodal::dof(node as usize, d)));

@@ -2,23 +2,13 @@
 
 use super::affine::Affine;
 use super::frame::Frame;
+use crate::input::JointEnd;
 use crate::mesh::{Mesh, distance};
 use crate::number::short_vector;
 
-/// One of the two bodies of a joint.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum JointEnd {
-    /// The ground.
-    Ground,
-    /// A node of the mesh, which has no direction.
-    Node(u32),
-    /// A rigid body, by its name.
-    Rigid(String),
-}
-
 /// The places of a body to which joints are attached.
 #[derive(Debug, Clone, Copy)]
-pub struct Attachments<'a> {
+pub(crate) struct Attachments<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) frames: &'a [Frame],
 }
@@ -34,7 +24,14 @@ impl Attachments<'_> {
     pub(crate) fn point(&self, end: &JointEnd, point: [f64; 3]) -> Result<Affine, String> {
         match end {
             JointEnd::Ground => Ok(Affine::constant(point)),
-            JointEnd::Rigid(name) => Ok(self.frame(name)?.point(point)),
+            JointEnd::Rigid(name) => {
+                let frame = self.frame(name)?;
+                let found = frame.point(point);
+                found.ok_or_else(|| {
+                    let centre = short_vector(frame.body().centre);
+                    format!("\"{name}\" is a point at {centre}; give an inertia, or place the joint there")
+                })
+            }
             JointEnd::Node(node) => {
                 let X = self.mesh.points().get(*node as usize);
                 let X = *X.ok_or_else(|| format!("node {node} does not exist"))?;
@@ -54,7 +51,12 @@ impl Attachments<'_> {
     pub(crate) fn vector(&self, end: &JointEnd, direction: [f64; 3]) -> Result<Affine, String> {
         match end {
             JointEnd::Ground => Ok(Affine::constant(direction)),
-            JointEnd::Rigid(name) => Ok(self.frame(name)?.vector(direction)),
+            JointEnd::Rigid(name) => {
+                let found = self.frame(name)?.vector(direction);
+                found.ok_or_else(|| {
+                    format!("\"{name}\" has no inertia, so it is a point and has no direction")
+                })
+            }
             JointEnd::Node(_) => Err("a node has no direction; a spherical joint takes it".to_string()),
         }
     }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::affine::Affine;
+use crate::input::TimeFunction;
 use crate::nodal;
+use crate::tensor::dot3;
 
 /// A constraint `Phi(q) = sum_r c_r A_r . B_r - s = 0` on points and vectors of the body: it is quadratic in the
 /// positions and does not change with the frame (Betsch and Steinmann, Part III, Int. J. Numer. Meth. Engng 53, 2002).
@@ -14,19 +16,97 @@ use crate::nodal;
 /// ```math
 /// C_i = G(q_i) x_i + Phi(q_1) = 0,    R_i + G(q_i)^T Lambda_i = 0,    G = dPhi/dq
 /// ```
+///
+/// With a drive, c_r and s depend on time. The constraint holds at the end whatever the quadrature integrates:
+///
+/// ```math
+/// C_i = r_i - sum_j b_j r_j + Phi(q_2, t_2) = 0,    r_i = G(q_i, t_i) x_i + h dPhi/dt(q_i, t_i)
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Constraint {
+pub(crate) struct Constraint {
     /// `(A_r, B_r, c_r)`.
     pub pairs: Vec<(Affine, Affine, f64)>,
     /// s.
     pub value: f64,
+    /// What is given over time; pairs and value are those of a time, at first those of the drawing.
+    pub drive: Option<Drive>,
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+/// A coordinate of a joint that is given over time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Drive {
+    pub law: TimeFunction,
+    pub coordinate: Coordinate,
+    /// `(dc_r/dt, ds/dt)`.
+    rates: ([f64; 2], f64),
+    /// Factor of the whole constraint.
+    scale: f64,
+}
+
+/// The coordinate of a joint, with its value in the drawing where it is not zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Coordinate {
+    /// The angle theta of `cos theta (e_1^A . e_2^B) - sin theta (e_1^A . e_1^B) = 0`, whose pairs come in the order
+    /// `(e_1^A, e_1^B)`, `(e_1^A, e_2^B)`.
+    Angle,
+    /// The slide s of `(p - r) . a = s`.
+    Slide,
+    /// The change of the distance L of `(p - r) . (p - r) / 2 = L^2 / 2`.
+    Distance(f64),
+}
+
+impl Drive {
+    pub(crate) fn new(law: TimeFunction, coordinate: Coordinate) -> Self {
+        Drive { law, coordinate, rates: ([0.0; 2], 0.0), scale: 1.0 }
+    }
 }
 
 impl Constraint {
+    /// A constraint that does not change over time.
+    pub(crate) fn new(pairs: Vec<(Affine, Affine, f64)>, value: f64) -> Self {
+        Constraint { pairs, value, drive: None }
+    }
+
+    /// The same constraint, multiplied so that its gradient has unit length in the reference configuration.
+    pub(crate) fn normalised(mut self) -> Self {
+        let scale = self.square_of_gradient().sqrt().recip();
+        self.pairs.iter_mut().for_each(|(_, _, c)| *c *= scale);
+        self.value *= scale;
+        if let Some(drive) = &mut self.drive {
+            drive.scale *= scale;
+        }
+        self
+    }
+
+    /// Sets pairs and value to those at a time, which must have a drive.
+    pub(crate) fn set_time(&mut self, time: f64) {
+        let Some(Drive { law, coordinate, rates, scale }) = &mut self.drive else { return };
+        let (given, rate) = (law.value_before(time), law.rate(time));
+        match *coordinate {
+            Coordinate::Angle => {
+                let (sin, cos) = given.sin_cos();
+                (self.pairs[0].2, self.pairs[1].2) = (-*scale * sin, *scale * cos);
+                *rates = ([-*scale * cos * rate, -*scale * sin * rate], 0.0);
+            }
+            Coordinate::Slide => {
+                self.value = *scale * given;
+                rates.1 = *scale * rate;
+            }
+            Coordinate::Distance(drawn) => {
+                let length = drawn + given;
+                self.value = 0.5 * *scale * length * length;
+                rates.1 = *scale * length * rate;
+            }
+        }
+    }
+
+    /// dPhi/dt at displacements of the nodes.
+    pub(crate) fn rate_of_time(&self, u: &dyn Fn(usize) -> f64) -> f64 {
+        let Some(Drive { rates: (of_pairs, of_value), .. }) = &self.drive else { return 0.0 };
+        let pairs = self.pairs.iter().zip(of_pairs);
+        pairs.map(|((a, b, _), rate)| rate * dot3(a.value(u), b.value(u))).sum::<f64>() - of_value
+    }
+
     /// The same constraint on the nodes that tied nodes follow.
     pub(crate) fn on_leaders<'t>(self, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]>) -> Self {
         let pairs = self.pairs.into_iter();
@@ -35,27 +115,39 @@ impl Constraint {
     }
 
     /// Nodes, some of them more than once.
-    pub fn nodes(&self) -> impl Iterator<Item = u32> {
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().flat_map(|(a, b, _)| a.nodes.iter().chain(&b.nodes)).copied()
     }
 
     /// Phi at displacements of the nodes.
-    pub fn value(&self, u: &dyn Fn(usize) -> f64) -> f64 {
-        let products = self.pairs.iter().map(|(a, b, c)| c * dot(a.value(u), b.value(u)));
+    pub(crate) fn value(&self, u: &dyn Fn(usize) -> f64) -> f64 {
+        let products = self.pairs.iter().map(|(a, b, c)| c * dot3(a.value(u), b.value(u)));
         products.sum::<f64>() - self.value
     }
 
     /// `G(q) x`.
-    pub fn rate(&self, u: &dyn Fn(usize) -> f64, x: &dyn Fn(usize) -> f64) -> f64 {
+    pub(crate) fn rate(&self, u: &dyn Fn(usize) -> f64, x: &dyn Fn(usize) -> f64) -> f64 {
         let terms = self
             .pairs
             .iter()
-            .map(|(a, b, c)| c * (dot(a.change(x), b.value(u)) + dot(a.value(u), b.change(x))));
+            .map(|(a, b, c)| c * (dot3(a.change(x), b.value(u)) + dot3(a.value(u), b.change(x))));
         terms.sum()
     }
 
+    /// dPhi over the change of the given coordinate at displacements of the nodes; 0 without a drive.
+    pub(crate) fn drive_arm(&self, u: &dyn Fn(usize) -> f64) -> f64 {
+        let Some(Drive { coordinate, scale, .. }) = &self.drive else { return 0.0 };
+        match coordinate {
+            Coordinate::Angle | Coordinate::Slide => *scale,
+            Coordinate::Distance(_) => {
+                let arm = self.pairs[0].0.value(u);
+                scale * dot3(arm, arm).sqrt()
+            }
+        }
+    }
+
     /// Calls a function with each entry of `G(q)`, some of them more than once: degree of freedom and number.
-    pub fn for_each_gradient(&self, u: &dyn Fn(usize) -> f64, visit: &mut dyn FnMut(usize, f64)) {
+    pub(crate) fn for_each_gradient(&self, u: &dyn Fn(usize) -> f64, visit: &mut dyn FnMut(usize, f64)) {
         for (a, b, c) in &self.pairs {
             for (own, other) in [(a, b.value(u)), (b, a.value(u))] {
                 for (&node, weight) in own.nodes.iter().zip(&own.weights) {
@@ -66,7 +158,7 @@ impl Constraint {
     }
 
     /// |G|^2 in the reference configuration.
-    pub fn square_of_gradient(&self) -> f64 {
+    pub(crate) fn square_of_gradient(&self) -> f64 {
         let mut gradient = BTreeMap::new();
         self.for_each_gradient(&|_| 0.0, &mut |dof, value| *gradient.entry(dof).or_insert(0.0) += value);
         gradient.into_values().map(|value: f64| value * value).sum()
@@ -74,7 +166,7 @@ impl Constraint {
 
     /// Calls a function with each entry of the second derivative, which is a number times the identity for each pair of
     /// nodes.
-    pub fn for_each_curvature(&self, visit: &mut dyn FnMut([u32; 2], f64)) {
+    pub(crate) fn for_each_curvature(&self, visit: &mut dyn FnMut([u32; 2], f64)) {
         for (a, b, c) in &self.pairs {
             for (&node, weight) in a.nodes.iter().zip(&a.weights) {
                 for (&other, other_weight) in b.nodes.iter().zip(&b.weights) {
@@ -94,7 +186,7 @@ mod tests {
     fn links() -> [Constraint; 2] {
         let link = |nodes: Vec<u32>, weights: Vec<f64>| {
             let arm = Affine { nodes, weights, reference: [0.6, 0.0, -0.8] };
-            Constraint { pairs: vec![(arm.clone(), arm, 0.5)], value: 0.5 }
+            Constraint::new(vec![(arm.clone(), arm, 0.5)], 0.5)
         };
         [link(vec![0, 1], vec![1.0, -1.0]), link(vec![1], vec![1.0])]
     }

@@ -16,25 +16,40 @@
 //!
 //! (Betsch and Steinmann, Comput. Methods Appl. Mech. Engrg. 191 (2001) 467.)
 
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
 use super::affine::Affine;
 use super::constraint::Constraint;
 use crate::error::{Error, Result};
 use crate::input::RigidBody;
 use crate::mass::RegionSummary;
+use crate::nodal;
 use crate::sparse::Pattern;
-use crate::tensor::eigen;
+use crate::tensor::{cross, eigen};
 
-/// Number of nodes of a frame.
-pub(crate) const NODES_OF_FRAME: usize = 4;
-
-/// A rigid body in a mesh.
+/// A rigid body in a mesh. A point mass has a node alone.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     body: RigidBody,
     /// Node of the centre; those of the axes follow.
     first: u32,
-    /// s, the radius of gyration, so that constraints have like sizes.
+    /// s, the radius of gyration; 0 of a point mass.
     size: f64,
+}
+
+/// Position and motion of a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct RigidMotion {
+    /// Position of the centre \[length\].
+    pub position: [f64; 3],
+    /// Velocity of the centre \[length/time\].
+    pub velocity: [f64; 3],
+    /// Angular velocity in the axes of space \[1/time\]; 0 of a point mass.
+    pub spin: [f64; 3],
+    /// Its axes, which are along x, y and z in the drawing; zeros of a point mass.
+    pub axes: [[f64; 3]; 3],
 }
 
 impl Frame {
@@ -43,23 +58,21 @@ impl Frame {
     /// # Errors
     /// [`Error::NotPositive`] for a mass; [`Error::Inertia`] for moments that no body has.
     pub(crate) fn new(body: &RigidBody, first: u32) -> Result<Self> {
-        let RigidBody { mass, inertia: J, .. } = body;
+        let RigidBody { name, mass, inertia, .. } = body;
         if !(*mass > 0.0 && mass.is_finite()) {
-            return Err(Error::NotPositive {
-                what: format!("mass of the rigid body \"{}\"", body.name),
-                value: *mass,
-            });
+            let what = format!("mass of the rigid body \"{name}\"");
+            return Err(Error::NotPositive { what, value: *mass });
         }
+        let Some(J) = inertia else { return Ok(Frame { body: body.clone(), first, size: 0.0 }) };
         let trace = J[0][0] + J[1][1] + J[2][2];
-        let frame = Frame { body: body.clone(), first, size: (0.5 * trace / mass).sqrt() };
-        let E = frame.second_moments();
+        let E = second_moments(J);
         let (moments, _) = eigen(&[E[0][0], E[1][1], E[2][2], E[0][1], E[1][2], E[0][2]]);
         let least = moments.into_iter().fold(f64::INFINITY, f64::min);
         let is_symmetric = (0..3).all(|i| (0..3).all(|j| J[i][j] == J[j][i] && J[i][j].is_finite()));
         if !(is_symmetric && least > LEAST_MOMENT * trace) {
-            return Err(Error::Inertia { body: body.name.clone(), inertia: *J });
+            return Err(Error::Inertia { body: name.clone(), inertia: *J });
         }
-        Ok(frame)
+        Ok(Frame { body: body.clone(), first, size: (0.5 * trace / mass).sqrt() })
     }
 
     /// Its name.
@@ -72,48 +85,44 @@ impl Frame {
         &self.body
     }
 
-    /// E, the second moments of its mass.
-    fn second_moments(&self) -> [[f64; 3]; 3] {
-        let J = &self.body.inertia;
-        let half = 0.5 * (J[0][0] + J[1][1] + J[2][2]);
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { half - J[i][j] } else { -J[i][j] }))
-    }
-
-    /// Numbers of its nodes.
-    pub(crate) fn nodes(&self) -> [u32; NODES_OF_FRAME] {
-        [0, 1, 2, 3].map(|own| self.first + own)
+    /// Numbers of its nodes: the centre, and the ends of three axes if it has directions.
+    pub(crate) fn nodes(&self) -> Range<u32> {
+        self.first..self.first + if self.body.inertia.is_some() { 4 } else { 1 }
     }
 
     /// Reference positions of its nodes.
-    pub(crate) fn points(&self) -> [[f64; 3]; NODES_OF_FRAME] {
-        let along = |axis: usize| {
+    pub(crate) fn points(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.nodes().map(|node| {
             let mut point = self.body.centre;
-            point[axis] += self.size;
+            if let Some(axis) = (node - self.first).checked_sub(1) {
+                point[axis as usize] += self.size;
+            }
             point
-        };
-        [self.body.centre, along(0), along(1), along(2)]
+        })
     }
 
-    /// The mass of each pair of its nodes.
-    pub(crate) fn masses(&self) -> [[f64; NODES_OF_FRAME]; NODES_OF_FRAME] {
-        let E = self.second_moments().map(|row| row.map(|entry| entry / (self.size * self.size)));
-        let mut masses = [[0.0; NODES_OF_FRAME]; NODES_OF_FRAME];
-        masses[0][0] = self.body.mass;
+    /// The mass of each pair of its nodes, `[n][n]`.
+    pub(crate) fn masses(&self) -> Vec<f64> {
+        let n = self.nodes().len();
+        let mut masses = vec![0.0; n * n];
+        masses[0] = self.body.mass;
+        let Some(J) = &self.body.inertia else { return masses };
+        let E = second_moments(J).map(|row| row.map(|entry| entry / (self.size * self.size)));
         for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            masses[0][0] += E[i][j];
-            masses[0][j + 1] -= E[i][j];
-            masses[i + 1][0] -= E[i][j];
-            masses[i + 1][j + 1] += E[i][j];
+            masses[0] += E[i][j];
+            masses[j + 1] -= E[i][j];
+            masses[(i + 1) * n] -= E[i][j];
+            masses[(i + 1) * n + j + 1] += E[i][j];
         }
         masses
     }
 
     /// Adds the inertia to the mass of each coupling; the mass of the centre is a point mass.
     pub(crate) fn add_inertia(&self, pattern: &Pattern, mass: &mut [f64]) {
-        let (nodes, masses) = (self.nodes(), self.masses());
-        for (i, j) in (0..NODES_OF_FRAME).flat_map(|i| (0..NODES_OF_FRAME).map(move |j| (i, j))) {
-            let point_mass = if i + j == 0 { self.body.mass } else { 0.0 };
-            mass[pattern.coupling(nodes[i] as usize, nodes[j] as usize)] += masses[i][j] - point_mass;
+        let pairs = self.nodes().flat_map(|a| self.nodes().map(move |b| (a, b)));
+        for (at, ((a, b), own)) in pairs.zip(self.masses()).enumerate() {
+            let point_mass = if at == 0 { self.body.mass } else { 0.0 };
+            mass[pattern.coupling(a as usize, b as usize)] += own - point_mass;
         }
     }
 
@@ -121,22 +130,48 @@ impl Frame {
     pub(crate) fn summary(&self) -> RegionSummary {
         let RigidBody { name, mass, centre, inertia } = self.body.clone();
         let point = RegionSummary::of_point(mass, centre);
-        RegionSummary { group: Some(name), inertia, ..point }
+        RegionSummary { group: Some(name), inertia: inertia.unwrap_or(point.inertia), ..point }
     }
 
-    /// A direction that turns with the body.
-    pub(crate) fn vector(&self, direction: [f64; 3]) -> Affine {
+    /// Position and motion at displacements and velocities of the nodes.
+    pub(crate) fn motion(&self, u: &dyn Fn(usize) -> f64, v: &dyn Fn(usize) -> f64) -> RigidMotion {
+        let at = |vectors: &dyn Fn(usize) -> f64, node: usize| {
+            [0, 1, 2].map(|d| vectors(nodal::dof(self.first as usize + node, d)))
+        };
+        let centre = at(u, 0);
+        let position = [0, 1, 2].map(|d| self.body.centre[d] + centre[d]);
+        let velocity = at(v, 0);
+        if self.body.inertia.is_none() {
+            return RigidMotion { position, velocity, ..RigidMotion::default() };
+        }
+        let (mut axes, mut spin) = ([[0.0; 3]; 3], [0.0; 3]);
+        for i in 0..3 {
+            let (end, rate) = (at(u, i + 1), at(v, i + 1));
+            axes[i] = [0, 1, 2].map(|d| (end[d] - centre[d]) / self.size + if d == i { 1.0 } else { 0.0 });
+            // omega = 1/2 sum_i a_i x a_i'
+            let turning = cross(axes[i], [0, 1, 2].map(|d| (rate[d] - velocity[d]) / self.size));
+            (0..3).for_each(|d| spin[d] += 0.5 * turning[d]);
+        }
+        RigidMotion { position, velocity, spin, axes }
+    }
+
+    /// A direction that turns with the body; `None` of a point mass.
+    pub(crate) fn vector(&self, direction: [f64; 3]) -> Option<Affine> {
+        self.body.inertia?;
         let c = direction.map(|d| d / self.size);
         let weights = vec![-(c[0] + c[1] + c[2]), c[0], c[1], c[2]];
-        Affine { nodes: self.nodes().to_vec(), weights, reference: direction }
+        Some(Affine { nodes: self.nodes().collect(), weights, reference: direction })
     }
 
-    /// A point of the body.
-    pub(crate) fn point(&self, point: [f64; 3]) -> Affine {
+    /// A point of the body; of a point mass `None` but for the centre.
+    pub(crate) fn point(&self, point: [f64; 3]) -> Option<Affine> {
         let arm = [0, 1, 2].map(|d| point[d] - self.body.centre[d]);
-        let mut affine = self.vector(arm);
+        let mut affine = self.vector(arm).or_else(|| {
+            let is_centre = arm.map(f64::abs) <= point.map(|x| ROUNDING * x.abs());
+            is_centre.then(|| Affine { nodes: vec![self.first], weights: vec![0.0], reference: point })
+        })?;
         affine.weights[0] += 1.0;
-        Affine { reference: point, ..affine }
+        Some(Affine { reference: point, ..affine })
     }
 
     /// The constraints that keep it rigid.
@@ -150,11 +185,20 @@ impl Frame {
         let constraint = |(i, j)| {
             let factor = if i == j { 0.5 } else { 1.0 };
             let value = if i == j { 0.5 * self.size * self.size } else { 0.0 };
-            Constraint { pairs: vec![(axis(i), axis(j), factor)], value }
+            Some(Constraint::new(vec![(axis(i)?, axis(j)?, factor)], value))
         };
-        pairs.map(constraint).collect()
+        pairs.filter_map(constraint).collect()
     }
 }
+
+/// E, the second moments of the mass of a body with an inertia.
+fn second_moments(J: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let half = 0.5 * (J[0][0] + J[1][1] + J[2][2]);
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { half - J[i][j] } else { -J[i][j] }))
+}
+
+/// Distance of a joint from a point mass, over the coordinates, that is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass.
 const LEAST_MOMENT: f64 = 1e-9;
@@ -166,7 +210,9 @@ mod tests {
     #[test]
     fn masses_have_the_kinetic_energy_of_a_rigid_body() {
         let mut body = RigidBody::new("top", 2.0, [0.3, -0.2, 1.0], [0.4, 0.5, 0.7]);
-        (body.inertia[0][1], body.inertia[1][0]) = (0.05, 0.05);
+        let mut inertia = body.inertia.unwrap();
+        (inertia[0][1], inertia[1][0]) = (0.05, 0.05);
+        body.inertia = Some(inertia);
         let frame = Frame::new(&body, 0).unwrap();
         let (spin, drift) = ([0.3, -1.1, 0.7], [0.5, 0.1, -0.4]);
         let velocity = |X: [f64; 3]| {
@@ -174,18 +220,18 @@ mod tests {
             let turned = crate::tensor::cross(spin, r);
             [0, 1, 2].map(|d| drift[d] + turned[d])
         };
-        let v = frame.points().map(velocity);
+        let v: Vec<[f64; 3]> = frame.points().map(velocity).collect();
         let masses = frame.masses();
         let mut energy = 0.0;
         for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
-            energy += 0.5 * masses[i][j] * (0..3).map(|d| v[i][d] * v[j][d]).sum::<f64>();
+            energy += 0.5 * masses[4 * i + j] * (0..3).map(|d| v[i][d] * v[j][d]).sum::<f64>();
         }
         let of_spin: f64 =
-            (0..3).map(|i| (0..3).map(|j| spin[i] * body.inertia[i][j] * spin[j]).sum::<f64>()).sum();
+            (0..3).map(|i| (0..3).map(|j| spin[i] * inertia[i][j] * spin[j]).sum::<f64>()).sum();
         let of_drift: f64 = drift.iter().map(|v| v * v).sum();
         assert!((energy - (0.5 * of_spin + of_drift)).abs() < 1e-14);
-        let points = frame.points();
-        let tip = frame.point([1.0, 2.0, -3.0]);
+        let points: Vec<[f64; 3]> = frame.points().collect();
+        let tip = frame.point([1.0, 2.0, -3.0]).unwrap();
         for d in 0..3 {
             let own: f64 = tip.weights.iter().zip(&points).map(|(w, X)| w * X[d]).sum();
             assert!((own - tip.reference[d]).abs() < 1e-14);

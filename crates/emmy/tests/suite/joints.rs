@@ -4,7 +4,6 @@
 #![allow(non_snake_case)]
 
 use crate::shared::schemes::{DGM, at};
-use emmy::internals::unknowns::{Joint, JointEnd, JointKind, RigidBody};
 use emmy::motion::{NewtonSettings, Record};
 use emmy::prelude::*;
 
@@ -15,14 +14,20 @@ fn rigid(name: &str) -> JointEnd {
 }
 
 fn joint(kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Joint {
-    Joint { name: "joint".into(), kind, between, at }
+    Joint::new("joint", kind, between, at)
 }
 
 /// A heavy rigid body that a joint at the origin joins to the ground.
 fn hung(body: RigidBody, kind: JointKind) -> Body {
     let joint = joint(kind, [rigid(&body.name), JointEnd::Ground], [0.0; 3]);
-    let builder = Body::builder(Mesh::without_cells()).rigid(body).constraint(joint);
+    let builder = Body::builder(Mesh::without_cells()).rigid(body).joint(joint);
     builder.load(Load::acceleration(GRAVITY)).build().unwrap()
+}
+
+/// Nodes of a rigid body: centre and ends of the axes.
+fn frame(body: &Body, name: &str) -> [u32; 4] {
+    let begin = body.nodes_of_rigid_body(name).unwrap().start;
+    [begin, begin + 1, begin + 2, begin + 3]
 }
 
 fn spin(angular_velocity: [f64; 3]) -> InitialVelocity {
@@ -48,7 +53,7 @@ fn a_rigid_pendulum_on_a_hinge_has_the_errors_of_the_method() {
     let centre = [0.5 * 2f64.sin(), 0.0, -0.5 * 2f64.cos()];
     let pendulum = RigidBody::new("pendulum", 3.0, centre, [0.3, 0.4, 0.2]);
     let body = hung(pendulum, JointKind::Revolute { axis: [0.0, 1.0, 0.0] });
-    let node = body.rigid_body("pendulum").unwrap()[0] as usize;
+    let node = body.nodes_of_rigid_body("pendulum").unwrap().start as usize;
     for (k, h, expected) in [(1, 0.01, 6.919_155e-4), (2, 0.02, 1.162_718e-6), (3, 0.05, 1.289_744e-7)] {
         let (state, records) = run(&body, at(DGM, k), &spin([0.0; 3]), h, 2.0);
         let error = distance(state.position(&body, node), exact);
@@ -72,7 +77,7 @@ fn a_free_top_turns_by_the_elliptic_functions() {
     ];
     let top = RigidBody::new("top", 1.0, [0.0; 3], [0.4, 0.5, 0.8]);
     let body = Body::builder(Mesh::without_cells()).rigid(top).build().unwrap();
-    let nodes = body.rigid_body("top").unwrap();
+    let nodes = frame(&body, "top");
     let flies = spin([0.1, 3.0, 0.2]);
     for (k, h, expected) in [(1, 0.01, 9.543_365e-4), (2, 0.05, 1.005_370e-5), (3, 0.1, 1.727_162e-7)] {
         let (state, records) = run(&body, at(DGM, k), &flies, h, 5.0);
@@ -92,12 +97,11 @@ fn a_free_top_turns_by_the_elliptic_functions() {
 fn a_heavy_top_nods_and_precesses() {
     let exact = [0.5095952148872175, -0.24667568140632803, 0.8242959572670331];
     let axis = [0.0, -(0.6f64.sin()), 0.6f64.cos()];
-    let mut top = RigidBody::new("top", 1.0, axis, [0.3; 3]);
-    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-        top.inertia[i][j] += 0.2 * axis[i] * axis[j];
-    }
+    let inertia =
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.2 * axis[i] * axis[j] + if i == j { 0.3 } else { 0.0 }));
+    let top = RigidBody { inertia: Some(inertia), ..RigidBody::point("top", 1.0, axis) };
     let body = hung(top, JointKind::Spherical);
-    let centre = body.rigid_body("top").unwrap()[0] as usize;
+    let centre = body.nodes_of_rigid_body("top").unwrap().start as usize;
     for (k, h, expected) in [(1, 0.0025, 8.564_459e-5), (2, 0.01, 2.152_286e-6), (3, 0.02, 1.170_326e-7)] {
         let (state, records) = run(&body, at(DGM, k), &spin(axis.map(|a| 20.0 * a)), h, 1.0);
         let error = distance(state.position(&body, centre), exact);
@@ -131,7 +135,7 @@ fn every_kind_of_joint_keeps_energy_momenta_and_itself() {
         let body = Body::builder(Mesh::without_cells())
             .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
             .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
-            .constraint(own)
+            .joint(own)
             .build()
             .unwrap();
         let start = InitialVelocity { velocity: [0.1, 0.2, -0.3], ..spin([0.7, -1.1, 0.9]) };
@@ -147,7 +151,7 @@ fn every_kind_of_joint_keeps_energy_momenta_and_itself() {
             );
         }
         // The bodies move as one at first, but turn apart if the joint lets them.
-        let frames = ["a", "b"].map(|name| body.rigid_body(name).unwrap());
+        let frames = ["a", "b"].map(|name| frame(&body, name));
         let axes = frames.map(|nodes| {
             let [centre, ends @ ..] = nodes.map(|node| state.position(&body, node as usize));
             let size =
@@ -183,10 +187,10 @@ fn a_door_swings_on_a_flying_frame_as_elsewhere() {
     ));
     for place in hinges {
         let ends = [JointEnd::Node(node(place) as u32), rigid("frame")];
-        builder = builder.constraint(joint(JointKind::Spherical, ends, place));
+        builder = builder.joint(joint(JointKind::Spherical, ends, place));
     }
     let body = builder.build().unwrap();
-    let centre = body.rigid_body("frame").unwrap()[0] as usize;
+    let centre = body.nodes_of_rigid_body("frame").unwrap().start as usize;
     let swing = InitialVelocity { group: Some("body".into()), ..spin([0.2, 0.1, 2.3]) };
     for (k, h, kinetic, strain, at_corner, at_centre) in [
         (

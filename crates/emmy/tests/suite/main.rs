@@ -21,6 +21,7 @@ mod long_flight;
 mod manufactured;
 mod materials;
 mod measured;
+mod mechanisms;
 mod modes;
 mod next_steps;
 mod order_of_accuracy;

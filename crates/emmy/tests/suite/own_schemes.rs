@@ -3,10 +3,9 @@
 
 use emmy::Error;
 use emmy::body::{
-    BlockRow, Body, Formulation, GroundSpring, InitialVelocity, Load, PointTerms, Reaction, Region, Support,
-    TimeFunction, Viscosity,
+    BlockRow, Body, Formulation, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind, Load, PointTerms,
+    Reaction, Region, Support, TimeFunction, Viscosity,
 };
-use emmy::internals::unknowns::RigidLink;
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::{BodyFeature, PointForces, Scheme, StepOutcome, Stepper, TimeElement};
@@ -201,10 +200,12 @@ fn what_a_stepper_does_not_integrate_is_refused() {
         assert!(motion(Some(feature)).is_ok());
     }
     // No stepper from outside has multipliers, whatever it claims.
-    let linked = block().region(rubber()).constraint(RigidLink::Nodes([0, 1])).build().unwrap();
-    let claims = Claims(Verlet::new(&linked), Some(BodyFeature::RigidLinks));
+    let between = [JointEnd::Node(0), JointEnd::Ground];
+    let link = Joint::new("link", JointKind::Spherical, between, [0.0; 3]);
+    let linked = block().region(rubber()).joint(link).build().unwrap();
+    let claims = Claims(Verlet::new(&linked), Some(BodyFeature::Joints));
     let error = Motion::with_stepper(&linked, claims).unwrap_err().to_string();
-    assert!(error.contains("rigid links need a time element"), "{error}");
+    assert!(error.contains("joints and rigid bodies need a time element"), "{error}");
     let held = block().region(rubber()).support(Support::fixed("y-min").until(1.0)).build().unwrap();
     let error = Motion::with_stepper(&held, Verlet::new(&held)).unwrap_err().to_string();
     assert!(error.contains("released"), "{error}");

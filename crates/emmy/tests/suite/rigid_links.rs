@@ -4,7 +4,6 @@
 
 use crate::shared::schemes::{DGM, at, dgm};
 use emmy::body::{Formulation, TimeFunction, Viscosity};
-use emmy::internals::unknowns::RigidLink;
 use emmy::material::Link;
 use emmy::mesh::MeshBuilder;
 use emmy::motion::{NewtonSettings, Solver};
@@ -15,20 +14,32 @@ const GRAVITY: f64 = 9.81;
 /// A mass of 2 on a rigid link of length 1 to the origin, 2.5 rad from the downward vertical, in the plane of x and z.
 /// Its cell is a spring so soft that its force is rounding.
 fn pendulum() -> Body {
-    hung(Support::fixed("pivot"), |mass| RigidLink::Ground(mass, [0.0; 3]))
+    hung(Support::fixed("pivot"), to_origin)
 }
 
 /// The same in a medium with a drag.
 fn pendulum_in(drag: f64) -> Body {
-    hung_in(drag, Support::fixed("pivot"), |mass| RigidLink::Ground(mass, [0.0; 3]))
+    hung_in(drag, Support::fixed("pivot"), to_origin)
+}
+
+/// A rigid link between two nodes of a mesh.
+fn link_of(mesh: &Mesh, [a, b]: [u32; 2]) -> Joint {
+    let [at, to] = [a, b].map(|node| mesh.points()[node as usize]);
+    Joint::new("link", JointKind::Distance { to }, [JointEnd::Node(a), JointEnd::Node(b)], at)
+}
+
+/// A rigid link of a node to the origin.
+fn to_origin(mesh: &Mesh, node: u32) -> Joint {
+    let between = [JointEnd::Node(node), JointEnd::Ground];
+    Joint::new("link", JointKind::Distance { to: [0.0; 3] }, between, mesh.points()[node as usize])
 }
 
 /// The same on a link of a kind, with a pivot under a support.
-fn hung(support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
+fn hung(support: Support, link: impl FnOnce(&Mesh, u32) -> Joint) -> Body {
     hung_in(0.0, support, link)
 }
 
-fn hung_in(drag: f64, support: Support, link: impl FnOnce(u32) -> RigidLink) -> Body {
+fn hung_in(drag: f64, support: Support, link: impl FnOnce(&Mesh, u32) -> Joint) -> Body {
     let mut mesh = MeshBuilder::new();
     let pivot = mesh.point([0.0; 3]);
     let mass = mesh.point([2.5f64.sin(), 0.0, -(2.5f64.cos())]);
@@ -36,7 +47,9 @@ fn hung_in(drag: f64, support: Support, link: impl FnOnce(u32) -> RigidLink) -> 
     mesh.node_group("pivot", [pivot]);
     mesh.node_group("mass", [mass]);
     let spring = Link::spring(1e-20, Some(1.0)).unwrap();
-    Body::builder(mesh.build().unwrap())
+    let mesh = mesh.build().unwrap();
+    let link = link(&mesh, mass);
+    Body::builder(mesh)
         .region(Region::links(spring, 0.0))
         .point_terms(emmy::body::PointTerms {
             masses: vec![PointMass { group: "mass".into(), mass: 2.0 }],
@@ -45,7 +58,7 @@ fn hung_in(drag: f64, support: Support, link: impl FnOnce(u32) -> RigidLink) -> 
         .support(support)
         .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
         .drag(drag)
-        .constraint(link(mass))
+        .joint(link)
         .build()
         .unwrap()
 }
@@ -91,7 +104,7 @@ fn a_link_between_two_nodes_keeps_energy_and_momenta() {
         let rubber = NeoHooke::new(100.0, 50.0).unwrap();
         Body::builder(mesh.clone()).region(Region::new(rubber, 1.0))
     };
-    let body = builder().constraint(RigidLink::Nodes(link)).build().unwrap();
+    let body = builder().joint(link_of(&mesh, link)).build().unwrap();
     let without = builder().build().unwrap();
     let flies = InitialVelocity {
         velocity: [0.3, -0.2, 0.1],
@@ -131,16 +144,19 @@ fn rigid_links_are_refused_where_they_have_no_multipliers() {
     for scheme in ["HHT(0.05)", "Bathe", "central-differences"] {
         let scheme: Scheme = scheme.parse().unwrap();
         let error = scheme.check_body(&body).unwrap_err().to_string();
-        assert!(error.contains("rigid links need a time element"), "{error}");
+        assert!(error.contains("joints and rigid bodies need a time element"), "{error}");
     }
     let error = emmy::modes::modes(&body, 1).unwrap_err().to_string();
-    assert_eq!(error, "a search for natural modes does not cover rigid links; steps of a time element do");
+    assert_eq!(
+        error,
+        "a search for natural modes does not cover rigid bodies and joints; steps of a time element do"
+    );
 }
 
 /// A link to a held node is one to the ground, and a pivot that glides with a steady velocity takes the pendulum along.
 #[test]
 fn a_link_to_a_held_node_does_not_move_it() {
-    let between = |_| RigidLink::Nodes([0, 1]);
+    let between = |mesh: &Mesh, _| link_of(mesh, [0, 1]);
     let line = |end: f64| TimeFunction::new(vec![(0.0, 0.0), (10.0, end)]).unwrap();
     let gliding = Support::driven("pivot", [5.0, 0.0, 0.0].map(|end| Some(line(end))));
     let bodies = [(hung(Support::fixed("pivot"), between), 0.0), (hung(gliding, between), 0.5)];
@@ -173,11 +189,13 @@ fn a_link_to_a_held_node_does_not_move_it() {
 /// Multipliers are in the snapshot: a motion goes on bit for bit.
 #[test]
 fn a_motion_with_a_link_is_resumed_bit_for_bit() {
-    let held = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap())
+    let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
+    let link = link_of(&mesh, [0, 7]);
+    let held = Body::builder(mesh)
         .region(Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0))
         .support(Support::fixed("x-min"))
         .load(Load::acceleration([0.0, 0.0, -GRAVITY]))
-        .constraint(RigidLink::Nodes([0, 7]))
+        .joint(link)
         .build()
         .unwrap();
     for (body, scheme) in [(pendulum(), at(DGM, 2)), (held, at(dgm(0.8), 2))] {
@@ -196,8 +214,9 @@ fn a_motion_with_a_link_is_resumed_bit_for_bit() {
 fn a_link_names_a_node_of_the_mesh() {
     let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
     let rubber = Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0);
-    let error = Body::builder(mesh).region(rubber).constraint(RigidLink::Nodes([0, 8])).build().unwrap_err();
-    assert_eq!(error.to_string(), "group \"rigid link\" names node 8, but the mesh has 8 nodes");
+    let link = Joint { between: [JointEnd::Node(0), JointEnd::Node(8)], ..link_of(&mesh, [0, 7]) };
+    let error = Body::builder(mesh).region(rubber).joint(link).build().unwrap_err();
+    assert_eq!(error.to_string(), "joint \"link\": node 8 does not exist");
 }
 
 /// A driven pendulum in a medium: `theta'' = -g sin theta - r theta'`, by the method of Runge and Kutta.
@@ -255,7 +274,7 @@ fn links_and_all_kinds_of_cells_keep_every_balance() {
     ];
     for (name, region, drag, scheme) in cases {
         let builder = Body::builder(mesh.clone()).region(region).drag(drag);
-        let body = builder.constraint(RigidLink::Nodes(link)).build().unwrap();
+        let body = builder.joint(link_of(&mesh, link)).build().unwrap();
         let flies = InitialVelocity {
             velocity: [0.3, -0.2, 0.1],
             angular_velocity: [1.0, 2.0, -3.0],
@@ -301,7 +320,7 @@ fn a_link_stays_when_supports_are_released() {
         .region(Region::new(NeoHooke::new(100.0, 50.0).unwrap(), 1.0))
         .support(Support::fixed("x-min").until(0.5))
         .load(Load::acceleration([0.0, 0.0, -1.0]))
-        .constraint(RigidLink::Nodes(link))
+        .joint(link_of(&mesh, link))
         .build()
         .unwrap();
     let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();

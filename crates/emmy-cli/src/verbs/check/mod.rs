@@ -1,5 +1,6 @@
 //! `emmy check FILE`: reports on an input. Runs nothing and writes nothing.
 
+mod mechanism;
 mod ranks;
 mod report;
 
@@ -69,8 +70,8 @@ pub fn report_on_body(problem: &Problem) -> String {
 }
 
 fn of_body(report: &mut Report, problem: &Problem) {
-    report.mesh(problem.body.mesh());
-    report.groups(problem.body.mesh());
+    report.mesh(&problem.body);
+    report.groups(&problem.body);
     report.body(problem);
 }
 

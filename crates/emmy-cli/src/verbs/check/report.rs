@@ -8,7 +8,7 @@ use emmy::body::{
     Body, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary, Support,
     TimeFunction, Viscosity,
 };
-use emmy::mesh::{Mesh, Worst, quality};
+use emmy::mesh::{Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy::time::Scheme;
 use emmy_io::input::{Problem, Start, shift_of_followers};
@@ -35,10 +35,17 @@ impl Report {
         let _ = writeln!(self.text, "{word:<11}{}", shown(text));
     }
 
-    pub(super) fn mesh(&mut self, mesh: &Mesh) {
+    pub(super) fn mesh(&mut self, body: &Body) {
+        let mesh = body.mesh();
+        if mesh.n_cells() == 0 {
+            return self.line("mesh", "none: all bodies are rigid");
+        }
         let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        let nodes = counted(mesh.n_nodes(), "node", "nodes");
+        // Those of rigid bodies come after the others.
+        let first = body.rigid_bodies().next().and_then(|own| body.nodes_of_rigid_body(&own.name));
+        let n_nodes = first.map_or(mesh.n_nodes(), |nodes| nodes.start as usize);
+        let nodes = counted(n_nodes, "node", "nodes");
         let cells = counted(mesh.n_cells(), "cell", "cells");
         self.line("mesh", &format!("{nodes}, {cells} ({})", kinds.join(", ")));
         let quality = quality(mesh);
@@ -52,9 +59,13 @@ impl Report {
         }
     }
 
-    pub(super) fn groups(&mut self, mesh: &Mesh) {
+    pub(super) fn groups(&mut self, body: &Body) {
+        let mesh = body.mesh();
         let groups = mesh.groups();
         for name in groups.names() {
+            if body.nodes_of_rigid_body(name).is_some() {
+                continue;
+            }
             let cells = groups.cells.get(name).map(|cells| counted(cells.len(), "cell", "cells"));
             let facets = groups.facets.get(name).map(|facets| counted(facets.len(), "facet", "facets"));
             // Nodes of its own, which `nodes:NAME` chooses, else those of its members.
@@ -85,24 +96,37 @@ impl Report {
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
         let n_masses = problem.nodal.masses.len() + problem.nodal.spread.len();
-        let (regions, masses) = body.regions().split_at(body.regions().len() - n_masses);
+        let n_rigid = problem.rigid.len();
+        let n_regions = body.regions().len() - n_masses - n_rigid;
+        let (regions, masses) = body.regions().split_at(n_regions);
         regions.iter().for_each(|region| self.region("region", &name(region), region));
-        for (index, masses) in masses.iter().enumerate() {
+        // Point masses come before rigid bodies, and masses that are spread behind them.
+        let (points, masses) = masses.split_at(problem.nodal.masses.len());
+        let (rigid, spread) = masses.split_at(n_rigid);
+        for (own, summary) in problem.rigid.iter().zip(rigid) {
+            self.rigid_body(["rigid", &own.name], summary, own.inertia.is_none());
+        }
+        for (index, masses) in points.iter().chain(spread).enumerate() {
             self.mass(&name(masses), masses);
             if let Some(PointMass { group, mass }) = problem.nodal.masses.get(index) {
                 self.nodal_mass(body, group, *mass, masses);
             }
         }
         if body.regions().len() > 1 {
-            self.region("body", "all regions", &RegionSummary::combined(body.regions()));
+            let whole = RegionSummary::combined(body.regions());
+            match body.mesh().n_cells() {
+                0 => self.rigid_body(["body", "all"], &whole, false),
+                _ => self.region("body", "all regions", &whole),
+            }
         }
         problem.formulations.lines.iter().for_each(|line| self.line("cells", line));
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
-            self.load(load, &resultant);
+            self.load(load, &resultant, if problem.rigid.is_empty() { "all cells" } else { "all masses" });
         }
         problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
         self.ties(body);
+        self.mechanism(problem);
         self.damping(body);
     }
 
@@ -182,10 +206,14 @@ impl Report {
     /// Disconnected parts of the mesh, if there are several.
     fn parts(&mut self, body: &Body) {
         let parts = body.mesh().parts();
-        if parts.len() == 1 {
+        if parts.len() <= 1 {
             return;
         }
-        let how = if body.ties().is_empty() { "are not connected" } else { "share no nodes and are tied" };
+        let how = match (body.ties().is_empty(), body.joints().is_empty()) {
+            (true, true) => "are not connected",
+            (true, false) => "share no nodes",
+            (false, _) => "share no nodes and are tied",
+        };
         self.line("parts", &format!("{}, which {how}", parts.len()));
         for cells in parts.iter().take(MAX_LISTED_PARTS) {
             let mut counts = BTreeMap::<u32, usize>::new();
@@ -211,6 +239,11 @@ impl Report {
         let centre = self.units.vector(region.centre, "length");
         let cells = counted(region.n_cells, "cell", "cells");
         self.line(word, &format!("{group}: {cells}, volume {volume}, mass {mass}, centre {centre}"));
+        self.inertia(region);
+    }
+
+    /// The inertia of a part of the body.
+    pub(super) fn inertia(&mut self, region: &RegionSummary) {
         let inertia = format!("[{}]", without_rounding(region.inertia).map(vector).join(", "));
         let inertia = self.units.with_unit(inertia, "mass·length²");
         self.line("", &format!("inertia about the centre {inertia}"));
@@ -259,7 +292,7 @@ impl Report {
         }
     }
 
-    fn load(&mut self, load: &Load, resultant: &LoadResultant) {
+    fn load(&mut self, load: &Load, resultant: &LoadResultant, all_masses: &str) {
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
@@ -267,10 +300,10 @@ impl Report {
             LoadKind::TractionField { group, .. } => ("traction field", group.as_str()),
             LoadKind::BodyForceField { group, .. } => ("body force", group.as_deref().unwrap_or("all cells")),
             LoadKind::AccelerationField { group, .. } => {
-                ("acceleration field", group.as_deref().unwrap_or("all cells"))
+                ("acceleration field", group.as_deref().unwrap_or(all_masses))
             }
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
-            LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
+            LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),
         };
         let force = self.units.vector(resultant.force, "force");
         let torque = self.units.vector(resultant.torque, "force·length");
@@ -421,7 +454,7 @@ impl Report {
 }
 
 /// A time function in short.
-fn summary(time_function: &TimeFunction, units: Units, dimension: &str) -> String {
+pub(super) fn summary(time_function: &TimeFunction, units: Units, dimension: &str) -> String {
     let entries = time_function.entries();
     match (time_function.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
         (Some(text), _) => text.to_string(),

@@ -4,6 +4,7 @@ mod equilibrium;
 mod files;
 mod flags;
 mod formulations;
+mod joints;
 mod keys;
 mod materials;
 mod meshes;
@@ -116,6 +117,7 @@ fn all() -> Vec<Mistake> {
         names::all(),
         meshes::all(),
         supports_and_loads::all(),
+        joints::all(),
         plans::all(),
         equilibrium::all(),
         files::all(),

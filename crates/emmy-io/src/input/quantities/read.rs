@@ -3,15 +3,12 @@
 use emmy::body::{FieldName, Place as Members};
 
 use super::{GroupValue, Measure, Probe, ProbeQuantity};
-use crate::input::description::{Described, Kind, Section, vector, word, words};
+use crate::input::description::{Described, Kind, Section, TAKEN, vector, word, words};
 use crate::input::fault::{Fault, Faults, Place};
 use crate::input::groups::NamedGroup;
 use crate::input::placed::Members as MemberKind;
 use crate::input::suggest::{did_you_mean, listed};
 use crate::input::table::{Item, Table};
-
-/// Names that would repeat columns of the whole body.
-const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
 
 const POSITION: &str = "position";
 
@@ -97,6 +94,12 @@ impl Requested {
         &self.groups
     }
 
+    /// Names of columns: what they are, the name and its place.
+    pub(in crate::input) fn names(&self) -> impl Iterator<Item = (&'static str, &str, &Place)> {
+        let probes = self.probes.iter().map(|(probe, place)| ("probe", probe.name.as_str(), place));
+        probes.chain(self.values.iter().map(|(value, place)| ("value", value.name.as_str(), place)))
+    }
+
     /// Checks that the groups of the reactions are some of those with supports.
     pub(in crate::input) fn check_reactions(&self, supported: &[String], faults: &mut Faults) {
         for (group, place) in self.reactions.iter().flatten().filter(|(group, _)| !supported.contains(group))
@@ -115,10 +118,12 @@ impl Requested {
 /// Reads the quantities in `[output]`.
 pub(in crate::input) fn read(table: &Table<'_>, faults: &mut Faults) -> Requested {
     let extremes: Vec<Item<'_>> = table.may("extremes").unwrap_or_default();
-    let groups = [("probes", MemberKind::Cells), ("values", MemberKind::Nodes)].map(|(key, members)| {
+    let groups = [("probes", MemberKind::Cells, false), ("values", MemberKind::Nodes, true)];
+    let groups = groups.map(|(key, members, or_body)| {
         let tables: Vec<Table<'_>> = table.may(key).unwrap_or_default();
         let named = tables.into_iter().filter_map(|table| table.group());
-        named.map(|(name, place)| (name, place, members)).collect::<Vec<_>>()
+        let group = |(name, place)| NamedGroup { name, place, members, or_body };
+        named.map(group).collect::<Vec<_>>()
     });
     Requested {
         groups: groups.concat(),

@@ -12,7 +12,7 @@ use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::force::StepInput;
 use crate::sparse::eliminate;
-use crate::unknowns::Derivatives;
+use crate::unknowns::{ConstraintStep, Derivatives};
 
 /// Tolerance of F, which many corrections use.
 const FLEXIBILITY_TOLERANCE: f64 = 1e-8;
@@ -61,7 +61,12 @@ impl Border {
     }
 
     /// Sets the derivatives at a step with multipliers.
-    pub(crate) fn set(&mut self, body: &Body, step: &StepInput<'_>, multipliers: &[f64]) {
+    pub(crate) fn set(
+        &mut self,
+        body: &Body,
+        step: (&StepInput<'_>, &mut ConstraintStep),
+        multipliers: &[f64],
+    ) {
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
     }
 
@@ -72,8 +77,11 @@ impl Border {
         (y, rows): (&mut [f64], &mut [f64]),
     ) {
         let n = self.entries.len();
-        for (row, table) in rows.iter_mut().zip(self.derivatives.rates.chunks_exact(n)) {
-            *row = table.iter().zip(&self.entries).map(|(entry, &at)| entry * x[at]).sum();
+        let tables = self.derivatives.rates.chunks_exact(n);
+        let tables = tables.zip(self.derivatives.rest.chunks_exact(multipliers.len()));
+        for (row, (rates, rest)) in rows.iter_mut().zip(tables) {
+            let own: f64 = rest.iter().zip(multipliers).map(|(entry, x)| entry * x).sum();
+            *row = rates.iter().zip(&self.entries).map(|(entry, &at)| entry * x[at]).sum::<f64>() + own;
         }
         let mut x_B = std::mem::take(&mut self.right);
         x_B.clear();
@@ -147,12 +155,12 @@ impl Border {
         solved
     }
 
-    /// `[1 + F Q, F G^T; J, 0]`
+    /// `[1 + F Q, F G^T; J, 1 - P]`
     fn set_matrix(&mut self, n: usize, m: usize) {
         let size = n + m;
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
-        let Derivatives { rates, multipliers, forces } = &self.derivatives;
+        let Derivatives { rates, rest, multipliers, forces } = &self.derivatives;
         for (row, flexibility) in self.flexibility.chunks_exact(n).enumerate() {
             let own = &mut self.matrix[row * size..(row + 1) * size];
             own[row] = 1.0;
@@ -164,8 +172,10 @@ impl Border {
                 multipliers.for_each(|(sum, entry)| *sum += f * entry);
             }
         }
-        for (row, rates) in rates.chunks_exact(n).enumerate() {
-            self.matrix[(n + row) * size..(n + row) * size + n].copy_from_slice(rates);
+        let rows = self.matrix[n * size..].chunks_exact_mut(size);
+        for ((row, rates), rest) in rows.zip(rates.chunks_exact(n)).zip(rest.chunks_exact(m)) {
+            row[..n].copy_from_slice(rates);
+            row[n..].copy_from_slice(rest);
         }
     }
 }

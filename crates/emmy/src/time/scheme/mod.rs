@@ -255,9 +255,9 @@ impl Scheme {
     /// [`Error::Scheme`].
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
-            (BodyFeature::RigidLinks | BodyFeature::ForcesWithHistory, Scheme::TimeElement(_))
+            (BodyFeature::Joints | BodyFeature::ForcesWithHistory, Scheme::TimeElement(_))
             | (BodyFeature::Ties, _) => return Ok(()),
-            (BodyFeature::RigidLinks, _) => "rigid links need a time element, such as DGM",
+            (BodyFeature::Joints, _) => "joints and rigid bodies need a time element, such as DGM",
             (BodyFeature::ForcesWithHistory, _) => "forces with a history need a time element, such as DGM",
             // An equilibrium has no velocity, and no damping; a stepper from outside says itself what it integrates.
             (

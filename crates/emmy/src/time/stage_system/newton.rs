@@ -3,7 +3,7 @@
 use super::StageSystem;
 use crate::error::{Error, Result};
 use crate::newton::{Ending, ROUND_OFF, Sizes, System, Tangent};
-use crate::time::equations::Equations;
+use crate::time::equations::{Equations, step_input};
 use crate::time::linear::LinearisedStages;
 
 /// Iterations of GMRES before giving up.
@@ -58,7 +58,10 @@ impl StageSystem<'_> {
     fn set_border(&mut self, unknowns: &[f64]) {
         if !self.equations.body.constraints().is_empty() {
             let [rates, multipliers, _] = self.equations.blocks.split(unknowns);
-            self.border.set(self.equations.body, &self.equations.step_at(rates), multipliers);
+            let Equations { body, constraint_step, coefficients, time_scale, displacement, .. } =
+                &mut self.equations;
+            let step = step_input(coefficients, *time_scale, displacement, rates);
+            self.border.set(body, (&step, constraint_step), multipliers);
         }
     }
 
@@ -113,7 +116,7 @@ impl StageSystem<'_> {
         if constraints.is_empty() {
             return 0.0;
         }
-        self.border.mass_of_node().powi(2) * constraints.square_of_residual(of_constraints)
+        self.border.mass_of_node().powi(2) * of_constraints.iter().map(|c| c * c).sum::<f64>()
     }
 
     /// Sets the rounding floor, once per step.

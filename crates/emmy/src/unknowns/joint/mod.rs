@@ -1,6 +1,8 @@
 //! Joints as constraints on two bodies. Each kind has its own file.
 
 mod cylindrical;
+mod distance;
+mod drive;
 mod fixed;
 mod inline;
 mod planar;
@@ -10,68 +12,44 @@ mod spherical;
 mod universal;
 
 use super::affine::Affine;
-use super::attachments::{Attachments, JointEnd};
-use super::constraint::Constraint;
-use super::source::ConstraintSource;
+use super::attachments::Attachments;
+use super::constraint::{Constraint, Coordinate, Drive};
 use crate::error::{Error, Result};
-use crate::tensor::cross;
+use crate::input::{Joint, JointKind, TimeFunction};
+use crate::tensor::{cross, dot3};
 
-/// A joint of two bodies, as they are drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    /// Its name, for messages.
-    pub name: String,
-    /// Its kind, which says how the bodies move against each other.
-    pub kind: JointKind,
-    /// The two bodies.
-    pub between: [JointEnd; 2],
-    /// A point of both \[length\].
-    pub at: [f64; 3],
+/// A joint on the nodes of a body.
+#[derive(Debug)]
+pub(crate) struct JointParts {
+    pub constraints: Vec<Constraint>,
+    /// The point of each body.
+    pub points: [Affine; 2],
+    /// The coordinate that it leaves, if it has one.
+    pub measure: Option<Measure>,
 }
 
-/// Kinds of joints.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum JointKind {
-    /// A point in common.
-    Spherical,
-    /// A point and an axis in common.
-    Revolute {
-        /// Direction of the axis.
-        axis: [f64; 3],
-    },
-    /// A point in common, and an angle between an axis of each.
-    Universal {
-        /// An axis of the first body and one of the second.
-        axes: [[f64; 3]; 2],
-    },
-    /// An axis in common, along which they slide.
-    Cylindrical {
-        /// Direction of the axis.
-        axis: [f64; 3],
-    },
-    /// An axis in common, along which they slide without turning.
-    Prismatic {
-        /// Direction of the axis.
-        axis: [f64; 3],
-    },
-    /// A point of the first body on an axis of the second.
-    Inline {
-        /// Direction of the axis.
-        axis: [f64; 3],
-    },
-    /// A plane in common.
-    Planar {
-        /// Normal of the plane.
-        axis: [f64; 3],
-    },
-    /// All in common.
-    Fixed,
+/// A coordinate of a joint as a function of the positions.
+#[derive(Debug)]
+pub(crate) enum Measure {
+    /// The angle of the first vector from the second, towards the third.
+    Angle([Affine; 3]),
+    /// The component of the offset along the axis.
+    Slide([Affine; 2]),
+    /// The length of an arm.
+    Distance(Affine),
 }
 
-impl ConstraintSource for Joint {
-    fn constraints(&self, attachments: &Attachments<'_>) -> Result<Vec<Constraint>> {
-        let ends = Ends { joint: self, attachments };
-        match self.kind {
+impl JointParts {
+    /// The parts of a joint.
+    ///
+    /// # Errors
+    /// [`Error::Joint`].
+    pub(crate) fn new(joint: &Joint, attachments: &Attachments<'_>) -> Result<Self> {
+        let ends = Ends { joint, attachments };
+        if joint.between[0] == joint.between[1] {
+            return Err(ends.fault("it is between a body and itself"));
+        }
+        let constraints = match joint.kind {
             JointKind::Spherical => spherical::constraints(&ends),
             JointKind::Revolute { axis } => revolute::constraints(&ends, ends.triad(axis)?),
             JointKind::Universal { axes } => universal::constraints(&ends, axes),
@@ -80,11 +58,16 @@ impl ConstraintSource for Joint {
             JointKind::Inline { axis } => inline::constraints(&ends, ends.triad(axis)?),
             JointKind::Planar { axis } => planar::constraints(&ends, ends.triad(axis)?),
             JointKind::Fixed => fixed::constraints(&ends),
+            JointKind::Distance { to } => distance::constraints(&ends, to),
+        }?;
+        let to = if let JointKind::Distance { to } = joint.kind { to } else { joint.at };
+        let points = [ends.point(0, joint.at)?, ends.point(1, to)?];
+        let measure = ends.measure()?;
+        let mut parts = JointParts { constraints, points, measure };
+        if let Some(law) = &joint.drive {
+            drive::add(&ends, law, &mut parts)?;
         }
-    }
-
-    fn is_grounded(&self) -> bool {
-        self.between.contains(&JointEnd::Ground)
+        Ok(parts)
     }
 }
 
@@ -111,13 +94,34 @@ impl Ends<'_> {
         Ok(self.point(0, self.joint.at)?.less(&self.point(1, self.joint.at)?))
     }
 
+    /// The coordinate that the joint leaves.
+    fn measure(&self) -> Result<Option<Measure>> {
+        Ok(match self.joint.kind {
+            JointKind::Revolute { axis } | JointKind::Cylindrical { axis } => {
+                let [_, first, second] = self.triad(axis)?;
+                Some(Measure::Angle([
+                    self.vector(0, first)?,
+                    self.vector(1, first)?,
+                    self.vector(1, second)?,
+                ]))
+            }
+            JointKind::Prismatic { axis } => {
+                Some(Measure::Slide([self.offset()?, self.vector(1, self.unit(axis)?)?]))
+            }
+            JointKind::Distance { to } => {
+                Some(Measure::Distance(self.point(0, self.joint.at)?.less(&self.point(1, to)?)))
+            }
+            _ => None,
+        })
+    }
+
     /// Points in common.
     fn meet(&self) -> Result<Vec<Constraint>> {
         let offset = self.offset()?;
         let along = |d: usize| {
             let mut axis = [0.0; 3];
             axis[d] = 1.0;
-            Constraint { pairs: vec![(offset.clone(), Affine::constant(axis), 1.0)], value: 0.0 }
+            Constraint::new(vec![(offset.clone(), Affine::constant(axis), 1.0)], 0.0)
         };
         Ok([0, 1, 2].map(along).to_vec())
     }
@@ -126,7 +130,7 @@ impl Ends<'_> {
     fn no_offset_along(&self, directions: &[[f64; 3]]) -> Result<Vec<Constraint>> {
         let offset = self.offset()?;
         let row = |&direction: &[f64; 3]| {
-            Ok(Constraint { pairs: vec![(offset.clone(), self.vector(1, direction)?, 1.0)], value: 0.0 })
+            Ok(Constraint::new(vec![(offset.clone(), self.vector(1, direction)?, 1.0)], 0.0))
         };
         directions.iter().map(row).collect()
     }
@@ -134,8 +138,7 @@ impl Ends<'_> {
     /// Directions of the first body keep their angle to others of the second.
     fn keep_angles(&self, pairs: &[([f64; 3], [f64; 3])]) -> Result<Vec<Constraint>> {
         let row = |&(own, other): &([f64; 3], [f64; 3])| {
-            let value = (0..3).map(|d| own[d] * other[d]).sum();
-            Ok(Constraint { pairs: vec![(self.vector(0, own)?, self.vector(1, other)?, 1.0)], value })
+            Ok(Constraint::new(vec![(self.vector(0, own)?, self.vector(1, other)?, 1.0)], dot3(own, other)))
         };
         pairs.iter().map(row).collect()
     }

@@ -1,0 +1,283 @@
+//! `[[rigid]]` and `[[joint]]`: mechanisms, from the input to the answers.
+
+use crate::Place;
+use crate::resume::assert_same_rows;
+
+/// A body on a hinge, released at 2 rad from the downward vertical; its centre is 0.5 from the axis.
+const PENDULUM: &str = r#"
+[[rigid]]
+name = "pendulum"
+mass = 3.0
+centre = [0.4546487134128409, 0.0, 0.2080734182735712]
+inertia = [0.3, 0.4, 0.2]
+
+[[joint]]
+revolute = { between = ["pendulum", "ground"], at = [0, 0, 0], axis = [0, 1, 0] }
+
+[[load]]
+acceleration = [0, 0, -9.81]
+
+[time]
+scheme = "DGM"
+degree = 3
+steps = [{ until = 2.0, size = 0.05 }]
+
+[output]
+directory = "out"
+every = 0
+probes = [{ name = "centre", point = [0.4546487134128409, 0.0, 0.2080734182735712] }]
+"#;
+
+fn last_place(place: &Place, directory: &str, probe: &str) -> [f64; 3] {
+    let history = place.history(directory);
+    ["x", "y", "z"].map(|axis| *history[&format!("{probe}_{axis}")].last().unwrap())
+}
+
+fn assert_near(own: [f64; 3], expected: [f64; 3], tolerance: f64) {
+    let far = (0..3).any(|i| (own[i] - expected[i]).abs() > tolerance);
+    assert!(!far, "{own:?} is not {expected:?}");
+}
+
+/// Exact solution by elliptic functions; the error of the method is 1.3e-7.
+#[test]
+fn a_pendulum_on_a_hinge() {
+    let place = Place::with(PENDULUM);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    for line in [
+        "mesh       none: all bodies are rigid\n",
+        "rigid      pendulum: mass 3, centre [0.454649, 0, 0.208073]\n",
+        "joint      joint-1: revolute, pendulum and the ground, at [0, 0, 0], axis [0, 1, 0]\n",
+        "mechanism  1 rigid body, 1 joint with 5 constraints; 1 degree of freedom\n",
+        "load       acceleration on all masses: force [0, 0, -29.43]",
+    ] {
+        assert!(check.contains(line), "{line}{check}");
+    }
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let exact = [0.4852565253255716, 0.0, -0.1205242906179201];
+    assert_near(last_place(&place, "out", "centre"), exact, 2e-7);
+    // Several joints meet in a run that is stopped and resumed as they do in one that is not.
+    place.succeed(&["run", "box.toml", "--quiet", "--until", "1.0", "--output", "parts"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "2.0"]);
+    assert_same_rows(&place, "out", "parts");
+    let failed = place.emmy(&["resume", "parts", "--until", "3", "--set", "rigid.0.mass=4"]);
+    assert!(failed.code == 2 && failed.stderr.contains("`rigid.0.mass` is 4, but 3.0"), "{}", failed.stderr);
+}
+
+/// A crank that is turned, a rod, and a slider on the x axis.
+const SLIDER_CRANK: &str = r#"
+[[rigid]]
+name = "crank"
+mass = 1.0
+centre = [0.5, 0.0, 0.0]
+inertia = [0.01, 0.1, 0.1]
+
+[[rigid]]
+name = "rod"
+mass = 2.0
+centre = [3.0, 0.0, 0.0]
+inertia = [0.02, 3.0, 3.0]
+
+[[rigid]]
+name = "slider"
+mass = 1.0
+centre = [5.0, 0.0, 0.0]
+inertia = [0.1, 0.1, 0.1]
+
+[[joint]]
+name = "motor"
+revolute = { between = ["crank", "ground"], at = [0, 0, 0], axis = [0, 0, 1] }
+angle = "2*t^2"
+
+[[joint]]
+revolute = { between = ["rod", "crank"], at = [1, 0, 0], axis = [0, 0, 1] }
+
+[[joint]]
+revolute = { between = ["rod", "slider"], at = [5, 0, 0], axis = [0, 0, 1] }
+
+[[joint]]
+prismatic = { between = ["slider", "ground"], at = [5, 0, 0], axis = [1, 0, 0] }
+
+[time]
+scheme = "DGM"
+degree = 2
+steps = [{ until = 1.0, size = 0.05 }]
+
+[output]
+directory = "out"
+probes = [{ name = "slider-centre", point = [5, 0, 0] }]
+"#;
+
+/// The place of the slider is that of geometry, at the ends of steps to round-off.
+#[test]
+fn a_driven_slider_crank_is_where_geometry_says() {
+    let place = Place::with(SLIDER_CRANK);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    for line in [
+        "joint      motor: revolute, crank and the ground, at [0, 0, 0], axis [0, 0, 1]\n           angle: 2*t^2\n",
+        "mechanism  3 rigid bodies, 4 joints with 21 constraints; 0 degrees of freedom\n",
+        "3 of 21 constraints follow from the others: the motion is unique, their single forces are not\n",
+        "they are constraints of the joint joint-4\n",
+        "body       all: mass 4, centre [2.875, 0, 0]\n",
+    ] {
+        assert!(check.contains(line), "{line}{check}");
+    }
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    for (time, x) in history["time"].iter().zip(&history["slider-centre_x"]) {
+        let angle = 2.0 * time * time;
+        let exact = angle.cos() + (16.0 - angle.sin().powi(2)).sqrt();
+        assert!((x - exact).abs() < 1e-10, "t = {time}: {x} is not {exact}");
+    }
+    // All energy comes from the drive.
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-10, "{energy} {work}");
+    }
+}
+
+/// A mass on a winch: the length of the rope is given, and the same by a table.
+#[test]
+fn a_link_whose_length_is_given() {
+    let input = r#"
+rigid = [{ name = "hook", mass = 1.0, centre = [0, 0, -1] }]
+load = [{ group = "hook", force = [0, 0, -9.81] }]
+joint = [{ distance = { between = ["hook", "ground"], points = [[0, 0, -1], [0, 0, 0]], length = "1 + t^2/2" } }]
+time = { scheme = "DGM", degree = 1, steps = [{ until = 1.0, size = 0.1 }] }
+output = { directory = "out", every = 0, probes = [{ name = "end", point = [0, 0, -1] }] }
+"#;
+    let place = Place::with(input);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    for line in [
+        "rigid      hook: point mass 1, centre [0, 0, -1]\n",
+        "joint      joint-1: distance, hook and the ground, from [0, 0, -1] to [0, 0, 0], length 1\n",
+        "           change of the distance: 1 + t^2/2 - 1.0\n",
+        "load       total force on hook: force [0, 0, -9.81]",
+    ] {
+        let line = line.replace("total force", "force");
+        assert!(check.contains(&line), "{line}{check}");
+    }
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert_near(last_place(&place, "out", "end"), [0.0, 0.0, -1.5], 1e-12);
+    let table = input.replace("\"1 + t^2/2\"", "[[0, 1], [1, 1.5]]");
+    place.write("table.toml", &table.replace("\"out\"", "\"table\""));
+    place.succeed(&["run", "table.toml", "--quiet"]);
+    assert_near(last_place(&place, "table", "end"), [0.0, 0.0, -1.5], 1e-12);
+}
+
+/// An elastic door on a free frame, by two corners of its edge: numbers of an independent implementation.
+const DOOR: &str = r#"
+[mesh]
+box = { size = [3, 0.5, 2], cells = [3, 1, 2] }
+
+[[region]]
+density = 1.0
+material.neo-hooke = { lambda = 4000.0, mu = 2000.0 }
+
+[[rigid]]
+name = "frame"
+mass = 5.0
+centre = [-0.5, 0.0, 1.0]
+inertia = [2.0, 2.5, 1.0]
+
+[[joint]]
+spherical = { between = ["body", "frame"], at = [0, 0, 0] }
+
+[[joint]]
+spherical = { between = ["x-min", "frame"], at = [0, 0, 2] }
+
+[[initial]]
+angular_velocity = [0.2, 0.1, 0.3]
+
+[[initial]]
+group = "body"
+angular_velocity = [0.2, 0.1, 2.3]
+
+[time]
+scheme = "DGM"
+degree = 2
+steps = [{ until = 2.0, size = 0.05 }]
+
+[output]
+directory = "out"
+every = 20
+probes = [{ name = "corner", point = [3, 0, 0] }, { name = "middle", point = [-0.5, 0, 1] }]
+"#;
+
+#[test]
+fn an_elastic_door_swings_on_a_flying_frame_as_elsewhere() {
+    let place = Place::with(DOOR);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    for line in [
+        "mesh       24 nodes, 6 cells (6 hex8)\n",
+        "region     all cells: 6 cells, volume 3, mass 3, ",
+        "body       all regions: 6 cells, volume 3, mass 8, ",
+        "joint      joint-1: spherical, node 0 at [0, 0, 0] and frame, at [0, 0, 0]\n",
+        "mechanism  1 rigid body, 2 joints with 6 constraints; elastic parts are joined\n",
+    ] {
+        assert!(check.contains(line), "{line}{check}");
+    }
+    assert!(!check.contains("group      frame"), "{check}");
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    for (name, expected) in [("kinetic_energy", 22.676734905857177), ("strain_energy", 0.10951509414249672)] {
+        let own = *history[name].last().unwrap();
+        assert!((own - expected).abs() < 1e-8, "{name}: {own} is not {expected}");
+    }
+    let corner = [-2.2054562791101127, 0.5005178502045893, 0.46761605011585133];
+    assert_near(last_place(&place, "out", "corner"), corner, 1e-8);
+    let middle = [0.5966190919652725, 2.447056135250055, 0.7917096507575111];
+    assert_near(last_place(&place, "out", "middle"), middle, 1e-8);
+    assert!(place.read("out/report.html").contains("displacement"));
+}
+
+/// A hub that a support holds at its centre turns there, and its axes carry a load.
+#[test]
+fn a_support_holds_the_centre_of_a_rigid_body() {
+    let input = r#"
+rigid = [{ name = "hub", mass = 2.0, centre = [1, 0, 0], inertia = [0.1, 0.2, 0.25] }]
+support = [{ group = "hub", fix = ["x", "y", "z"] }]
+initial = [{ group = "hub", angular_velocity = [0, 0, 3], about = [1, 0, 0] }]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 1.0, size = 0.05 }] }
+output = { directory = "out", every = 0, probes = [{ name = "place", point = [1, 0, 0] }] }
+"#;
+    let place = Place::with(input);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("support    hub: x, y, z fixed, 3 degrees of freedom\n"), "{check}");
+    assert!(check.contains("1 rigid body, 0 joints with 0 constraints; 3 degrees of freedom\n"), "{check}");
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert_near(last_place(&place, "out", "place"), [1.0, 0.0, 0.0], 1e-15);
+    let history = place.history("out");
+    history["kinetic_energy"].iter().for_each(|energy| assert!((energy - 1.125).abs() < 1e-12, "{energy}"));
+}
+
+#[test]
+fn units_stand_behind_moments_of_inertia_and_places() {
+    let place = Place::with(&format!("units.system = \"m-kg-s\"\n{PENDULUM}"));
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    for part in [
+        "pendulum: mass 3 kg, centre [0.454649, 0, 0.208073] m\n",
+        "inertia about the centre [[0.3, 0, 0], [0, 0.4, 0], [0, 0, 0.2]] kg·m²\n",
+        "revolute, pendulum and the ground, at [0, 0, 0] m, axis [0, 1, 0]\n",
+    ] {
+        assert!(check.contains(part), "{part}{check}");
+    }
+}
+
+#[test]
+fn what_has_no_joints_yet_says_so() {
+    let place = Place::with(DOOR);
+    let equilibrium = DOOR.split("[[initial]]").next().unwrap();
+    let held = "[[support]]\ngroup = \"x-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\n";
+    place.write("static.toml", &format!("{equilibrium}{held}\n[output]\ndirectory = \"static\"\n"));
+    for (arguments, words) in [
+        (
+            &["split", "box.toml", "--parts", "2"][..],
+            "several ranks do not compute a body with rigid bodies or joints",
+        ),
+        (&["modes", "box.toml"], "does not cover rigid bodies and joints"),
+        (&["run", "static.toml"], "rigid bodies and joints"),
+    ] {
+        let failed = place.emmy(arguments);
+        assert_ne!(failed.code, 0, "{arguments:?}");
+        assert!(failed.stderr.contains(words), "{arguments:?}: {}", failed.stderr);
+    }
+}

@@ -1,0 +1,196 @@
+//! Rigid bodies and joints together: their names, and the bodies that joints are between.
+
+use emmy::body::{Joint, JointEnd, Load, LoadKind, RigidBody};
+use emmy::internals::number::short_vector;
+use emmy::mesh::Mesh;
+use emmy::time::Scheme;
+
+use super::fault::{Fault, Faults, Place};
+use super::joint::{self, PlacedJoint};
+use super::rigid::{self, GROUND, PlacedRigid};
+use super::suggest::{did_you_mean, listed};
+use super::time::Time;
+use crate::message::counted;
+
+/// The rigid bodies and joints of an input.
+#[derive(Debug, Default)]
+pub(super) struct Mechanism {
+    pub(super) rigid: Vec<PlacedRigid>,
+    pub(super) joints: Vec<PlacedJoint>,
+}
+
+/// A name: what has it, the name and its place.
+type Named<'a> = (&'static str, &'a str, &'a Place);
+
+impl Mechanism {
+    /// Names of the rigid bodies.
+    pub(super) fn bodies(&self) -> Vec<&str> {
+        self.rigid.iter().map(|own| own.body.name.as_str()).collect()
+    }
+
+    /// Places of the rigid bodies.
+    pub(super) fn places(&self) -> impl Iterator<Item = &Place> {
+        self.rigid.iter().map(|own| &own.place)
+    }
+
+    /// Whether a joint moves bodies.
+    pub(super) fn is_driven(&self) -> bool {
+        self.joints.iter().any(|joint| joint.drive.is_some())
+    }
+
+    /// Checks that no name of a rigid body or joint is given twice; `others` are names of other columns.
+    pub(super) fn check_names<'a>(&'a self, others: impl Iterator<Item = Named<'a>>, faults: &mut Faults) {
+        let bodies = self.rigid.iter().map(|own| ("rigid body", own.body.name.as_str(), &own.name));
+        let joints = self.joints.iter().map(|own| ("joint", own.name.as_str(), &own.name_place));
+        let own: Vec<Named<'_>> = bodies.chain(joints).collect();
+        let with_earlier = own.iter().enumerate().map(|(i, named)| (*named, &own[..i]));
+        for ((what, name, place), earlier) in with_earlier.chain(others.map(|other| (other, &own[..]))) {
+            let Some((first, _, before)) = earlier.iter().find(|(_, other, _)| *other == name) else {
+                continue;
+            };
+            let message = match (*first, what) {
+                ("rigid body", "rigid body") => format!("two rigid bodies are named `{name}`"),
+                ("joint", "joint") => format!("two joints are named `{name}`"),
+                _ => format!("a {first} and a {what} are named `{name}`"),
+            };
+            faults.push(Fault::at(place, message, "second").label(before, "first"));
+        }
+    }
+
+    /// Checks that the scheme has multipliers; a static analysis has its own fault.
+    pub(super) fn check_scheme(&self, time: &Time) -> Result<(), Fault> {
+        if time.scheme.is_time_element() || time.scheme == Scheme::Static {
+            return Ok(());
+        }
+        let Some((place, label)) = self.first() else { return Ok(()) };
+        let message = format!("the scheme {} has no joints, which need a time element", time.scheme.name());
+        Err(Fault::at(place, message, label).help("such as scheme = \"DGM\"; ties work with every scheme"))
+    }
+
+    /// The first table, and what it is.
+    fn first(&self) -> Option<(&Place, &'static str)> {
+        let joint = self.joints.first().map(|joint| (&joint.place, "this joint"));
+        joint.or_else(|| self.rigid.first().map(|own| (&own.place, "this rigid body")))
+    }
+
+    /// Checks that one process computes the body.
+    pub(super) fn check_alone(&self) -> Result<(), Fault> {
+        match self.first() {
+            Some((place, label)) => {
+                let message = "several ranks do not compute a body with rigid bodies or joints";
+                Err(Fault::at(place, message, label).help("take threads: `--threads`"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks names against the groups of the mesh, and the bodies of all joints.
+    pub(super) fn check(&self, mesh: &Mesh, faults: &mut Faults) {
+        for own in &self.rigid {
+            let name = &own.body.name;
+            if !mesh.groups().kinds(name).is_empty() {
+                let message = format!("the mesh has a group `{name}`, too; give the rigid body another name");
+                faults.push(Fault::at(&own.name, message, "taken"));
+            }
+        }
+        for joint in &self.joints {
+            faults.keep(self.ends(joint, mesh));
+        }
+    }
+
+    /// The joints, in a mesh that was checked.
+    pub(super) fn joints(&self, mesh: &Mesh) -> Result<Vec<Joint>, Fault> {
+        self.joints.iter().map(|joint| Ok(joint.of(self.ends(joint, mesh)?))).collect()
+    }
+
+    /// The rigid bodies.
+    pub(super) fn rigid_bodies(&self) -> Vec<RigidBody> {
+        self.rigid.iter().map(|own| own.body.clone()).collect()
+    }
+
+    /// The bodies of a joint.
+    fn ends(&self, joint: &PlacedJoint, mesh: &Mesh) -> Result<[JointEnd; 2], Fault> {
+        let ends = [self.end(joint, 0, mesh)?, self.end(joint, 1, mesh)?];
+        if ends[0] != ends[1] {
+            return Ok(ends);
+        }
+        let [(name, first), (_, second)] = &joint.between;
+        let message = format!("joint `{}` is between `{name}` and itself", joint.name);
+        Err(Fault::at(second, message, "again").label(first, "one body"))
+    }
+
+    fn end(&self, joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<JointEnd, Fault> {
+        let (name, place) = &joint.between[end];
+        if name == GROUND {
+            return Ok(JointEnd::Ground);
+        }
+        let own = self.rigid.iter().find(|own| own.body.name == *name);
+        let needs_direction = joint.needs_direction(end);
+        let without = |what: &str| {
+            let kind = joint::with_article(joint.kind);
+            let message = format!("`{name}` is {what} and has no direction, which {kind} joint needs");
+            Fault::at(place, message, "without a direction")
+        };
+        match own {
+            Some(own) if needs_direction && own.body.inertia.is_none() => {
+                let help =
+                    "give it an `inertia`; spherical and distance joints take points, inline ones first";
+                Err(without("a point mass").help(help))
+            }
+            Some(_) => Ok(JointEnd::Rigid(name.clone())),
+            None if mesh.groups().kinds(name).is_empty() => Err(self.unknown(name, place, mesh)),
+            None if needs_direction => {
+                let help = "spherical and distance joints take nodes, inline ones first; two spherical joints hinge an edge";
+                Err(without("a group of an elastic body").help(help))
+            }
+            None => node(joint, end, mesh).map(JointEnd::Node),
+        }
+    }
+
+    fn unknown(&self, name: &str, place: &Place, mesh: &Mesh) -> Fault {
+        let bodies = self.bodies();
+        let groups = mesh.groups().names();
+        let groups = groups.iter().copied().filter(|group| !bodies.contains(group));
+        let known = || bodies.iter().copied().chain([GROUND]).chain(groups.clone());
+        let label = did_you_mean(name, known()).unwrap_or("not there".into());
+        let message = format!("`between`: there is no rigid body and no group `{name}`");
+        Fault::at(place, message, label).help(format!("there is {}", listed(known())))
+    }
+
+    /// The fault of a body with an impossible rigid body or joint.
+    pub(super) fn fault(&self, error: &emmy::Error) -> Option<Fault> {
+        rigid::fault(error, &self.rigid).or_else(|| joint::fault(error, &self.joints))
+    }
+}
+
+/// Distance of a node from the place of a joint, over the size of the mesh, that is rounding.
+const SAME_PLACE: f64 = 1e-9;
+
+/// The node of a group at the place of a joint.
+fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
+    let (name, place) = &joint.between[end];
+    let point = joint.point(end);
+    let distance = |node: u32| {
+        let at = mesh.points()[node as usize];
+        (0..3).map(|i| (at[i] - point[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    let nodes = mesh.group_nodes(name).map_err(|error| Fault::at(place, error.to_string(), "empty"))?;
+    let nearest = nodes.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    match nearest {
+        Some(node) if distance(node) <= SAME_PLACE * mesh.diagonal() => return Ok(node),
+        Some(node) => {
+            let (kind, key) = (joint::with_article(joint.kind), joint.key_of_points());
+            let (of, at) = (counted(nodes.len(), "node", "nodes"), short_vector(point));
+            let message =
+                format!("`{name}` has {of}, none at {at}; {kind} joint takes one: give its place in `{key}`");
+            let help = format!("the nearest lies at {}", short_vector(mesh.points()[node as usize]));
+            Err(Fault::at(place, message, "no node there").help(help))
+        }
+        None => Err(Fault::at(place, format!("group `{name}` is empty"), "empty")),
+    }
+}
+
+/// Whether a load acts on rigid bodies by their names.
+pub(super) fn is_for_bodies(load: &Load) -> bool {
+    matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. })
+}

@@ -1,0 +1,132 @@
+//! Velocities that constraints allow.
+
+use super::mass::MassSolver;
+use super::system::Body;
+use crate::error::{Error, Result};
+use crate::sparse::eliminate;
+use crate::unknowns::ConstraintStep;
+
+/// Velocities that the constraints of a body allow, `G v + dPhi/dt = 0`, nearest to others by the kinetic energy.
+///
+/// ```math
+/// v - M^-1 G^T nu,    (G M^-1 G^T) nu = G v + dPhi/dt
+/// ```
+#[derive(Debug)]
+pub(crate) struct ConstrainedVelocity {
+    solver: MassSolver,
+    /// M^-1 at the degrees of freedom of the joint nodes, `[n][n]`.
+    inverse_mass: Vec<f64>,
+    dofs: Vec<usize>,
+    times: ConstraintStep,
+    gradients: Vec<f64>,
+    /// Memory of the body's size.
+    momentum: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl ConstrainedVelocity {
+    /// The velocities of a body with constraints.
+    ///
+    /// # Errors
+    /// As [`MassSolver::new`].
+    pub(crate) fn new(body: &Body) -> Result<Self> {
+        let constraints = body.constraints();
+        let dofs: Vec<usize> = constraints.dofs().collect();
+        let mut own = ConstrainedVelocity {
+            solver: MassSolver::new(body)?,
+            inverse_mass: vec![0.0; dofs.len() * dofs.len()],
+            times: ConstraintStep::new(constraints, 0),
+            gradients: vec![0.0; constraints.len() * dofs.len()],
+            dofs,
+            momentum: vec![0.0; body.n_dofs()],
+            change: vec![0.0; body.n_dofs()],
+        };
+        let n = own.dofs.len();
+        for (column, &dof) in own.dofs.iter().enumerate() {
+            if body.space.inactive()[dof] {
+                continue;
+            }
+            own.momentum[dof] = 1.0;
+            own.solver.velocity(body, &own.momentum, &mut own.change)?;
+            own.momentum[dof] = 0.0;
+            own.dofs
+                .iter()
+                .enumerate()
+                .for_each(|(row, &at)| own.inverse_mass[row * n + column] = own.change[at]);
+        }
+        Ok(own)
+    }
+
+    /// Takes from a velocity at a time what the constraints do not allow. Returns the largest `|G v + dPhi/dt|` before.
+    ///
+    /// # Errors
+    /// [`Error::Linear`] if the constraints contradict each other.
+    pub(crate) fn project(&mut self, body: &Body, time: f64, u: &[f64], v: &mut [f64]) -> Result<f64> {
+        let (largest, impulses) = self.impulses(body, time, u, v)?;
+        self.momentum.fill(0.0);
+        self.dofs.iter().zip(&impulses).for_each(|(&dof, impulse)| self.momentum[dof] = *impulse);
+        self.solver.velocity(body, &self.momentum, &mut self.change)?;
+        v.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
+        Ok(largest)
+    }
+
+    /// The same for the joint nodes alone.
+    ///
+    /// # Errors
+    /// As [`ConstrainedVelocity::project`].
+    pub(crate) fn project_joints(&mut self, body: &Body, time: f64, u: &[f64], v: &mut [f64]) -> Result<f64> {
+        let (largest, impulses) = self.impulses(body, time, u, v)?;
+        for (&dof, row) in self.dofs.iter().zip(self.inverse_mass.chunks_exact(impulses.len())) {
+            v[dof] -= row.iter().zip(&impulses).map(|(f, impulse)| f * impulse).sum::<f64>();
+        }
+        Ok(largest)
+    }
+
+    /// The largest residual of a constraint at the time of the last projection, over the size of the body.
+    pub(crate) fn opening(&self, body: &Body, u: &[f64]) -> f64 {
+        let constraints = body.constraints();
+        let value = |c: usize| self.times.row(constraints, 0, c).value(&|dof| u[dof]).abs();
+        (0..constraints.len()).map(value).fold(0.0, f64::max) / constraints.size()
+    }
+
+    /// The largest `|G v + dPhi/dt|`, and `G^T nu` of the joint nodes.
+    fn impulses(&mut self, body: &Body, time: f64, u: &[f64], v: &[f64]) -> Result<(f64, Vec<f64>)> {
+        let constraints = body.constraints();
+        let (m, n) = (constraints.len(), self.dofs.len());
+        self.times.set_time((constraints, body.space.inactive()), time, &|dof| u[dof]);
+        constraints.set_gradients((&self.times, 0), &|dof| u[dof], &mut self.gradients);
+        let rate = |c: usize| {
+            let row = self.times.row(constraints, 0, c);
+            row.rate(&|dof| u[dof], &|dof| v[dof]) + row.rate_of_time(&|dof| u[dof])
+        };
+        let mut nu: Vec<f64> = (0..m).map(rate).collect();
+        let largest = nu.iter().fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
+        self.times.project(&mut nu);
+        let mut products = vec![0.0; m * n];
+        for (product, gradient) in products.chunks_exact_mut(n).zip(self.gradients.chunks_exact(n)) {
+            for (g, row) in gradient.iter().zip(self.inverse_mass.chunks_exact(n)).filter(|(g, _)| **g != 0.0)
+            {
+                product.iter_mut().zip(row).for_each(|(sum, f)| *sum += g * f);
+            }
+        }
+        let entry = |(a, b): (usize, usize)| -> f64 {
+            let pairs = products[a * n..(a + 1) * n].iter().zip(&self.gradients[b * n..(b + 1) * n]);
+            pairs.map(|(p, g)| p * g).sum()
+        };
+        let mut matrix: Vec<f64> = (0..m * m).map(|at| entry((at / m, at % m))).collect();
+        self.times.project_columns(&mut matrix, m);
+        let range = self.times.range();
+        if range.is_redundant() {
+            (0..m * m).for_each(|at| matrix[at] += range.complement(at / m, at % m));
+        }
+        if !eliminate(&mut matrix, &mut nu, 1) {
+            let reason = "no velocity obeys all constraints at the start".to_string();
+            return Err(Error::Linear { reason });
+        }
+        let mut impulses = vec![0.0; n];
+        for (nu, gradient) in nu.iter().zip(self.gradients.chunks_exact(n)) {
+            impulses.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += nu * g);
+        }
+        Ok((largest, impulses))
+    }
+}

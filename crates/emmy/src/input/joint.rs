@@ -1,0 +1,120 @@
+//! Joints between rigid bodies, nodes and the ground.
+
+use super::time_function::TimeFunction;
+
+/// A joint of two bodies, as they are drawn.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let between = [JointEnd::Rigid("door".into()), JointEnd::Ground];
+/// let hinge = Joint::new("hinge", JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, between, [0.0; 3]);
+/// assert_eq!(hinge.kind.word(), "revolute");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Its name.
+    pub name: String,
+    /// Its kind, which says how the bodies move against each other.
+    pub kind: JointKind,
+    /// The two bodies.
+    pub between: [JointEnd; 2],
+    /// A point of both; of the first body, if the kind has two points \[length\].
+    pub at: [f64; 3],
+    /// Given motion: the angle of the first body about the axis of the second \[rad\], its slide along the axis
+    /// \[length\], or the change of the distance \[length\]. Without jumps, and zero at the start.
+    pub drive: Option<TimeFunction>,
+}
+
+/// One of the two bodies of a joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum JointEnd {
+    /// The ground.
+    Ground,
+    /// A node of the mesh, which has no direction.
+    Node(u32),
+    /// A rigid body, by its name.
+    Rigid(String),
+}
+
+/// Kinds of joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointKind {
+    /// A point in common.
+    Spherical,
+    /// A point and an axis in common.
+    Revolute {
+        /// Direction of the axis.
+        axis: [f64; 3],
+    },
+    /// A point in common, and an angle between an axis of each.
+    Universal {
+        /// An axis of the first body and one of the second.
+        axes: [[f64; 3]; 2],
+    },
+    /// An axis in common, along which they slide.
+    Cylindrical {
+        /// Direction of the axis.
+        axis: [f64; 3],
+    },
+    /// An axis in common, along which they slide without turning.
+    Prismatic {
+        /// Direction of the axis.
+        axis: [f64; 3],
+    },
+    /// A point of the first body on an axis of the second.
+    Inline {
+        /// Direction of the axis.
+        axis: [f64; 3],
+    },
+    /// A plane in common.
+    Planar {
+        /// Normal of the plane.
+        axis: [f64; 3],
+    },
+    /// All in common.
+    Fixed,
+    /// The distance between a point of each: a rigid link without mass.
+    Distance {
+        /// The point of the second body \[length\].
+        to: [f64; 3],
+    },
+}
+
+impl Joint {
+    /// A joint without a drive.
+    pub fn new(name: impl Into<String>, kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Self {
+        Joint { name: name.into(), kind, between, at, drive: None }
+    }
+
+    /// The same joint with a given motion.
+    pub fn driven(self, drive: TimeFunction) -> Self {
+        Joint { drive: Some(drive), ..self }
+    }
+}
+
+impl JointKind {
+    /// Its name.
+    pub fn word(self) -> &'static str {
+        match self {
+            JointKind::Spherical => "spherical",
+            JointKind::Revolute { .. } => "revolute",
+            JointKind::Universal { .. } => "universal",
+            JointKind::Cylindrical { .. } => "cylindrical",
+            JointKind::Prismatic { .. } => "prismatic",
+            JointKind::Inline { .. } => "inline",
+            JointKind::Planar { .. } => "planar",
+            JointKind::Fixed => "fixed",
+            JointKind::Distance { .. } => "distance",
+        }
+    }
+
+    /// The coordinate that its joint leaves and a drive may give: `angle`, `slide` or `distance`.
+    pub fn coordinate(self) -> Option<&'static str> {
+        match self {
+            JointKind::Revolute { .. } | JointKind::Cylindrical { .. } => Some("angle"),
+            JointKind::Prismatic { .. } => Some("slide"),
+            JointKind::Distance { .. } => Some("distance"),
+            _ => None,
+        }
+    }
+}

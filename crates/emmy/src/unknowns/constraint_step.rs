@@ -1,0 +1,124 @@
+//! What the constraints of a step depend on beside the positions: its times, and their range at its start.
+
+use super::constraint::Constraint;
+use super::constraints::Constraints;
+use super::range::Range;
+use crate::average::Rule;
+use crate::force::StepInput;
+use crate::input::Span;
+
+/// Given motions at the times of a step, and the range of the constraints.
+///
+/// Constraints that follow from the others are the rule: a planar loop of hinges has three, Bricard's mechanism seven.
+/// Of all constraints a step takes those in the range of G(q) at its start, `C^T Phi` with an orthonormal basis C, and
+/// multipliers `Lambda_i = C mu_i`; the others hold at the end of the step because they follow there. Both are written
+/// with all constraints and the projection `P = C C^T`, so that a change of rank changes no numbers of unknowns:
+///
+/// ```math
+/// P C_i = 0,    (1 - P) Lambda_i = 0
+/// ```
+#[derive(Debug, Default)]
+pub(crate) struct ConstraintStep {
+    step_size: f64,
+    /// Numbers of the driven constraints.
+    driven: Vec<usize>,
+    /// The driven constraints at the k stages, at the end and at the start.
+    at: Vec<Vec<Constraint>>,
+    n_stages: usize,
+    range: Range,
+}
+
+impl ConstraintStep {
+    /// Memory for steps of k stages.
+    pub(crate) fn new(constraints: &Constraints, k: usize) -> Self {
+        let is_driven = |c: &usize| constraints.rows()[*c].drive.is_some();
+        let driven: Vec<usize> = (0..constraints.len()).filter(is_driven).collect();
+        let rows: Vec<Constraint> = driven.iter().map(|&c| constraints.rows()[c].clone()).collect();
+        let at = if driven.is_empty() { Vec::new() } else { vec![rows; k + 2] };
+        ConstraintStep { step_size: 0.0, driven, at, n_stages: k, range: Range::new(constraints) }
+    }
+
+    /// Sets the times of a step, and the range of the constraints to that at its start.
+    pub(crate) fn begin(&mut self, body: (&Constraints, &[bool]), rule: &Rule, span: Span, start: &[f64]) {
+        self.step_size = span.size;
+        let times = rule.nodes().iter().map(|&alpha| span.time(alpha)).chain([span.end, span.start]);
+        for (time, rows) in times.zip(&mut self.at) {
+            rows.iter_mut().for_each(|row| row.set_time(time));
+        }
+        self.set_range(body, self.n_stages + 1, &|dof| start[dof]);
+    }
+
+    /// Sets a single time, in place of a stage, and the range of the constraints there.
+    pub(crate) fn set_time(&mut self, body: (&Constraints, &[bool]), time: f64, u: &dyn Fn(usize) -> f64) {
+        self.at.iter_mut().take(1).flatten().for_each(|row| row.set_time(time));
+        self.set_range(body, 0, u);
+    }
+
+    /// Whether the constraints hold at the end of a step. If not, their range becomes that at the end: the step may have
+    /// begun where some depend on each other that do not elsewhere.
+    pub(crate) fn hold(&mut self, body: (&Constraints, &[bool]), step: &StepInput<'_>) -> Held {
+        let end = |dof: usize| step.displacement_at_end(dof);
+        let start = |dof: usize| step.displacement[dof];
+        let largest = |stage: usize, u: &dyn Fn(usize) -> f64| {
+            (0..body.0.len()).fold(0.0f64, |most, c| most.max(self.row(body.0, stage, c).value(u).abs()))
+        };
+        let residual = largest(self.n_stages, &end);
+        if residual <= TOLERANCE * body.0.size() + 2.0 * largest(self.n_stages + 1, &start) {
+            return Held::Yes;
+        }
+        self.set_range(body, self.n_stages, &end);
+        Held::No { residual }
+    }
+
+    fn set_range(&mut self, body: (&Constraints, &[bool]), stage: usize, u: &dyn Fn(usize) -> f64) {
+        let mut range = std::mem::take(&mut self.range);
+        range.set(body.0, (0..body.0.len()).map(|c| self.row(body.0, stage, c)), body.1, u);
+        self.range = range;
+    }
+
+    /// A constraint at a stage, or at the end with the stage k.
+    pub(crate) fn row<'s>(&'s self, constraints: &'s Constraints, stage: usize, c: usize) -> &'s Constraint {
+        let row = &constraints.rows()[c];
+        match row.drive {
+            None => row,
+            Some(_) => &self.at[stage][self.driven.partition_point(|&driven| driven < c)],
+        }
+    }
+
+    /// Whether some constraint has a given motion.
+    pub(crate) fn is_driven(&self) -> bool {
+        !self.driven.is_empty()
+    }
+
+    /// Step size \[time\].
+    pub(crate) fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// The range of the constraints.
+    pub(crate) fn range(&self) -> &Range {
+        &self.range
+    }
+
+    /// Projects numbers of the constraints on their range.
+    pub(crate) fn project(&mut self, values: &mut [f64]) {
+        self.range.project(values);
+    }
+
+    /// Projects each column of a table, `[n][n_columns]`.
+    pub(crate) fn project_columns(&mut self, table: &mut [f64], n_columns: usize) {
+        self.range.project_columns(table, n_columns);
+    }
+}
+
+/// Whether constraints hold at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Held {
+    /// They do.
+    Yes,
+    /// They do not; their largest residual \[length\].
+    No { residual: f64 },
+}
+
+/// Largest residual of a constraint, over the size of the body, that a step may leave.
+const TOLERANCE: f64 = 1e-10;

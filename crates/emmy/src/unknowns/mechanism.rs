@@ -1,0 +1,149 @@
+//! The rigid bodies and joints of a body.
+
+use super::affine::Affine;
+use super::attachments::Attachments;
+use super::constraint_step::ConstraintStep;
+use super::constraints::Constraints;
+use super::frame::{Frame, RigidMotion};
+use super::joint::{JointParts, Measure};
+use super::joint_output::{JointOutput, JointState};
+use super::range::Range;
+use crate::error::{Error, Result};
+use crate::force::StepInput;
+use crate::input::{Joint, JointEnd};
+use crate::mesh::Mesh;
+
+/// Rigid bodies, joints, and the constraints of both.
+#[derive(Debug, Default)]
+pub(crate) struct Mechanism {
+    pub frames: Vec<Frame>,
+    pub joints: Vec<Joint>,
+    pub constraints: Constraints,
+    outputs: Vec<JointOutput>,
+}
+
+/// How many ways a mechanism can move.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let between = [JointEnd::Rigid("door".into()), JointEnd::Ground];
+/// let hinge = Joint::new("hinge", JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, between, [0.0; 3]);
+/// let door = RigidBody::new("door", 20.0, [0.5, 0.0, 1.0], [7.0, 9.0, 2.0]);
+/// let body = Body::builder(Mesh::without_cells()).rigid(door).joint(hinge).build()?;
+/// let mobility = body.mobility();
+/// assert_eq!((mobility.n_constraints, mobility.n_redundant, mobility.degrees_of_freedom), (5, 0, Some(1)));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Mobility {
+    /// Number of rigid bodies, point masses included.
+    pub n_bodies: usize,
+    /// Number of joints.
+    pub n_joints: usize,
+    /// Number of the constraints of all joints, drives included.
+    pub n_constraints: usize,
+    /// Number of those that follow from the others where the mechanism is drawn.
+    pub n_redundant: usize,
+    /// Degrees of freedom where the mechanism is drawn; `None` if joints have nodes of elastic parts, which deform.
+    pub degrees_of_freedom: Option<usize>,
+    /// Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
+    pub redundant: Vec<String>,
+}
+
+impl Mechanism {
+    /// The mechanism of some rigid bodies, whose nodes are in the mesh, and joints.
+    ///
+    /// # Errors
+    /// [`Error::Joint`].
+    pub(crate) fn new<'t>(
+        frames: Vec<Frame>,
+        joints: Vec<Joint>,
+        mesh: &Mesh,
+        leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+    ) -> Result<Self> {
+        let attachments = Attachments { mesh, frames: &frames };
+        let (mut rows, mut outputs) = (Vec::new(), Vec::new());
+        for joint in &joints {
+            let JointParts { constraints, points, measure } = JointParts::new(joint, &attachments)?;
+            let points = points.map(|point| point.on_leaders(leaders));
+            if points[0].nodes.iter().any(|node| points[1].nodes.contains(node)) {
+                let reason = "its two points are tied to each other".to_string();
+                return Err(Error::Joint { joint: joint.name.clone(), reason });
+            }
+            let begin = rows.len();
+            rows.extend(constraints.into_iter().map(|row| row.on_leaders(leaders)));
+            let measure = measure.map(|measure| on_leaders(measure, leaders));
+            outputs.push(JointOutput::new(points, begin..rows.len(), measure));
+        }
+        rows.extend(frames.iter().flat_map(Frame::constraints));
+        let is_grounded = joints.iter().any(|joint| joint.between.contains(&JointEnd::Ground));
+        let constraints = Constraints::new(rows.into_iter(), mesh.diagonal(), is_grounded);
+        Ok(Mechanism { frames, joints, constraints, outputs })
+    }
+
+    /// Adds the part of a stage to the forces of the last step.
+    pub(crate) fn add_forces(
+        &self,
+        step: (&StepInput<'_>, &ConstraintStep),
+        stage: (usize, &[f64]),
+        points: &[[f64; 3]],
+        states: &mut [JointState],
+    ) {
+        let joints = self.outputs.iter().zip(states);
+        joints.for_each(|(output, state)| output.add_force(&self.constraints, step, stage, points, state));
+    }
+
+    /// Sets the coordinates of the joints at some displacements.
+    pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, states: &mut [JointState]) {
+        let joints = self.outputs.iter().zip(states);
+        joints.for_each(|(output, state)| state.coordinate = output.coordinate(state.coordinate, u));
+    }
+
+    /// Position and motion of the rigid bodies.
+    pub(crate) fn motions(&self, u: &dyn Fn(usize) -> f64, v: &dyn Fn(usize) -> f64) -> Vec<RigidMotion> {
+        self.frames.iter().map(|frame| frame.motion(u, v)).collect()
+    }
+
+    /// How many ways it can move, where `is_held` are the degrees of freedom that supports hold.
+    pub(crate) fn mobility(&self, is_held: &[bool]) -> Mobility {
+        let rows = self.constraints.rows();
+        let n_of_joints = self.outputs.iter().map(JointOutput::n_rows).sum();
+        // The constraints of the frames come first: those of joints follow from them, not the other way round.
+        let rank = |n_joints: usize| {
+            let n_rows: usize = self.outputs[..n_joints].iter().map(JointOutput::n_rows).sum();
+            let own = rows[n_of_joints..].iter().chain(&rows[..n_rows]);
+            Range::new(&self.constraints).set(&self.constraints, own, is_held, &|_| 0.0)
+        };
+        let ranks: Vec<usize> = (0..=self.joints.len()).map(rank).collect();
+        let joints = self.joints.iter().zip(&self.outputs).zip(ranks.windows(2));
+        let redundant = joints.filter(|((_, output), ranks)| ranks[1] - ranks[0] < output.n_rows());
+        let [of_frames, all] = [ranks[0], *ranks.last().unwrap_or(&0)];
+        let is_elastic =
+            self.joints.iter().any(|joint| joint.between.iter().any(|end| matches!(end, JointEnd::Node(_))));
+        let free = |frame: &Frame| {
+            frame
+                .nodes()
+                .flat_map(|node| crate::nodal::dofs(node as usize))
+                .filter(|&dof| !is_held[dof])
+                .count()
+        };
+        let dofs: usize = self.frames.iter().map(free).sum();
+        Mobility {
+            n_bodies: self.frames.len(),
+            n_joints: self.joints.len(),
+            n_constraints: n_of_joints,
+            n_redundant: n_of_joints - (all - of_frames),
+            degrees_of_freedom: (!is_elastic).then(|| dofs - all),
+            redundant: redundant.map(|((joint, _), _)| joint.name.clone()).collect(),
+        }
+    }
+}
+
+fn on_leaders<'t>(measure: Measure, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy) -> Measure {
+    let own = |affine: Affine| affine.on_leaders(leaders);
+    match measure {
+        Measure::Angle(vectors) => Measure::Angle(vectors.map(own)),
+        Measure::Slide(vectors) => Measure::Slide(vectors.map(own)),
+        Measure::Distance(arm) => Measure::Distance(own(arm)),
+    }
+}

@@ -1,0 +1,321 @@
+//! Mechanisms with constraints that follow from others, and given motions of joints. Exact solutions are by an
+//! integration in independent coordinates to 1e-13.
+
+#![allow(non_snake_case)]
+
+use crate::shared::schemes::{DGM, assumed_strain, at};
+use emmy::motion::{NewtonSettings, Record};
+use emmy::prelude::*;
+
+fn rigid(name: &str) -> JointEnd {
+    JointEnd::Rigid(name.into())
+}
+
+fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3], axis: [f64; 3]) -> Joint {
+    Joint::new(name, JointKind::Revolute { axis }, between, at)
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// A rod of length 1 and mass 1 between two points along an axis, with moments of inertia across and about it.
+fn rod(name: &str, [a, b]: [[f64; 3]; 2], [across, about]: [f64; 2]) -> RigidBody {
+    let along = (0..3).find(|&d| a[d] != b[d]).unwrap();
+    let mut moments = [across; 3];
+    moments[along] = about;
+    RigidBody::new(name, 1.0, [0, 1, 2].map(|d| 0.5 * (a[d] + b[d])), moments)
+}
+
+/// Moments of a slender rod: that about its axis does not matter in the plane.
+const SLENDER: [f64; 2] = [1.0 / 12.0, 1e-3];
+
+/// The position of a point of a rigid body, from its place in the drawing.
+fn position(body: &Body, record: &Record, name: &str, X: [f64; 3]) -> [f64; 3] {
+    let number = body.rigid_bodies().position(|own| own.name == name).unwrap();
+    let (own, motion) = (body.rigid_bodies().nth(number).unwrap(), record.rigid_bodies[number]);
+    [0, 1, 2]
+        .map(|d| motion.position[d] + (0..3).map(|i| motion.axes[i][d] * (X[i] - own.centre[i])).sum::<f64>())
+}
+
+/// Four-bars side by side (IFToMM A02): cranks on the ground, couplers between their tops, which start at a velocity.
+fn four_bars(n: usize) -> (Body, InitialVelocity) {
+    let z = [0.0, 0.0, 1.0];
+    let mut builder = Body::builder(Mesh::without_cells());
+    for i in 0..=n {
+        let (foot, top, crank) = ([i as f64, 0.0, 0.0], [i as f64, 1.0, 0.0], format!("crank-{i}"));
+        builder = builder.rigid(rod(&crank, [foot, top], SLENDER)).joint(hinge(
+            &format!("foot-{i}"),
+            [rigid(&crank), JointEnd::Ground],
+            foot,
+            z,
+        ));
+    }
+    for i in 0..n {
+        let ends = [[i as f64, 1.0, 0.0], [i as f64 + 1.0, 1.0, 0.0]];
+        let coupler = format!("coupler-{i}");
+        builder = builder.rigid(rod(&coupler, ends, SLENDER));
+        for (side, end) in [i, i + 1].into_iter().zip(ends) {
+            let between = [rigid(&coupler), rigid(&format!("crank-{side}"))];
+            builder = builder.joint(hinge(&format!("top-{i}-{side}"), between, end, z));
+        }
+    }
+    let body = builder.load(Load::acceleration([0.0, -9.81, 0.0])).build().unwrap();
+    // Of a pure shear the joints allow what turns the cranks.
+    let mut shear = InitialVelocity::default();
+    shear.gradient[0][1] = 1.0;
+    (body, shear)
+}
+
+#[test]
+fn four_bars_move_as_their_cranks() {
+    let exact = [[-0.195_020_302, -0.980_799_206, 0.0], [0.057_815_796, 0.998_327_268, 0.0]];
+    let (body, _) = four_bars(2);
+    let mobility = body.mobility();
+    // Seven hinges; each loop of hinges has three constraints too many.
+    assert_eq!((mobility.n_bodies, mobility.n_joints, mobility.n_constraints), (5, 7, 35));
+    assert_eq!((mobility.n_redundant, mobility.degrees_of_freedom), (6, Some(1)));
+    // The kinetic energy of cranks and couplers at 1 rad/s, and the fall of their centres.
+    let start = {
+        let turning = |group: &str, about: [f64; 3]| InitialVelocity {
+            group: Some(group.into()),
+            angular_velocity: [0.0, 0.0, -1.0],
+            about,
+            ..Default::default()
+        };
+        let cranks = (0..3).map(|i| turning(&format!("crank-{i}"), [i as f64, 0.0, 0.0]));
+        let couplers = (0..2).map(|i| InitialVelocity {
+            group: Some(format!("coupler-{i}")),
+            velocity: [1.0, 0.0, 0.0],
+            ..Default::default()
+        });
+        cranks.chain(couplers).collect::<Vec<_>>()
+    };
+    let energies = body.initial_energies(0.0, &start).unwrap();
+    assert!((energies[0] - energies[1]).abs() < 1e-14, "{energies:?}");
+    for (k, h, tolerance) in [(1, 0.01, 2e-4), (2, 0.02, 5e-7), (3, 0.05, 2e-7)] {
+        let state = State::initial(&body, 0.0, &start).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        let energy = motion.record().total_energy;
+        let mut work = 0.0;
+        for (end, exact) in exact.into_iter().enumerate() {
+            while motion.state().time < (end + 1) as f64 - 1e-9 {
+                let record = motion.step(h).unwrap();
+                assert!(record.constraint_residual < 1e-14, "k = {k}: {record:?}");
+                assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
+                work = record.external_work;
+            }
+            let top = position(&body, motion.record(), "crank-0", [0.0, 1.0, 0.0]);
+            let error = distance(top, exact);
+            assert!(error < tolerance, "k = {k}: {error:e}");
+        }
+        assert!((motion.record().total_energy - energy - work).abs() < 1e-11);
+    }
+}
+
+/// Of more velocity than the joints allow a motion keeps the nearest part: the cranks turn by the mean of their ends.
+#[test]
+fn joints_take_what_they_do_not_allow_from_the_start() {
+    let (body, shear) = four_bars(1);
+    let [given, allowed] = body.initial_energies(0.0, std::slice::from_ref(&shear)).unwrap();
+    assert!(allowed < given && allowed > 0.0, "{given} {allowed}");
+    let state = State::initial(&body, 0.0, &[shear]).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
+    assert!((motion.record().kinetic_energy - allowed).abs() < 1e-14);
+    assert!(motion.record().hidden_constraint < 1e-14, "{:?}", motion.record());
+    let spins: Vec<[f64; 3]> = motion.record().rigid_bodies.iter().map(|own| own.spin).collect();
+    assert!(distance(spins[0], spins[1]) < 1e-13 && distance(spins[2], [0.0; 3]) < 1e-13, "{spins:?}");
+    motion.step(0.05).unwrap();
+}
+
+/// Six hinges in a ring that moves only because its axes stand as they do: 7 of 66 constraints follow from the others.
+#[test]
+fn bricards_mechanism_moves_at_every_degree() {
+    let exact = [
+        (1.0, [0.510_501_461_188, -1.649_167_599_395, 0.140_123_114_553]),
+        (2.0, [-0.969_340_344_777, -1.221_246_894_957, 0.754_278_010_778]),
+    ];
+    let corners = [[0., 0., 0.], [1., 0., 0.], [1., -1., 0.], [1., -1., 1.], [0., -1., 1.], [0., 0., 1.]];
+    let axes = [[0., 1., 0.], [0., 0., 1.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 0., 0.]];
+    let mut builder = Body::builder(Mesh::without_cells());
+    for i in 0..5 {
+        builder =
+            builder.rigid(rod(&format!("rod-{i}"), [corners[i], corners[i + 1]], [1.01 / 12.0, 0.02 / 12.0]));
+    }
+    let end = |i: i32| if (0..5).contains(&i) { rigid(&format!("rod-{i}")) } else { JointEnd::Ground };
+    for i in 0..6 {
+        let between = [end(i as i32 - 1), end(i as i32)];
+        builder = builder.joint(hinge(&format!("hinge-{i}"), between, corners[i], axes[i]));
+    }
+    let body = builder.load(Load::acceleration([0.0, -9.81, 0.0])).build().unwrap();
+    let mobility = body.mobility();
+    assert_eq!((mobility.n_redundant, mobility.degrees_of_freedom), (1, Some(1)));
+    for (scheme, h, tolerance) in [
+        (at(DGM, 1), 0.01, 3e-4),
+        (at(DGM, 2), 0.05, 3e-5),
+        (at(DGM, 3), 0.05, 1e-7),
+        (at(assumed_strain(3), 2), 0.05, 3e-5),
+    ] {
+        let mut motion = Motion::new(&body, scheme).unwrap();
+        for (time, exact) in exact {
+            while motion.state().time < time - 1e-9 {
+                let record = motion.step(h).unwrap();
+                assert!(record.constraint_residual < 1e-13, "{scheme}: {record:?}");
+                assert!(record.energy_residual.abs() < 1e-11, "{scheme}: {record:?}");
+            }
+            let point = position(&body, motion.record(), "rod-2", corners[3]);
+            let error = distance(point, exact);
+            assert!(error < tolerance, "{scheme} at {time}: {error:e}");
+        }
+        let record = motion.record();
+        assert!((record.total_energy - record.external_work).abs() < 1e-11, "{scheme}: {record:?}");
+    }
+}
+
+/// A body turns by a given angle against another one, both in free flight: the drive does the work of the energy.
+#[test]
+fn a_driven_hinge_turns_by_its_angle() {
+    use std::f64::consts::PI;
+    let law = TimeFunction::smooth("4*pi*(t/2 - sin(pi*t)/(2*pi))", |t| {
+        [
+            2.0 * PI * t - 2.0 * (PI * t).sin(),
+            2.0 * PI * (1.0 - (PI * t).cos()),
+            2.0 * PI * PI * (PI * t).sin(),
+        ]
+    });
+    let axis = [0.3, -0.2, 0.9];
+    let driven = hinge("drive", [rigid("a"), rigid("b")], [0.4, 0.1, -0.2], axis).driven(law);
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
+        .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
+        .joint(driven)
+        .build()
+        .unwrap();
+    for k in 1..=3 {
+        let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
+        let state = State::initial(&body, 0.0, &[flies]).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        let first = motion.record().clone();
+        for _ in 0..40 {
+            let record = motion.step(0.05).unwrap();
+            assert!(record.energy_residual.abs() < 1e-11, "k = {k}: {record:?}");
+            assert!(record.constraint_residual < 1e-13, "k = {k}: {record:?}");
+            assert!(distance(record.angular_momentum, first.angular_momentum) < 1e-12, "k = {k}: {record:?}");
+        }
+        let last = motion.record();
+        assert!((last.joints[0].coordinate - 4.0 * PI).abs() < 1e-12, "k = {k}: {:?}", last.joints);
+        assert!((last.total_energy - first.total_energy - last.external_work).abs() < 1e-11);
+    }
+}
+
+/// A body on a slider and one on a link whose motions are given: positions are those of the functions.
+#[test]
+fn driven_slides_and_distances_are_their_functions() {
+    let law = || TimeFunction::smooth("0.3*t^2", |t| [0.3 * t * t, 0.6 * t, 0.6]);
+    let axis = [0.0, 0.6, 0.8];
+    let slider = Joint::new("s", JointKind::Prismatic { axis }, [rigid("cart"), JointEnd::Ground], [0.0; 3]);
+    let link = JointKind::Distance { to: [0.0; 3] };
+    let rope = Joint::new("l", link, [rigid("ball"), JointEnd::Ground], [2.0, 0.0, 0.0]);
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("cart", 2.0, [1.0, 0.0, 0.0], [0.5, 0.6, 0.8]))
+        .rigid(RigidBody::point("ball", 3.0, [2.0, 0.0, 0.0]))
+        .joint(slider.driven(law()))
+        .joint(rope.driven(law()))
+        .build()
+        .unwrap();
+    for k in 1..=3 {
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+        for _ in 0..10 {
+            let record = motion.step(0.1).unwrap();
+            assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
+        }
+        let record = motion.record();
+        let shift = axis.map(|a| 0.3 * a);
+        assert!(distance(record.rigid_bodies[0].position, [1.0, shift[1], shift[2]]) < 1e-12, "{record:?}");
+        assert!(distance(record.rigid_bodies[1].position, [2.3, 0.0, 0.0]) < 1e-12, "{record:?}");
+        assert!((record.joints[1].coordinate - 2.3).abs() < 1e-12);
+        // The masses 2 and 3 at an acceleration of 0.6.
+        assert!((record.joints[0].drive - 1.2).abs() < 1e-10, "{:?}", record.joints);
+        assert!((record.joints[1].drive - 1.8).abs() < 1e-10, "{:?}", record.joints);
+    }
+}
+
+/// The force of a joint is the weight of what hangs on it, and its moment holds a cantilever.
+#[test]
+fn joints_report_their_forces() {
+    for (between, sign) in [([rigid("arm"), JointEnd::Ground], 1.0), ([JointEnd::Ground, rigid("arm")], -1.0)]
+    {
+        let body = Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("arm", 2.0, [0.5, 0.0, 0.0], [0.1, 0.2, 0.2]))
+            .joint(Joint::new("wall", JointKind::Fixed, between, [0.0; 3]))
+            .load(Load::acceleration([0.0, 0.0, -10.0]))
+            .build()
+            .unwrap();
+        let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+        let joint = motion.step(0.1).unwrap().joints[0];
+        assert!(distance(joint.force, [0.0, 0.0, sign * 20.0]) < 1e-11, "{joint:?}");
+        // The weight turns about +y with 0.5 * 20; the wall turns the arm back.
+        assert!(distance(joint.moment, [0.0, -sign * 10.0, 0.0]) < 1e-11, "{joint:?}");
+    }
+}
+
+/// A parallelogram drawn flat can fold in two ways, so a constraint more than elsewhere follows from the others. It
+/// moves on in the way in which it starts.
+#[test]
+fn a_start_in_a_singular_position_takes_the_higher_rank() {
+    let z = [0.0, 0.0, 1.0];
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(rod("left", [points[0], points[1]], SLENDER))
+        .rigid(rod("right", [points[1], points[2]], SLENDER))
+        .rigid(rod("coupler", [points[1], points[2]], SLENDER))
+        .joint(hinge("a", [rigid("left"), JointEnd::Ground], points[0], z))
+        .joint(hinge("b", [rigid("right"), JointEnd::Ground], points[1], z))
+        .joint(hinge("c", [rigid("coupler"), rigid("left")], points[1], z))
+        .joint(hinge("d", [rigid("coupler"), rigid("right")], points[2], z))
+        .build()
+        .unwrap();
+    assert_eq!((body.mobility().n_redundant, body.mobility().degrees_of_freedom), (4, Some(2)));
+    let turning = |group: &str, about| InitialVelocity {
+        group: Some(group.into()),
+        angular_velocity: z,
+        about,
+        ..Default::default()
+    };
+    let lifted =
+        InitialVelocity { group: Some("coupler".into()), velocity: [0.0, 1.0, 0.0], ..Default::default() };
+    let start = [turning("left", points[0]), turning("right", points[1]), lifted];
+    for k in 1..=3 {
+        let state = State::initial(&body, 0.0, &start).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        for _ in 0..40 {
+            let record = motion.step(0.05).unwrap();
+            assert!(record.constraint_residual < 1e-13, "k = {k}: {record:?}");
+            assert!(record.energy_residual.abs() < 1e-13, "k = {k}: {record:?}");
+        }
+        // Without forces the cranks turn evenly.
+        let expected = [2.0f64.cos(), 2.0f64.sin(), 0.0];
+        let left = position(&body, motion.record(), "left", points[1]);
+        let right = position(&body, motion.record(), "right", points[2]);
+        let tolerance = [2e-3, 1e-6, 1e-9][k - 1];
+        assert!(distance(left, expected) < tolerance, "k = {k}: {left:?}");
+        assert!(distance(right, [1.0 + left[0], left[1], 0.0]) < 1e-12, "k = {k}: {left:?} {right:?}");
+    }
+}
+
+#[test]
+fn given_motions_that_contradict_each_other_are_no_motion() {
+    let law = |speed: f64| TimeFunction::smooth("turns", move |t| [speed * t, speed, 0.0]);
+    let z = [0.0, 0.0, 1.0];
+    let drive =
+        |name: &str, speed| hinge(name, [rigid("arm"), JointEnd::Ground], [0.0; 3], z).driven(law(speed));
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("arm", 2.0, [0.5, 0.0, 0.0], [0.1, 0.2, 0.2]))
+        .joint(drive("slow", 1.0))
+        .joint(drive("fast", 2.0))
+        .build()
+        .unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+    let error = motion.step(0.1).unwrap_err();
+    assert!(matches!(error, emmy::Error::ConstraintsLost { .. }), "{error}");
+}
