@@ -19,7 +19,7 @@ except ImportError as _error:
     ) from _error
 
 from ._adjoint import Goal, GoalError, Gradient, Parameter
-from ._body import Body, Prescribed
+from ._body import Body, Mobility, Prescribed
 from ._emmy import Step
 from ._errors import (
     ConvergenceError,
@@ -33,6 +33,7 @@ from ._errors import (
     UnknownGroupError,
 )
 from ._history import Event, History, Peak
+from ._joints import Joint
 from ._links import Attraction, Bar, Spring
 from ._lists import (
     Named,
@@ -51,7 +52,7 @@ from ._lists import (
 from ._materials import Energy, Material
 from ._mesh import Mesh
 from ._motion import Motion
-from ._parts import Adaptive, Initial, Load, Mass, Region, Support, Tie, Viscosity
+from ._parts import Adaptive, Initial, Load, Mass, Region, Rigid, Support, Tie, Viscosity
 from ._results import Frame, Frames, Run
 from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
 from ._run import Comparison, check, compare, report, resume, run
@@ -65,11 +66,11 @@ __version__ = _emmy.version()
 __all__ = [
     "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
     "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
-    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded",
-    "Load", "Mass", "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke",
-    "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem", "Region", "ResultsError",
-    "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support", "Sweep", "Tie",
-    "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements", "equilibrium",
-    "examples", "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes",
-    "set_threads", "solvers", "sweep", "threads",
+    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "Joint",
+    "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin", "Motion",
+    "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem",
+    "Region", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support",
+    "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements",
+    "equilibrium", "examples", "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run",
+    "schema", "schemes", "set_threads", "solvers", "sweep", "threads",
 ]  # fmt: skip

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _emmy
 from . import _words as words
-from ._errors import missing, of_whole_input, warn
+from ._errors import fault, missing, of_whole_input, warn
+from ._joints import Joint
 from ._mesh import Mesh
-from ._parts import Load, Mass, Region, Support, Tie
+from ._parts import Load, Mass, Region, Rigid, Support, Tie
 
 
 class Prescribed(NamedTuple):
@@ -38,13 +39,48 @@ class Prescribed(NamedTuple):
     velocity: NDArray[np.float64]
 
 
+class Mobility(NamedTuple):
+    """How many ways a mechanism can move where it is drawn, from `Body.mobility`.
+
+    Attributes
+    ----------
+    n_bodies, n_joints : int
+        Number of rigid bodies, point masses included, and of joints.
+    n_constraints, n_redundant : int
+        Number of the constraints of all joints, drives included, and of those that follow from the others.
+    degrees_of_freedom : int or None
+        Degrees of freedom; None if joints have nodes of elastic parts, which deform.
+    redundant : tuple of str
+        Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
+
+    Examples
+    --------
+    >>> door = emmy.Rigid("door", mass=20.0, centre=(0.5, 0, 1), inertia=(7, 9, 2))
+    >>> hinges = [emmy.Joint.revolute(f"hinge-{z}", between=("door", "ground"), at=(0, 0, z), axis=(0, 0, 1))
+    ...           for z in (0, 2)]
+    >>> mobility = emmy.Body(rigid=door, joints=hinges).mobility
+    >>> mobility.degrees_of_freedom, mobility.n_redundant, mobility.redundant
+    (1, 5, ('hinge-2',))
+    """
+
+    n_bodies: int
+    n_joints: int
+    n_constraints: int
+    n_redundant: int
+    degrees_of_freedom: int | None
+    redundant: tuple[str, ...]
+
+
 class Body:
-    """A mesh with materials, supports, loads, further masses and ties. It cannot be changed.
+    """A mesh with materials, supports, loads, further masses and ties; rigid bodies and joints. It cannot be changed.
+
+    Arrays of all nodes have those of the mesh first. Then come those of the rigid bodies: the centre of each, and the
+    ends of its three axes unless it is a point mass.
 
     Parameters
     ----------
-    mesh : Mesh
-        Mesh.
+    mesh : Mesh, optional
+        Mesh; none for rigid bodies alone.
     regions : Region or list of Region
         Materials of the cells.
     supports : Support or list of Support, optional
@@ -55,6 +91,10 @@ class Body:
         Masses besides those of the cells.
     ties : Tie or list of Tie, optional
         Nodes that follow other parts of the body.
+    rigid : Rigid or list of Rigid, optional
+        Rigid bodies and point masses.
+    joints : Joint or list of Joint, optional
+        Joints between rigid bodies, nodes and the ground.
 
     Raises
     ------
@@ -79,21 +119,27 @@ class Body:
 
     def __init__(
         self,
-        mesh: Mesh,
-        regions: Region | Iterable[Region],
+        mesh: Mesh | None = None,
+        regions: Region | Iterable[Region] = (),
         supports: Support | Iterable[Support] = (),
         loads: Load | Iterable[Load] = (),
         masses: Mass | Iterable[Mass] = (),
         ties: Tie | Iterable[Tie] = (),
+        rigid: Rigid | Iterable[Rigid] = (),
+        joints: Joint | Iterable[Joint] = (),
     ) -> None:
-        if not isinstance(mesh, Mesh):
+        if mesh is not None and not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
-        self._mesh = mesh
+        self._mesh = mesh if mesh is not None else Mesh._of(_emmy.Mesh.empty())
         self._regions = words.each(regions, Region, "regions")
         self._supports = words.each(supports, Support, "supports")
         self._loads = words.each(loads, Load, "loads")
         self._masses = words.each(masses, Mass, "masses")
         self._ties = words.each(ties, Tie, "ties")
+        self._rigid = words.each(rigid, Rigid, "rigid")
+        self._joints = words.each(joints, Joint, "joints")
+        if self._mesh.n_cells == 0 and not self._rigid:
+            raise fault("mesh", "a body needs a mesh or a rigid body")
         self._try_histories()
         parts: dict[str, tuple[words.Table, ...]] = {
             "region": self._regions,
@@ -101,10 +147,13 @@ class Body:
             "load": self._loads,
             "mass": self._masses,
             "tie": self._ties,
+            "rigid": self._rigid,
+            "joint": self._joints,
         }
         tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
+        cells = {"mesh": self._mesh._native} if self._mesh.n_cells > 0 else {}
         with of_whole_input():
-            self._native = _emmy.Body({"mesh": mesh._native} | tables)
+            self._native = _emmy.Body(cells | tables)
         warn(self.notes)
 
     def _try_histories(self) -> None:
@@ -115,10 +164,14 @@ class Body:
             for key in ("move", "accelerate", "rotate"):
                 for function in words.functions(getattr(support, key)):
                     _try_history(function, f"supports[{index}].{key}")
+        for index, joint in enumerate(self._joints):
+            for key in ("angle", "slide", "length", "torque", "force"):
+                for function in words.functions(getattr(joint, key)):
+                    _try_history(function, f"joints[{index}].{key}")
 
     @property
     def mesh(self) -> Mesh:
-        """The mesh."""
+        """The mesh, without the nodes of rigid bodies; of rigid bodies alone one without cells."""
         return self._mesh
 
     @property
@@ -145,6 +198,26 @@ class Body:
     def ties(self) -> tuple[Tie, ...]:
         """Nodes that follow other parts of the body."""
         return self._ties
+
+    @property
+    def rigid(self) -> tuple[Rigid, ...]:
+        """Rigid bodies and point masses."""
+        return self._rigid
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Joints."""
+        return self._joints
+
+    @property
+    def mobility(self) -> Mobility:
+        """How many ways the mechanism of rigid bodies and joints can move where it is drawn."""
+        return Mobility(*self._native.mobility())
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes, with those of rigid bodies."""
+        return self._native.n_nodes
 
     @property
     def n_dofs(self) -> int:
@@ -378,7 +451,7 @@ class Body:
         return self._native.toml
 
     def _nodal(self, values: ArrayLike, place: str) -> NDArray[np.float64]:
-        return words.vectors(values, self._mesh.n_nodes, place)
+        return words.vectors(values, self.n_nodes, place)
 
     def __str__(self) -> str:
         return self._native.report()
@@ -387,10 +460,19 @@ class Body:
         tied = self._native.n_tied
         fixed = int(self.fixed.sum()) - tied
         of_ties = f", {tied} tied" if tied else ""
-        return f"<emmy.Body: {self.mesh.n_cells} cells, {self.n_dofs} degrees of freedom, {fixed} fixed{of_ties}>"
+        counts = [f"{self.mesh.n_cells} cells"] if self.mesh.n_cells or not self._rigid else []
+        counts += [_counted(len(self._rigid), "rigid body", "rigid bodies")] if self._rigid else []
+        counts += [_counted(len(self._joints), "joint", "joints")] if self._joints else []
+        return f"<emmy.Body: {', '.join(counts)}, {self.n_dofs} degrees of freedom, {fixed} fixed{of_ties}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Body, (self._mesh, self._regions, self._supports, self._loads, self._masses, self._ties)
+        mesh = self._mesh if self._mesh.n_cells else None
+        parts = (self._regions, self._supports, self._loads, self._masses, self._ties, self._rigid, self._joints)
+        return Body, (mesh, *parts)
+
+
+def _counted(n: int, one: str, many: str) -> str:
+    return f"{n} {one if n == 1 else many}"
 
 
 def sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) -> Any:

@@ -225,11 +225,15 @@ _WORDS = [
     (r"^mesh\.(?=cells|cell_groups|facet_groups|node_groups|points)", ""),
     (r"\bmaterial\.[a-z][a-z-]*", "material"),
     (r"(^|\.)lambda$", r"\1lambda_"),
+    (
+        r"^(joint\[\d+\]\.|)(spherical|revolute|universal|cylindrical|prismatic|inline|planar|fixed|distance|line)\.",
+        r"\1",
+    ),
 ]
 
 # From tables of a whole input to arguments of `Body` and `Motion`, in this order.
 _WORDS_OF_WHOLE = [
-    (r"^(load|region|support|tie)(?=\[)", r"\1s"),
+    (r"^(joint|load|region|support|tie)(?=\[)", r"\1s"),
     (r"^mass(?=\[)", "masses"),
     (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
     (r"^time$", "steps"),

@@ -129,7 +129,7 @@ class Motion(MotionView):
         _check_one_start(start, velocity, tables, equilibrium)
         given: Snapshot | State | NDArray[np.float64] | None = start
         if velocity is not None:
-            given = words.vectors(velocity, body.mesh.n_nodes, "initial")
+            given = words.vectors(velocity, body.n_nodes, "initial")
         outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
         tree = _plan.tree(
             scheme=scheme, degree=degree, steps=steps, until=until, adaptive=adaptive, smallest_step=smallest_step,

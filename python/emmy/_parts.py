@@ -1,4 +1,4 @@
-"""Parts of a body and its start: regions, supports, loads, masses, initial velocities."""
+"""Parts of a body and its start: regions, supports, loads, masses, ties, rigid bodies, initial velocities."""
 
 from __future__ import annotations
 
@@ -207,6 +207,38 @@ class Tie(Table):
     def _tree(self) -> dict[str, Any]:
         # The input has no default of the kind.
         return super()._tree() | {"kind": self.kind}
+
+
+class Rigid(Table):
+    """A rigid body without cells, or a point mass.
+
+    Parameters
+    ----------
+    name : str
+        Its name in joints, columns, and as a group of one node, its centre, for loads, supports and initial velocities.
+    mass : float
+        Mass.
+    centre : vector
+        Centre of mass.
+    inertia : vector or array (3, 3), optional
+        Inertia about the centre: principal moments along x, y and z, or a symmetric matrix; a point mass without.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range, or no body has the moments of inertia.
+
+    Examples
+    --------
+    >>> emmy.Rigid("hub", mass=5.0, centre=(0, 0, 0), inertia=(1.2, 1.0, 1.5))
+    Rigid(name='hub', mass=5.0, centre=(0, 0, 0), inertia=(1.2, 1.0, 1.5))
+    """
+
+    _section = "rigid"
+    name: str = field(kw_only=False)
+    mass: float
+    centre: Vector
+    inertia: Vector | Sequence[Vector] | NDArray[Any] | None = None
 
 
 class Load(Table):

@@ -24,10 +24,10 @@ from ._motion import Motion
 from ._results import read_table, stamp
 from ._run import StrPath, call, directory_of, flags
 from ._state import Snapshot, State
-from ._tables import loads, masses, regions, supports, ties
+from ._tables import joints, loads, masses, regions, rigid, supports, ties
 
 #: Tables of the input that describe the body.
-BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie")
+BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie", "rigid", "joint")
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,7 +296,9 @@ class Problem:
         self._path, self._changes, self._until = path, dict(changes), until
         tree = tomllib.loads(native.toml)
         mesh = Mesh._of(native.mesh())
-        self._body = Body(mesh, regions(tree), supports(tree), loads(tree), masses(tree), ties(tree))
+        self._body = Body(
+            mesh, regions(tree), supports(tree), loads(tree), masses(tree), ties(tree), rigid(tree), joints(tree)
+        )
         self._tree = {key: table for key, table in tree.items() if key not in BODY_KEYS}
 
     @property

@@ -1,11 +1,12 @@
-"""Regions, supports, loads, masses and ties from the tables of an input file."""
+"""Regions, supports, loads, masses, ties, rigid bodies and joints from the tables of an input file."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from ._joints import KINDS, Joint
 from ._materials import Material
-from ._parts import Load, Mass, Region, Support, Tie, Viscosity
+from ._parts import Load, Mass, Region, Rigid, Support, Tie, Viscosity
 
 
 def material(tree: dict[str, Any]) -> Material:
@@ -38,6 +39,22 @@ def masses(tree: dict[str, Any]) -> tuple[Mass, ...]:
 def ties(tree: dict[str, Any]) -> tuple[Tie, ...]:
     """The ties of an input."""
     return tuple(Tie(**table) for table in _tables(tree, "tie"))
+
+
+def rigid(tree: dict[str, Any]) -> tuple[Rigid, ...]:
+    """The rigid bodies of an input."""
+    return tuple(Rigid(**table) for table in _tables(tree, "rigid"))
+
+
+def joints(tree: dict[str, Any]) -> tuple[Joint, ...]:
+    """The joints of an input."""
+    return tuple(map(_joint, _tables(tree, "joint")))
+
+
+def _joint(table: dict[str, Any]) -> Joint:
+    ((kind, own),) = ((key, value) for key, value in table.items() if key in KINDS)
+    others = {key: value for key, value in table.items() if key not in KINDS}
+    return Joint(others.pop("name", None), kind=kind, **others, **own)
 
 
 def _tables(tree: dict[str, Any], key: str) -> list[dict[str, Any]]:

@@ -13,6 +13,7 @@ from ._body import Body, sparse
 from ._emmy import Step
 from ._errors import fault
 from ._history import Event, History, Peak, structured
+from ._mesh import Mesh
 from ._state import Snapshot, State
 
 
@@ -226,7 +227,7 @@ class MotionView:
 
     def _rates(self, x: ArrayLike) -> NDArray[np.float64]:
         """Rates as an array (degree n, 3)."""
-        k, n, given = self.degree, self.body.mesh.n_nodes, words.reals(x, "x")
+        k, n, given = self.degree, self.body.n_nodes, words.reals(x, "x")
         shapes = [(k, n, 3), (k, 3 * n), (3 * n * k,), *([(n, 3)] if k == 1 else [])]
         if given.shape not in shapes:
             wanted = " or ".join(map(str, shapes))
@@ -318,7 +319,8 @@ class MotionView:
         >>> emmy.Motion(body).to_pyvista("cell_volume_ratio").cell_data["cell_volume_ratio"].tolist()
         [1.0]
         """
-        grid = self._body.mesh.to_pyvista()
+        # With the nodes of rigid bodies.
+        grid = Mesh._of(self._body._native.mesh).to_pyvista()
         grid.point_data["displacement"] = self.displacement
         for name in names:
             values = self._native.field(name)

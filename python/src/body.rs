@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::body::BlockRow;
+use emmy::body::{BlockRow, Mobility};
+use emmy::mesh::MeshBuilder;
 use emmy::motion::State;
 use emmy_io::input::{self, Overrides, Tree};
 use numpy::ndarray::{Array3, ArrayView2};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
 
 use crate::function::{Callables, of_input};
@@ -165,6 +166,9 @@ impl Body {
     }
 }
 
+/// Numbers of rigid bodies, joints and constraints, degrees of freedom, names of joints.
+type Counts<'py> = (usize, usize, usize, usize, Option<usize>, Bound<'py, PyTuple>);
+
 /// Driven degrees of freedom with their displacements and velocities.
 type Prescribed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
@@ -228,6 +232,20 @@ impl Body {
     #[getter]
     fn n_tied(&self) -> usize {
         3 * self.inner().ties().iter().map(|tie| tie.n_followers).sum::<usize>()
+    }
+
+    /// Number of nodes, with those of rigid bodies.
+    #[getter]
+    fn n_nodes(&self) -> usize {
+        self.inner().mesh().n_nodes()
+    }
+
+    /// How many ways the mechanism can move.
+    fn mobility<'py>(&self, py: Python<'py>) -> PyResult<Counts<'py>> {
+        let Mobility { n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, redundant } =
+            pool::work(py, || self.inner().mobility())?;
+        let redundant = PyTuple::new(py, redundant)?;
+        Ok((n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, redundant))
     }
 
     #[getter]
@@ -427,6 +445,26 @@ impl About<'_> {
     }
 }
 
+/// A mesh without the nodes that some rigid bodies have at its end, and without their groups.
+fn without_rigid_bodies(mesh: &emmy::mesh::Mesh, names: &[&str]) -> emmy::Result<emmy::mesh::Mesh> {
+    if mesh.n_cells() == 0 {
+        return Ok(emmy::mesh::Mesh::without_cells());
+    }
+    let groups = mesh.groups();
+    let first = names.iter().filter_map(|name| groups.nodes.get(*name)?.first()).min();
+    let mut builder = MeshBuilder::new();
+    let n_nodes = first.map_or(mesh.n_nodes(), |&first| first as usize);
+    mesh.points()[..n_nodes].iter().for_each(|&point| _ = builder.point(point));
+    for cell in mesh.cells() {
+        builder.cell(cell.kind, cell.nodes)?;
+    }
+    groups.cells.iter().for_each(|(name, cells)| _ = builder.cell_group(name, cells.iter().copied()));
+    groups.facets.iter().for_each(|(name, facets)| _ = builder.facet_group(name, facets.iter().copied()));
+    let own = groups.nodes.iter().filter(|(name, _)| !names.contains(&name.as_str()));
+    own.for_each(|(name, nodes)| _ = builder.node_group(name, nodes.iter().copied()));
+    builder.build()
+}
+
 /// An input file, read and checked.
 #[pyclass(frozen, module = "emmy._emmy")]
 pub(crate) struct Problem {
@@ -459,8 +497,13 @@ impl Problem {
         self.problem.title.as_deref()
     }
 
-    /// Its mesh.
-    fn mesh(&self) -> Mesh {
-        Mesh::of(self.problem.body.mesh().clone())
+    /// Its mesh, without the nodes of rigid bodies.
+    fn mesh(&self, py: Python<'_>) -> PyResult<Mesh> {
+        let body = &self.problem.body;
+        if self.problem.rigid.is_empty() {
+            return Ok(Mesh::of(body.mesh().clone()));
+        }
+        let names: Vec<&str> = self.problem.rigid.iter().map(|own| own.name.as_str()).collect();
+        without_rigid_bodies(body.mesh(), &names).map(Mesh::of).map_err(|error| errors::library(py, &error))
     }
 }

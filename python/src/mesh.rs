@@ -131,6 +131,12 @@ impl Mesh {
         Ok(Mesh::new(file.mesh, file.notes))
     }
 
+    /// A mesh without cells, for rigid bodies alone.
+    #[staticmethod]
+    fn empty() -> Self {
+        Mesh::of(mesh::Mesh::without_cells())
+    }
+
     #[staticmethod]
     fn l_block(py: Python<'_>, cell_size: f64) -> PyResult<Self> {
         Mesh::made(py, move || mesh::l_block(cell_size))

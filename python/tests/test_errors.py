@@ -39,6 +39,8 @@ def test_unknown_groups_all_at_once():
         (lambda: emmy.Tie("upper", "lower", kind="mortar"), "kind"),
         (lambda: emmy.Tie("upper", "lower", tolerance=-1.0), "tolerance"),
         (lambda: emmy.Tie("upper", "upper"), "leader"),
+        (lambda: emmy.Rigid("hub", mass=0.0, centre=(0, 0, 0)), "mass"),
+        (lambda: emmy.Joint.fixed(between=("a", "b"), at=(0, 0)), "at"),
         (lambda: emmy.Initial(velocity=(1, 2)), "velocity"),
         (lambda: emmy.Viscosity(time=-1.0), "time"),
         (lambda: emmy.Load("tip", force=(1, 2)), "force"),

@@ -73,7 +73,8 @@ def test_inputs_as_objects(path):
     assert len(there) > 1
     assert_equal(problem.motion().run(), there)
     own = problem.body
-    body = emmy.Body(own.mesh, own.regions, own.supports, own.loads, own.masses, own.ties)
+    parts = (own.regions, own.supports, own.loads, own.masses, own.ties, own.rigid, own.joints)
+    body = emmy.Body(own.mesh, *parts)
     assert_equal(motion(body, tree).run(), there)
 
 
@@ -197,7 +198,9 @@ def test_keys_of_tables_are_fields():
     tables = emmy.schema()["properties"]
     tables |= {"viscosity": tables["region"]["properties"]["viscosity"]}
     tables |= {"adaptive": tables["time"]["properties"]["adaptive"]}
-    for own in (emmy.Adaptive, emmy.Initial, emmy.Load, emmy.Mass, emmy.Region, emmy.Support, emmy.Tie, emmy.Viscosity):
+    for own in (
+        emmy.Adaptive, emmy.Initial, emmy.Load, emmy.Mass, emmy.Region, emmy.Rigid, emmy.Support, emmy.Tie, emmy.Viscosity,
+    ):  # fmt: skip
         assert {field.name for field in dataclasses.fields(own)} == set(tables[own._section]["properties"])
 
 

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::accuracy::Accuracy;
-use crate::history::{Extreme, Peaks};
+use crate::history::{Extreme, HIDDEN, Peaks, RESIDUAL};
 use crate::input::Problem;
 use crate::units::Units;
 use crate::whole_file::{self, replace};
@@ -87,6 +87,9 @@ pub struct SummaryHeader {
     dofs: usize,
     nodes: usize,
     cells: usize,
+    /// Number of the constraints of all joints; `None` without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    constraints: Option<usize>,
     /// `None` with adaptive steps.
     planned_steps: Option<usize>,
     /// Notes on the input.
@@ -107,6 +110,7 @@ impl SummaryHeader {
             dofs: problem.body.n_dofs_of_ranks(),
             nodes,
             cells,
+            constraints: (!problem.joints.is_empty()).then(|| problem.body.n_constraints()),
             planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
             notes: problem.notes.clone(),
             units: problem.units,
@@ -168,9 +172,21 @@ pub(crate) fn add_accuracy(summary: &mut Value, accuracy: &Accuracy) {
     }
 }
 
-/// Adds the numbers of the columns that `[output]` asks for: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field
+/// Adds how well the constraints of joints and rigid bodies were kept, if there are any.
+fn add_constraints(summary: &mut Value, peaks: &Peaks) {
+    let columns = [(RESIDUAL, "worst_constraint_residual"), (HIDDEN, "largest_hidden_constraint")];
+    for (column, name) in columns {
+        if let Some(peak) = peaks.of_column(column) {
+            summary[name] = peak.largest.into();
+            summary[format!("{name}_time")] = peak.largest_time.into();
+        }
+    }
+}
+
+/// Adds the numbers of the columns after those of the whole body: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field
 /// that is there already stays.
 pub(crate) fn add_peaks(summary: &mut Value, peaks: &Peaks) {
+    add_constraints(summary, peaks);
     if let Value::Object(fields) = summary {
         for (name, number) in peaks.numbers() {
             fields.entry(name).or_insert(number.into());

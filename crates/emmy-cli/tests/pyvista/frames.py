@@ -40,6 +40,16 @@ initial = { angular_velocity = [0, 0, 1] }
 time = { scheme = "DGM", steps = [{ until = 1e4, size = 0.01 }] }
 """
 
+DOOR = """
+rigid = [
+    { name = "door", mass = 20, centre = [0.5, 0, 1], inertia = [7, 9, 3] },
+    { name = "ball", mass = 1, centre = [2, 0, 0] },
+]
+joint = [{ name = "hinge", revolute = { between = ["door", "ground"], at = [0, 0, 1], axis = [0, 0, 1] }, angle = "t^2" }]
+load = [{ acceleration = [0, 0, -2] }]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 1.0, size = 0.25 }] }
+"""
+
 COMPONENTS = {
     "displacement": 3,
     "velocity": 3,
@@ -165,6 +175,28 @@ def series(emmy, directory, frames):
         assert_array_equal(stress[last : last + frames[4].n_points], frames[4]["cauchy_stress"])
 
 
+def rigid_bodies(emmy, directory):
+    """A rigid body is a vertex at its centre and lines along its axes, a point mass a vertex; no cell is needed."""
+    run(emmy, directory, DOOR, "--output", "door")
+    run(emmy, directory, DOOR, "--set", "output.format=vtkhdf", "--output", "whole")
+    reader = pyvista.get_reader(str(directory / "door/door.pvd"))
+    for t, (time, whole) in zip(reader.time_values, steps(directory / "whole/whole.vtkhdf"), strict=True):
+        reader.set_active_time_value(t)
+        [grid] = reader.read()
+        assert_allclose(time, t, rtol=0, atol=1e-14)
+        for own in (grid, whole):
+            assert_array_equal(own.celltypes, [1, 3, 3, 3, 1])
+            assert_array_equal(own.cell_data["region"], -1)
+            assert_array_equal(own.point_data["group:ball"], [0, 0, 0, 0, 1])
+            places = own.points + own.point_data["displacement"]
+            across = np.array([-np.sin(t**2), np.cos(t**2), 0])
+            centre = np.array([0.5 * np.cos(t**2), 0.5 * np.sin(t**2), 1])
+            # The radius of gyration.
+            size = np.sqrt(0.5 * (7 + 9 + 3) / 20)
+            assert_allclose(places[[0, 2]], [centre, centre + size * across], rtol=0, atol=1e-12)
+            assert_allclose(places[4], [2, 0, -(t**2)], rtol=0, atol=1e-12)
+
+
 def killed(emmy, directory):
     """Runs that are killed at any time leave whole files, if only with one frame."""
     (directory / "long.toml").write_text(LONG)
@@ -233,6 +265,8 @@ def main():
         print(f".vtu and .pvd: {len(frames)} frames as theory says")
         series(emmy, directory, frames)
         print(".vtkhdf: the same")
+        rigid_bodies(emmy, directory)
+        print("rigid bodies: where they turn")
         killed(emmy, directory)
         scripts_of_the_book(emmy, directory)
 

@@ -235,7 +235,7 @@ pub(crate) fn digest(mesh: &Mesh) -> String {
 pub(crate) fn digest_of_tables(problem: &Problem) -> String {
     let loads = problem.loads.iter().map(|load| &load.time_function);
     let supports = problem.supports.iter().flat_map(|support| support.time_functions());
-    let joints = problem.joints.iter().filter_map(|joint| joint.drive.as_ref());
+    let joints = problem.joints.iter().flat_map(|joint| joint.drive.iter().chain(&joint.motor));
     let functions = loads.chain(supports).chain(joints);
     let tables = functions.map(|function| function.acceleration().unwrap_or(function).entries());
     let mut sum = crc32fast::Hasher::new();

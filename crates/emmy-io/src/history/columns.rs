@@ -188,7 +188,7 @@ pub struct HistoryColumns {
     pub has_degrees: bool,
     /// Whether the time is the load fraction of a static analysis.
     pub is_static: bool,
-    /// Reactions, probes, extremes, values of groups.
+    /// Probes, reactions, joints, rigid bodies, extremes, values of groups.
     measures: Measures,
 }
 
@@ -211,7 +211,7 @@ impl HistoryColumns {
         self.measures.has_extreme(field)
     }
 
-    /// Number of the columns that `[output]` asks for, which are the last ones.
+    /// Number of the columns after those of the whole body.
     pub(super) fn n_asked(&self) -> usize {
         self.measures.columns().len()
     }

@@ -1,4 +1,4 @@
-//! Numbers of a state that `[output]` asks for: reactions, probes, extremes, values of groups.
+//! Numbers of a state besides those of the whole body: those that `[output]` asks for, reactions, joints, rigid bodies.
 
 use emmy::body::{Body, FieldName, Fields, Place, Selection};
 use emmy::mesh::Mesh;
@@ -182,6 +182,7 @@ impl Measures {
                 None => numbers.extend([Missing; 6]),
             }
         }
+        self.quantities.mechanism.add_to(view.record, numbers);
         let extremes = self.extremes(view);
         let of =
             |name: &FieldName| extremes.iter().find(|own| own.field == name.name() && own.region.is_none());

@@ -68,7 +68,7 @@ pub(crate) fn column_of_peak(name: &str) -> Option<&str> {
     ENDINGS[1..].iter().find_map(|ending| name.strip_suffix(ending))
 }
 
-/// Peaks of the columns that `[output]` asks for: probes, reactions, extremes, values.
+/// Peaks of the columns after those of the whole body: probes, reactions, joints, rigid bodies, extremes, values.
 #[derive(Debug, Default)]
 pub struct Peaks {
     names: Vec<String>,
@@ -119,6 +119,11 @@ impl Peaks {
         for (place, peak) in self.peaks.iter_mut().enumerate() {
             peak.add(time, number(self.first + place));
         }
+    }
+
+    /// The peak of a column.
+    pub(crate) fn of_column(&self, name: &str) -> Option<&Peak> {
+        self.iter().find(|(own, _)| *own == name).map(|(_, peak)| peak)
     }
 
     /// The columns with their peaks.

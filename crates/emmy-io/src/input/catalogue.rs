@@ -50,7 +50,7 @@ pub(super) static ROOT: Described = Described::new(|| {
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
 /// Keys that are planned: their table, the key, the fault and advice.
-const PLANNED: [(&str, &str, &str, &str); 8] = [
+const PLANNED: [(&str, &str, &str, &str); 3] = [
     (
         "the input",
         "coupling",
@@ -58,22 +58,8 @@ const PLANNED: [(&str, &str, &str, &str); 8] = [
         "`[[joint]]` joins nodes of a mesh with rigid bodies, the ground and each other",
     ),
     ("[[rigid]]", "group", "Emmy has no rigid groups of a mesh yet", "give mass, centre and inertia"),
-    ("[[joint]]", "spring", SPRINGS, MASSLESS_SPRING),
-    ("[[joint]]", "damping", SPRINGS, MASSLESS_SPRING),
-    ("[[joint]]", "line", SPRINGS, MASSLESS_SPRING),
-    ("[[joint]]", "torque", MOTORS, "`angle` gives the angle of a revolute or cylindrical joint"),
-    (
-        "[[joint]]",
-        "force",
-        MOTORS,
-        "`slide` gives the slide of a prismatic joint, `length` that of a distance",
-    ),
     ("[[joint]]", "until", "Emmy has no joints that are released yet", "leave `until` out"),
 ];
-
-const SPRINGS: &str = "Emmy has no springs and dampers in joints yet";
-const MOTORS: &str = "Emmy has no motors in joints yet";
-const MASSLESS_SPRING: &str = "the material `spring` joins two nodes of a mesh";
 
 /// The fault of a key of a table that is planned, and advice.
 pub(super) fn planned(section: &Section, key: &str) -> Option<(&'static str, &'static str)> {

@@ -36,8 +36,10 @@ pub(super) fn of_tables(
             of_table(&format!("support {i}"), table.acceleration().unwrap_or(table), plan)
         })
     });
-    let driven = joints.iter().filter_map(|joint| Some((&joint.name, joint.drive.as_ref()?)));
-    let of_joints = driven.flat_map(|(name, drive)| of_table(&format!("joint `{name}`"), drive, plan));
+    let of_joints = joints.iter().flat_map(|joint| {
+        let tables = joint.drive.iter().chain(&joint.motor);
+        tables.flat_map(move |table| of_table(&format!("joint `{}`", joint.name), table, plan))
+    });
     of_loads.chain(of_supports).chain(of_joints).collect()
 }
 

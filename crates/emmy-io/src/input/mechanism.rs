@@ -33,9 +33,12 @@ impl Mechanism {
         self.rigid.iter().map(|own| &own.place)
     }
 
-    /// Whether a joint moves bodies.
+    /// Whether a joint may move bodies from the start: by a drive, a motor, or a spring that is not as drawn.
     pub(super) fn is_driven(&self) -> bool {
-        self.joints.iter().any(|joint| joint.drive.is_some())
+        self.joints.iter().any(|joint| {
+            let is_wound = joint.forces.spring.is_some_and(|spring| spring.rest.is_some());
+            joint.drive.is_some() || joint.forces.motor.is_some() || is_wound
+        })
     }
 
     /// Checks that no name of a rigid body or joint is given twice; `others` are names of other columns.
@@ -106,6 +109,17 @@ impl Mechanism {
     /// The rigid bodies.
     pub(super) fn rigid_bodies(&self) -> Vec<RigidBody> {
         self.rigid.iter().map(|own| own.body.clone()).collect()
+    }
+
+    /// The load, where a total force on a rigid body is one at its centre.
+    pub(super) fn at_centre(&self, load: Load) -> Load {
+        let kind = match load.kind {
+            LoadKind::Force { group, force } if self.bodies().contains(&group.as_str()) => {
+                LoadKind::NodalForce { group, force }
+            }
+            kind => kind,
+        };
+        Load { kind, ..load }
     }
 
     /// The bodies of a joint.

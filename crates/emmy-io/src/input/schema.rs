@@ -88,7 +88,8 @@ fn rules(section: &Section) -> Map<String, Value> {
         }
         Rule::Input(keys) => {
             let bodies = [&["mesh", "region"][..], &["rigid"]];
-            let all = bodies.iter().flat_map(|body| keys.iter().map(|key| required(&[*body, &[*key]].concat())));
+            let all =
+                bodies.iter().flat_map(|body| keys.iter().map(|key| required(&[*body, &[*key]].concat())));
             let with = |other: &str| required(&[other]);
             json!({
                 "anyOf": all.collect::<Vec<_>>(),

@@ -65,11 +65,12 @@ impl FrameSource {
             }
             FrameSource::Files(listed) => Ok(vtu::frame(&listed[0].path, &read(&listed[0])?)?),
             FrameSource::Series(series, _) => {
-                let mesh = series.mesh().map_err(|error| unreadable_series(series, error))?;
+                let grid = series.points_and_cells();
+                let (points, cells) = grid.map_err(|error| unreadable_series(series, error))?;
                 let at_nodes = series.fields().into_iter().filter(|field| field.place() == Place::Nodes);
                 Ok(vtu::Frame {
-                    points: mesh.points().to_vec(),
-                    cells: mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect(),
+                    points,
+                    cells,
                     fields: at_nodes.map(|f| (f.name().to_string(), f.components().len())).collect(),
                 })
             }

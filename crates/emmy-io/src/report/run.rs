@@ -72,6 +72,8 @@ impl RunData {
             "more_events": more_events,
             "probes": names(&tree, "probes"),
             "values": names(&tree, "values"),
+            "joints": joints(&tree),
+            "rigid": rigid_bodies(&tree),
             "files": files.filter(is_there).collect::<Vec<_>>(),
             "history": columns,
             "frames": frames,
@@ -117,6 +119,31 @@ pub(super) fn shortened(mut input: String) -> String {
         input += &format!("\n...\n# This is the beginning; all {length} bytes are in input.toml.\n");
     }
     input
+}
+
+/// Names and kinds of the joints.
+fn joints(input: &toml::Table) -> Vec<Value> {
+    let own = |(number, table): (usize, &toml::Table)| {
+        let name = table.get("name").and_then(toml::Value::as_str);
+        let name = name.map_or_else(|| format!("joint-{number}"), str::to_string);
+        let is_kind = |(key, value): (&String, &toml::Value)| value.get("between").map(|_| key.clone());
+        json!({ "name": name, "kind": table.iter().find_map(is_kind) })
+    };
+    (1..).zip(tables(input, "joint")).map(own).collect()
+}
+
+/// Names of the rigid bodies.
+fn rigid_bodies(input: &toml::Table) -> Vec<&str> {
+    tables(input, "rigid").into_iter().filter_map(|table| table.get("name")?.as_str()).collect()
+}
+
+/// The tables of a section: a list, or one alone.
+fn tables<'a>(input: &'a toml::Table, section: &str) -> Vec<&'a toml::Table> {
+    match input.get(section) {
+        Some(toml::Value::Array(all)) => all.iter().filter_map(toml::Value::as_table).collect(),
+        Some(toml::Value::Table(table)) => vec![table],
+        _ => Vec::new(),
+    }
 }
 
 /// Names of the entries of a list in `[output]`.

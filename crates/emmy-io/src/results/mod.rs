@@ -15,7 +15,9 @@ use serde_json::Value;
 use crate::accuracy::{self, Accuracy};
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock};
-use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Peaks, keep_largest};
+use crate::history::{
+    Extreme, HistoryColumns, HistoryError, HistoryFile, Peak, Peaks, RESIDUAL, keep_largest,
+};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::recording::{OtherFields, Recording};
@@ -263,6 +265,12 @@ impl Results {
     /// fields that the input asks for, over every step; otherwise for the von Mises stress, over the frames.
     pub fn extremes(&self) -> &[Extreme] {
         &self.extremes
+    }
+
+    /// The largest opening of a joint or change of a rigid body's shape, over the size of the whole; `None` without
+    /// constraints, and on ranks that do not write the files of the run.
+    pub fn worst_constraint(&self) -> Option<&Peak> {
+        self.files.as_ref()?.peaks.of_column(RESIDUAL)
     }
 
     /// Whether the largest value of a field is taken over every step, not only over the frames.

@@ -7,8 +7,8 @@ use emmy::mesh::Mesh;
 use rayon::prelude::*;
 
 use super::array::{data_array, named_components};
-use super::marks::marks;
-use super::{Precision, cell_type, escaped};
+use super::grid::{Grid, on_grid};
+use super::{Precision, escaped};
 
 /// The parts that are the same in every frame, as XML.
 #[derive(Debug)]
@@ -23,32 +23,24 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(precision: Precision, mesh: &Mesh, region_of_cell: Option<&[u32]>) -> Self {
-        let offsets = mesh.cells().scan(0, |end, cell| {
-            *end += cell.nodes.len() as i64;
-            Some(*end)
-        });
-        let nodes = mesh.cells().flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node)));
-        let points = data_array("Points", 3, mesh.points().iter().flatten().copied());
-        let cells = data_array("connectivity", 1, nodes)
-            + &data_array("offsets", 1, offsets)
-            + &data_array("types", 1, mesh.cells().map(|cell| cell_type(cell.kind)));
+    pub(super) fn new(precision: Precision, grid: &Grid<'_>) -> Self {
+        let points = data_array("Points", 3, grid.mesh.points().iter().flatten().copied());
+        let cells = data_array("connectivity", 1, grid.connectivity().into_iter())
+            + &data_array("offsets", 1, grid.ends().into_iter())
+            + &data_array("types", 1, grid.types().into_iter());
         let groups = |place: Place| -> String {
-            let marks = marks(mesh).into_iter().filter(|marks| marks.place == place);
+            let marks = grid.marks().into_iter().filter(|marks| marks.place == place);
             marks.map(|marks| data_array(&escaped(&marks.name), 1, marks.bits.into_iter())).collect()
         };
         Frame {
             precision,
-            n_nodes: mesh.n_nodes(),
-            n_cells: mesh.n_cells(),
+            n_nodes: grid.mesh.n_nodes(),
+            n_cells: grid.n_cells(),
             points_and_cells: format!("<Points>\n{points}</Points>\n<Cells>\n{cells}</Cells>\n"),
             point_data: groups(Place::Nodes),
-            cell_data: match region_of_cell {
+            cell_data: match grid.regions() {
                 None => groups(Place::Cells),
-                Some(regions) => {
-                    data_array("region", 1, regions.iter().map(|&region| region as i32))
-                        + &groups(Place::Cells)
-                }
+                Some(regions) => data_array("region", 1, regions.into_iter()) + &groups(Place::Cells),
             },
         }
     }
@@ -67,7 +59,7 @@ impl Frame {
         let empty = |field: &FieldValues| FieldValues { name: field.name, numbers: Vec::new() };
         let of = |place: Place| -> String {
             let fields = fields.iter().filter(|field| field.name.place() == place);
-            fields.map(|field| declared(&array(&empty(field), self.precision))).collect()
+            fields.map(|field| declared(&array(&empty(field), 0, self.precision))).collect()
         };
         let mut xml = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" {ATTRIBUTES}>\n<PUnstructuredGrid GhostLevel=\"0\">\n"
@@ -93,7 +85,8 @@ impl Frame {
         );
         self.push_piece(&mut xml);
         xml += &point_data(fields, "PointData");
-        let arrays: Vec<String> = fields.par_iter().map(|field| array(field, self.precision)).collect();
+        let arrays: Vec<String> =
+            fields.par_iter().map(|field| array(field, self.n_cells, self.precision)).collect();
         let of =
             |place: Place| fields.iter().zip(&arrays).filter(move |(field, _)| field.name.place() == place);
         of(Place::Nodes).for_each(|(_, array)| xml += array);
@@ -153,7 +146,7 @@ fn declared(arrays: &str) -> String {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mesh_file(mesh: &Mesh) -> String {
-    let frame = Frame::new(Precision::Double, mesh, None);
+    let frame = Frame::new(Precision::Double, &Grid::new(mesh, None));
     let mut xml = format!("{}{MESH_MARK}\n", head());
     frame.push_piece(&mut xml);
     xml + "<PointData>\n" + &frame.point_data + "</PointData>\n<CellData>\n" + &frame.cell_data + TAIL
@@ -162,10 +155,11 @@ pub fn mesh_file(mesh: &Mesh) -> String {
 /// Comment in the file of a mesh that Emmy has written.
 pub(crate) const MESH_MARK: &str = "<!-- Written by Emmy: the mesh of a run. -->";
 
-fn array(field: &FieldValues, precision: Precision) -> String {
+fn array(field: &FieldValues, n_cells: usize, precision: Precision) -> String {
     let name = field.name.name();
     let components = field.name.components();
-    let numbers = field.numbers.iter();
+    let numbers = on_grid(field, n_cells);
+    let numbers = numbers.iter();
     match precision {
         Precision::Double => named_components(name, components, numbers.copied()),
         Precision::Single => named_components(name, components, numbers.map(|&number| number as f32)),

@@ -12,6 +12,7 @@ use emmy::team::{self, Alone, Subdomain, Team};
 
 use super::frame::Frame;
 use super::frame_names::{self, Layout, remove_frames_where, stem};
+use super::grid::Grid;
 use super::pieces::Pieces;
 use super::{FrameTime, Precision, escaped, name_of};
 use crate::team::{agreed, on_first_rank};
@@ -59,7 +60,12 @@ impl FrameFiles {
         mesh: &Mesh,
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
-        FrameFiles::new(directory, Frame::new(precision, mesh, Some(region_of_cell)), None)
+        FrameFiles::of_grid(directory, precision, &Grid::new(mesh, Some(region_of_cell)))
+    }
+
+    /// The same of a grid.
+    pub(super) fn of_grid(directory: &Path, precision: Precision, grid: &Grid<'_>) -> io::Result<Self> {
+        FrameFiles::new(directory, Frame::new(precision, grid), None)
     }
 
     /// As [`FrameFiles::create`], of a team: each rank gives the mesh of its share and its part.

@@ -5,6 +5,7 @@ mod array;
 mod frame;
 mod frame_files;
 mod frame_names;
+mod grid;
 mod marks;
 mod pieces;
 mod series;
@@ -22,6 +23,8 @@ pub(crate) use frame::{CELL, MESH_MARK, NODE};
 pub(crate) use frame_files::COLLECTION_MARK;
 pub use frame_files::FrameFiles;
 pub(crate) use frame_names::{is_of_frame, remove_frames};
+use grid::Grid;
+pub(crate) use grid::VERTEX;
 pub use series::{Series, SeriesReader};
 pub(crate) use series::{is_series, series_fields};
 
@@ -134,7 +137,7 @@ impl FrameWriter {
         Ok(match format {
             Format::Vtu => FrameWriter::Vtu(files(precision, directory, body)?),
             Format::Vtkhdf => {
-                let series = Series::create(directory, precision, body.mesh(), body.region_of_cell())?;
+                let series = Series::of_grid(directory, precision, &Grid::of(body))?;
                 FrameWriter::Vtkhdf(Box::new(series))
             }
         })
@@ -159,8 +162,7 @@ impl FrameWriter {
                 Ok((FrameWriter::Vtu(frames), missing))
             }
             Format::Vtkhdf => {
-                let mesh = (body.mesh(), body.region_of_cell());
-                let (series, missing) = Series::resume(directory, precision, mesh, kept)?;
+                let (series, missing) = Series::resume(directory, precision, &Grid::of(body), kept)?;
                 Ok((FrameWriter::Vtkhdf(Box::new(series)), missing))
             }
         }
@@ -209,7 +211,7 @@ impl FrameWriter {
 fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<Box<FrameFiles>> {
     let (mesh, regions) = (body.mesh(), body.region_of_cell());
     let files = match body.ranks().size() {
-        1 => FrameFiles::create(directory, precision, mesh, regions),
+        1 => FrameFiles::of_grid(directory, precision, &Grid::of(body)),
         _ => FrameFiles::shared(directory, precision, mesh, regions, body.ranks()),
     };
     files.map(Box::new)

@@ -8,6 +8,7 @@ use emmy::team::Subdomain;
 
 use super::Precision;
 use super::frame::Frame;
+use super::grid::Grid;
 
 /// The own piece and the ranks that have one.
 #[derive(Debug)]
@@ -43,7 +44,11 @@ impl Pieces {
         let nodes = whole(&self.nodes, self.subdomain.nodes());
         let cells = whole(&self.cells, self.subdomain.cells());
         let part = mesh.part(&self.nodes, &self.cells);
-        Frame::new(precision, &part, Some(&regions)).numbered(&nodes, &cells, self.subdomain.rank())
+        Frame::new(precision, &Grid::new(&part, Some(&regions))).numbered(
+            &nodes,
+            &cells,
+            self.subdomain.rank(),
+        )
     }
 
     /// Whether this rank has a piece.

@@ -12,6 +12,7 @@ mod input_mistakes;
 mod input_robustness;
 mod input_round_trip;
 mod inputs_in_memory;
+mod mechanisms;
 mod mesh_abaqus;
 mod mesh_abaqus_account;
 mod mesh_beams;

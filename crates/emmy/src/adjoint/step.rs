@@ -247,7 +247,7 @@ impl<'a> AdjointStep<'a> {
 /// [`Error::Adjoint`].
 pub(super) fn check_body(body: &Body) -> Result<()> {
     let not_covered = [
-        (!body.constraints().is_empty(), "rigid bodies and joints are not covered; supports are"),
+        (!body.mechanism.is_empty(), "rigid bodies and joints are not covered; supports are"),
         (!body.ties().is_empty(), "ties are not covered"),
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),

@@ -303,7 +303,8 @@ impl Body {
         let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let pattern = couplings(&mesh, &internal, &ties, &frames).with_inner_rows_from(mesh.n_nodes());
+        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node))?;
+        let pattern = couplings(&mesh, &internal, &ties, &mechanism).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
@@ -313,7 +314,7 @@ impl Body {
         for mass in &nodal.masses {
             regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
-        regions_and_masses.extend(frames.iter().map(Frame::summary));
+        regions_and_masses.extend(mechanism.frames.iter().map(Frame::summary));
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
         let point_terms = &nodal;
         let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {
@@ -337,6 +338,7 @@ impl Body {
                 .chain(forces_of(&point_terms.attractions, &site))
                 .chain(forces_of(&loads, &site))
                 .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)))
+                .chain(mechanism.forces(&pattern).into_iter().map(Ok))
                 .chain(further);
             all.collect::<Result<Vec<_>>>().map(Arc::new)
         };
@@ -345,7 +347,6 @@ impl Body {
         let has_quadratic_cells = mesh.cells().any(|cell| cell.nodes.len() > cell.kind.n_corners());
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
-        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node))?;
         let guests = n_own..mesh.n_nodes();
         let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
@@ -416,9 +417,10 @@ fn forces_of<'a>(
     sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
-/// The pattern of the nodes that cells and rigid bodies couple, with those that tied nodes follow.
-fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, frames: &[Frame]) -> Pattern {
-    if internal.dofs().is_empty() && ties.is_empty() && frames.is_empty() {
+/// The pattern of the nodes that cells, rigid bodies and springs of joints couple, with those that tied nodes follow.
+fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, mechanism: &Mechanism) -> Pattern {
+    let others: Vec<Vec<u32>> = mechanism.coupled_nodes().collect();
+    if internal.dofs().is_empty() && ties.is_empty() && others.is_empty() {
         return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
     }
     let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
@@ -426,7 +428,6 @@ fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, frames: &[Frame
         let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
         cell.nodes.iter().copied().chain(others).collect()
     };
-    let of_frames = frames.iter().map(|frame| frame.nodes().collect());
-    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).chain(of_frames).collect();
+    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).chain(others).collect();
     Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))
 }

@@ -76,7 +76,7 @@ impl ConstrainedVelocity {
     /// As [`ConstrainedVelocity::project`].
     pub(crate) fn project_joints(&mut self, body: &Body, time: f64, u: &[f64], v: &mut [f64]) -> Result<f64> {
         let (largest, impulses) = self.impulses(body, time, u, v)?;
-        for (&dof, row) in self.dofs.iter().zip(self.inverse_mass.chunks_exact(impulses.len())) {
+        for (&dof, row) in self.dofs.iter().zip(self.inverse_mass.chunks_exact(impulses.len().max(1))) {
             v[dof] -= row.iter().zip(&impulses).map(|(f, impulse)| f * impulse).sum::<f64>();
         }
         Ok(largest)
@@ -92,6 +92,9 @@ impl ConstrainedVelocity {
     /// The largest `|G v + dPhi/dt|`, and `G^T nu` of the joint nodes.
     fn impulses(&mut self, body: &Body, time: f64, u: &[f64], v: &[f64]) -> Result<(f64, Vec<f64>)> {
         let constraints = body.constraints();
+        if constraints.is_empty() {
+            return Ok((0.0, Vec::new()));
+        }
         let (m, n) = (constraints.len(), self.dofs.len());
         self.times.set_time((constraints, body.space.inactive()), time, &|dof| u[dof]);
         constraints.set_gradients((&self.times, 0), &|dof| u[dof], &mut self.gradients);

@@ -20,9 +20,9 @@ mod team;
 
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
-    Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind, Load,
-    LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass, Support, Tie, TimeFunction,
-    Viscosity,
+    Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind,
+    JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass, Support,
+    Tie, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
 pub use crate::space::{Reaction, TieSummary};

@@ -104,6 +104,11 @@ impl Body {
         &self.mechanism.joints
     }
 
+    /// Number of the constraints of all joints, drives included.
+    pub fn n_constraints(&self) -> usize {
+        self.mechanism.n_constraints()
+    }
+
     /// How many ways the mechanism of rigid bodies and joints can move where it is drawn.
     pub fn mobility(&self) -> Mobility {
         self.mechanism.mobility(self.space.inactive())
@@ -126,12 +131,12 @@ impl Body {
         &self.mechanism.constraints
     }
 
-    /// Checks that the body has no constraints, for a computation without multipliers.
+    /// Checks that the body has neither constraints nor joints, for a computation without them.
     ///
     /// # Errors
     /// [`Error::Constrained`].
     pub(crate) fn check_unconstrained(&self, what: &'static str) -> Result<()> {
-        if self.constraints().is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
+        if self.mechanism.is_empty() { Ok(()) } else { Err(Error::Constrained { what }) }
     }
 
     /// Number of degrees of freedom that are not given.

@@ -23,6 +23,21 @@ pub struct Joint {
     /// Given motion: the angle of the first body about the axis of the second \[rad\], its slide along the axis
     /// \[length\], or the change of the distance \[length\]. Without jumps, and zero at the start.
     pub drive: Option<TimeFunction>,
+    /// A spring in the coordinate.
+    pub spring: Option<JointSpring>,
+    /// Damping of the coordinate, force or torque over its rate.
+    pub damping: f64,
+    /// Torque about the axis, force along it, or force that opens the distance, on the first body, over time.
+    pub motor: Option<TimeFunction>,
+}
+
+/// A spring in the angle, the slide or the distance of a joint: the energy `stiffness (x - rest)^2 / 2`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointSpring {
+    /// Stiffness, force over length or torque over angle.
+    pub stiffness: f64,
+    /// Coordinate without a force: an angle or a slide from the drawing, a distance; `None`: as drawn.
+    pub rest: Option<f64>,
 }
 
 /// One of the two bodies of a joint.
@@ -78,12 +93,37 @@ pub enum JointKind {
         /// The point of the second body \[length\].
         to: [f64; 3],
     },
+    /// A line between a point of each, without a constraint: it carries a spring, a damping or a motor.
+    Line {
+        /// The point of the second body \[length\].
+        to: [f64; 3],
+    },
 }
 
 impl Joint {
     /// A joint without a drive.
     pub fn new(name: impl Into<String>, kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Self {
-        Joint { name: name.into(), kind, between, at, drive: None }
+        Joint { name: name.into(), kind, between, at, drive: None, spring: None, damping: 0.0, motor: None }
+    }
+
+    /// The same joint with a spring.
+    pub fn with_spring(self, stiffness: f64, rest: Option<f64>) -> Self {
+        Joint { spring: Some(JointSpring { stiffness, rest }), ..self }
+    }
+
+    /// The same joint with a damping.
+    pub fn with_damping(self, damping: f64) -> Self {
+        Joint { damping, ..self }
+    }
+
+    /// The same joint with a torque or force over time.
+    pub fn with_motor(self, motor: TimeFunction) -> Self {
+        Joint { motor: Some(motor), ..self }
+    }
+
+    /// Whether a spring, a damping or a motor acts in it.
+    pub fn has_force(&self) -> bool {
+        self.spring.is_some() || self.damping != 0.0 || self.motor.is_some()
     }
 
     /// The same joint with a given motion.
@@ -105,6 +145,7 @@ impl JointKind {
             JointKind::Planar { .. } => "planar",
             JointKind::Fixed => "fixed",
             JointKind::Distance { .. } => "distance",
+            JointKind::Line { .. } => "line",
         }
     }
 
@@ -113,7 +154,7 @@ impl JointKind {
         match self {
             JointKind::Revolute { .. } | JointKind::Cylindrical { .. } => Some("angle"),
             JointKind::Prismatic { .. } => Some("slide"),
-            JointKind::Distance { .. } => Some("distance"),
+            JointKind::Distance { .. } | JointKind::Line { .. } => Some("distance"),
             _ => None,
         }
     }

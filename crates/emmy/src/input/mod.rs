@@ -23,7 +23,7 @@ mod viscosity;
 
 pub use field::Field;
 pub use initial_velocity::InitialVelocity;
-pub use joint::{Joint, JointEnd, JointKind};
+pub use joint::{Joint, JointEnd, JointKind, JointSpring};
 pub use load::{FieldDomain, Load, LoadKind};
 pub use points::{GroundAttraction, GroundSpring, PointMass, PointTerms, SpreadMass};
 pub use region::Region;

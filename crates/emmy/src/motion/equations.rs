@@ -78,7 +78,7 @@ impl Motion<'_> {
         if !self.scheme.is_time_element() && !matches!(self.scheme, Scheme::Own(_)) {
             return Err(self.without("residual and tangent need a time element"));
         }
-        if !self.body.constraints().is_empty() {
+        if !self.body.mechanism.is_empty() {
             return Err(self.without("joints have multipliers, which are not among the rates"));
         }
         self.check_step_size(step_size)?;

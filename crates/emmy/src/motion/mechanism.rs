@@ -14,12 +14,12 @@ pub(super) struct MechanismRecorder {
 }
 
 impl MechanismRecorder {
-    /// A recorder; `None` for a body without constraints.
+    /// A recorder; `None` for a body without rigid bodies and joints.
     ///
     /// # Errors
     /// As [`ConstrainedVelocity::new`].
     pub(super) fn new(body: &Body) -> Result<Option<Self>> {
-        if body.constraints().is_empty() && body.rigid_bodies().len() == 0 {
+        if body.mechanism.is_empty() {
             return Ok(None);
         }
         Ok(Some(MechanismRecorder { velocity: ConstrainedVelocity::new(body)?, allowed: Vec::new() }))

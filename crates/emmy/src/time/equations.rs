@@ -102,7 +102,7 @@ impl<'a> Equations<'a> {
         self.scheme_force.begin(&state.momentum);
         let is_loaded = self.body.begin(rule, (span, *sampling), &state.history, &mut self.assembly)?;
         self.driven.set(&self.body.space, rule, span, &self.displacement)?;
-        if !self.body.constraints().is_empty() {
+        if !self.body.mechanism.is_empty() {
             let body = (self.body.constraints(), self.body.space.inactive());
             self.constraint_step.begin(body, rule, span, &self.displacement);
         }
@@ -359,7 +359,7 @@ impl<'a> Equations<'a> {
     /// Sets the forces of the joints in a solved step. Returns the work of the given motions.
     pub(super) fn set_joint_forces(&self, unknowns: &[f64], joints: &mut [JointState]) -> f64 {
         let Equations { body, constraint_step: times, .. } = self;
-        if body.constraints().is_empty() {
+        if body.mechanism.is_empty() {
             return 0.0;
         }
         let [x, multipliers, _] = self.blocks.split(unknowns);

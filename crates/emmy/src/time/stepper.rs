@@ -33,7 +33,7 @@ impl BodyFeature {
             (BodyFeature::PrescribedMotion, body.is_driven()),
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
-            (BodyFeature::Joints, !body.constraints().is_empty()),
+            (BodyFeature::Joints, !body.mechanism.is_empty()),
             (BodyFeature::Ties, !body.ties().is_empty()),
             (BodyFeature::ForcesWithHistory, body.n_history() > 0),
         ];

@@ -20,6 +20,8 @@ use crate::input::Span;
 #[derive(Debug, Default)]
 pub(crate) struct ConstraintStep {
     step_size: f64,
+    /// Times of the stages.
+    times: Vec<f64>,
     /// Numbers of the driven constraints.
     driven: Vec<usize>,
     /// The driven constraints at the k stages, at the end and at the start.
@@ -35,13 +37,21 @@ impl ConstraintStep {
         let driven: Vec<usize> = (0..constraints.len()).filter(is_driven).collect();
         let rows: Vec<Constraint> = driven.iter().map(|&c| constraints.rows()[c].clone()).collect();
         let at = if driven.is_empty() { Vec::new() } else { vec![rows; k + 2] };
-        ConstraintStep { step_size: 0.0, driven, at, n_stages: k, range: Range::new(constraints) }
+        ConstraintStep {
+            step_size: 0.0,
+            times: vec![0.0; k],
+            driven,
+            at,
+            n_stages: k,
+            range: Range::new(constraints),
+        }
     }
 
     /// Sets the times of a step, and the range of the constraints to that at its start.
     pub(crate) fn begin(&mut self, body: (&Constraints, &[bool]), rule: &Rule, span: Span, start: &[f64]) {
         self.step_size = span.size;
-        let times = rule.nodes().iter().map(|&alpha| span.time(alpha)).chain([span.end, span.start]);
+        self.times.iter_mut().zip(rule.nodes()).for_each(|(time, &alpha)| *time = span.time(alpha));
+        let times = self.times.iter().copied().chain([span.end, span.start]);
         for (time, rows) in times.zip(&mut self.at) {
             rows.iter_mut().for_each(|row| row.set_time(time));
         }
@@ -88,6 +98,11 @@ impl ConstraintStep {
     /// Whether some constraint has a given motion.
     pub(crate) fn is_driven(&self) -> bool {
         !self.driven.is_empty()
+    }
+
+    /// Time of a stage.
+    pub(crate) fn time(&self, stage: usize) -> f64 {
+        self.times[stage]
     }
 
     /// Step size \[time\].

@@ -1,17 +1,20 @@
 //! The rigid bodies and joints of a body.
 
-use super::affine::Affine;
+use std::sync::Arc;
+
 use super::attachments::Attachments;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
 use super::frame::{Frame, RigidMotion};
-use super::joint::{JointParts, Measure};
+use super::joint::JointParts;
+use super::joint_force::{self, JointLaw};
 use super::joint_output::{JointOutput, JointState};
 use super::range::Range;
 use crate::error::{Error, Result};
-use crate::force::StepInput;
-use crate::input::{Joint, JointEnd};
-use crate::mesh::Mesh;
+use crate::force::{Force, StepInput};
+use crate::input::{Joint, JointEnd, JointKind};
+use crate::mesh::{Mesh, distance};
+use crate::sparse::Pattern;
 
 /// Rigid bodies, joints, and the constraints of both.
 #[derive(Debug, Default)]
@@ -72,13 +75,33 @@ impl Mechanism {
             }
             let begin = rows.len();
             rows.extend(constraints.into_iter().map(|row| row.on_leaders(leaders)));
-            let measure = measure.map(|measure| on_leaders(measure, leaders));
-            outputs.push(JointOutput::new(points, begin..rows.len(), measure));
+            let measure = measure.map(|measure| measure.on_leaders(leaders));
+            let law = JointLaw::new(joint, measure.as_ref())?.map(Arc::new);
+            outputs.push(JointOutput::new(points, begin..rows.len(), measure, law));
         }
         rows.extend(frames.iter().flat_map(Frame::constraints));
         let is_grounded = joints.iter().any(|joint| joint.between.contains(&JointEnd::Ground));
-        let constraints = Constraints::new(rows.into_iter(), mesh.diagonal(), is_grounded);
+        let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded);
         Ok(Mechanism { frames, joints, constraints, outputs })
+    }
+
+    /// Whether it has neither rigid bodies nor joints.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.frames.is_empty() && self.joints.is_empty()
+    }
+
+    /// The nodes that each rigid body and each joint with a force couples.
+    pub(crate) fn coupled_nodes(&self) -> impl Iterator<Item = Vec<u32>> {
+        let of_joints = self.outputs.iter().filter_map(|output| Some(output.law()?.nodes().to_vec()));
+        self.frames.iter().map(|frame| frame.nodes().collect()).chain(of_joints)
+    }
+
+    /// The springs, dampers and motors of the joints.
+    pub(crate) fn forces(&self, pattern: &Pattern) -> Vec<Arc<dyn Force>> {
+        let joints = self.joints.iter().zip(&self.outputs);
+        let laws = joints
+            .filter_map(|(joint, output)| Some((output.law()?, joint.between.contains(&JointEnd::Ground))));
+        laws.flat_map(|(law, is_grounded)| joint_force::forces(law, is_grounded, pattern)).collect()
     }
 
     /// Adds the part of a stage to the forces of the last step.
@@ -104,10 +127,15 @@ impl Mechanism {
         self.frames.iter().map(|frame| frame.motion(u, v)).collect()
     }
 
+    /// Number of the constraints of all joints.
+    pub(crate) fn n_constraints(&self) -> usize {
+        self.outputs.iter().map(JointOutput::n_rows).sum()
+    }
+
     /// How many ways it can move, where `is_held` are the degrees of freedom that supports hold.
     pub(crate) fn mobility(&self, is_held: &[bool]) -> Mobility {
         let rows = self.constraints.rows();
-        let n_of_joints = self.outputs.iter().map(JointOutput::n_rows).sum();
+        let n_of_joints = self.n_constraints();
         // The constraints of the frames come first: those of joints follow from them, not the other way round.
         let rank = |n_joints: usize| {
             let n_rows: usize = self.outputs[..n_joints].iter().map(JointOutput::n_rows).sum();
@@ -139,11 +167,15 @@ impl Mechanism {
     }
 }
 
-fn on_leaders<'t>(measure: Measure, leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy) -> Measure {
-    let own = |affine: Affine| affine.on_leaders(leaders);
-    match measure {
-        Measure::Angle(vectors) => Measure::Angle(vectors.map(own)),
-        Measure::Slide(vectors) => Measure::Slide(vectors.map(own)),
-        Measure::Distance(arm) => Measure::Distance(own(arm)),
-    }
+/// The diagonal of a box around the nodes and the places of the joints.
+fn size_of(mesh: &Mesh, joints: &[Joint]) -> f64 {
+    let places = joints.iter().flat_map(|joint| match joint.kind {
+        JointKind::Distance { to } | JointKind::Line { to } => [joint.at, to],
+        _ => [joint.at; 2],
+    });
+    let bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let [least, most] = mesh.points().iter().copied().chain(places).fold(bounds, |[least, most], X| {
+        [[0, 1, 2].map(|d| X[d].min(least[d])), [0, 1, 2].map(|d| X[d].max(most[d]))]
+    });
+    distance(least, most)
 }

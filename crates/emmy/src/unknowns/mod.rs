@@ -14,6 +14,7 @@ mod constraint_step;
 mod constraints;
 mod frame;
 mod joint;
+mod joint_force;
 mod joint_output;
 mod mechanism;
 mod range;

@@ -42,6 +42,9 @@ impl Range {
         displacement: &dyn Fn(usize) -> f64,
     ) -> usize {
         let n = self.n_rows;
+        if n == 0 {
+            return 0;
+        }
         self.basis.clear();
         self.columns.fill(0.0);
         for (c, row) in rows.enumerate() {

@@ -132,6 +132,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "frame",
             "attachments",
             "joint",
+            "joint_force",
             "joint_output",
             "mechanism",
         ],

@@ -321,3 +321,95 @@ fn given_motions_that_contradict_each_other_are_no_motion() {
     let error = motion.step(0.1).unwrap_err();
     assert!(matches!(error, emmy::Error::ConstraintsLost { .. }), "{error}");
 }
+
+/// A ball on a spring of zero length in rest to the ground: an ellipse, whose period is that of the oscillator; and a
+/// damped and driven hinge, whose energies are booked.
+#[test]
+fn springs_dampers_and_motors_of_joints_are_booked() {
+    let free = [rigid("a"), rigid("b")];
+    let (axis, place) = ([0.3, -0.2, 0.9], [0.4, 0.1, -0.2]);
+    let motor = || {
+        TimeFunction::smooth("0.5*sin(3*t)", |t| {
+            [0.5 * (3.0 * t).sin(), 1.5 * (3.0 * t).cos(), -4.5 * (3.0 * t).sin()]
+        })
+    };
+    let line = JointKind::Line { to: [-1.0, 0.2, 0.1] };
+    let joints = [
+        ("torsion spring", hinge("j", free.clone(), place, axis).with_spring(4.0, None)),
+        ("wound spring", hinge("j", free.clone(), place, axis).with_spring(4.0, Some(1.0))),
+        ("damper", hinge("j", free.clone(), place, axis).with_damping(0.3)),
+        ("motor", hinge("j", free.clone(), place, axis).with_motor(motor())),
+        ("line", Joint::new("j", line, free.clone(), place).with_spring(20.0, Some(1.0)).with_damping(0.2)),
+        (
+            "slide",
+            Joint::new("j", JointKind::Prismatic { axis }, free, place)
+                .with_spring(9.0, Some(0.2))
+                .with_damping(0.1)
+                .with_motor(motor()),
+        ),
+    ];
+    for (name, joint) in joints {
+        let body = Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
+            .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
+            .joint(joint)
+            .build()
+            .unwrap();
+        for k in 1..=3 {
+            let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
+            let state = State::initial(&body, 0.0, &[flies]).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+            let first = motion.record().clone();
+            for _ in 0..40 {
+                let record = motion.step(0.05).unwrap();
+                assert!(record.energy_residual.abs() < 1e-12, "{name}, k = {k}: {record:?}");
+                let change = distance(record.angular_momentum, first.angular_momentum);
+                assert!(change < 1e-11, "{name}, k = {k}: {change:e}");
+            }
+            let last = motion.record();
+            let balance =
+                last.total_energy - first.total_energy - last.external_work + last.dissipated_energy;
+            assert!(balance.abs() < 1e-11, "{name}, k = {k}: {balance:e}");
+            assert_eq!(last.dissipated_energy > 1e-3, ["damper", "line", "slide"].contains(&name), "{name}");
+            assert_eq!(last.external_work != 0.0, ["motor", "slide"].contains(&name), "{name}");
+        }
+    }
+}
+
+/// A wheel on a torsion spring and a damper: `theta = e^(-d t) (cos w t + d/w sin w t) theta_0`.
+#[test]
+fn a_wheel_on_a_spring_swings_as_an_oscillator() {
+    let (stiffness, damping, inertia, angle) = (4.0f64, 0.3, 0.8, 1.0);
+    let wheel = hinge("axle", [rigid("wheel"), JointEnd::Ground], [0.0; 3], [0.0, 0.0, 1.0]);
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("wheel", 2.0, [0.0; 3], [0.5, 0.5, inertia]))
+        .joint(wheel.with_spring(stiffness, Some(-angle)).with_damping(damping))
+        .build()
+        .unwrap();
+    let d = 0.5 * damping / inertia;
+    let w = (stiffness / inertia - d * d).sqrt();
+    let exact = |t: f64| (-d * t).exp() * ((w * t).cos() + d / w * (w * t).sin()) * angle - angle;
+    for (k, h, tolerance) in [(1, 0.01, 2e-4), (2, 0.05, 2e-5), (3, 0.1, 1e-6)] {
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+        (0..(2.0f64 / h).round() as usize).for_each(|_| _ = motion.step(h).unwrap());
+        let error = motion.record().joints[0].coordinate - exact(2.0);
+        assert!(error.abs() < tolerance, "k = {k}: {error:e}");
+    }
+}
+
+/// Half a turn is as far as a spring can be wound up: the energy of an angle is known to full turns.
+#[test]
+fn a_spring_that_is_wound_up_too_far_is_refused() {
+    let wheel = hinge("axle", [rigid("wheel"), JointEnd::Ground], [0.0; 3], [0.0, 0.0, 1.0]);
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("wheel", 2.0, [0.0; 3], [0.5, 0.5, 0.8]))
+        .joint(wheel.with_spring(1e-3, None))
+        .build()
+        .unwrap();
+    let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 2.0], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[spin]).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
+    let error = (0..20).find_map(|_| motion.step(0.1).err()).unwrap();
+    let cause = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
+    assert!(cause.contains("wound up"), "{error}: {cause}");
+}

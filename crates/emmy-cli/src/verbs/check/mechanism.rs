@@ -74,7 +74,7 @@ impl Report {
             | JointKind::Inline { axis }
             | JointKind::Planar { axis } => format!("at {at}, axis {}", vector(axis)),
             JointKind::Universal { axes: [a, b] } => format!("at {at}, axes {} and {}", vector(a), vector(b)),
-            JointKind::Distance { to } => {
+            JointKind::Distance { to } | JointKind::Line { to } => {
                 let length = (0..3).map(|i| (joint.at[i] - to[i]).powi(2)).sum::<f64>().sqrt();
                 let to = self.units.vector(to, "length");
                 format!("from {at} to {to}, length {}", self.units.number(length, "length"))
@@ -86,6 +86,28 @@ impl Report {
             let dimension = if coordinate == "angle" { "" } else { "length" };
             let change = if coordinate == "distance" { "change of the distance" } else { coordinate };
             self.line("", &format!("{change}: {}", summary(drive, self.units, dimension)));
+        }
+        self.forces(joint);
+    }
+
+    /// Spring, damping and motor of a joint.
+    fn forces(&mut self, joint: &Joint) {
+        let is_angle = joint.kind.coordinate() == Some("angle");
+        let [stiffness, damping, rest, motor] = match is_angle {
+            true => ["force·length", "force·length·time", "", "force·length"],
+            false => ["force/length", "force·time/length", "length", "force"],
+        };
+        if let Some(spring) = &joint.spring {
+            let stiffness = self.units.number(spring.stiffness, stiffness);
+            let rest = spring.rest.map_or("as drawn".to_string(), |own| self.units.number(own, rest));
+            self.line("", &format!("spring: stiffness {stiffness}, rest {rest}"));
+        }
+        if joint.damping > 0.0 {
+            self.line("", &format!("damping {}", self.units.number(joint.damping, damping)));
+        }
+        if let Some(own) = &joint.motor {
+            let what = if is_angle { "torque" } else { "force" };
+            self.line("", &format!("{what}: {}", summary(own, self.units, motor)));
         }
     }
 }

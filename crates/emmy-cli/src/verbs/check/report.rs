@@ -121,7 +121,7 @@ impl Report {
         }
         problem.formulations.lines.iter().for_each(|line| self.line("cells", line));
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
-            self.load(load, &resultant, if problem.rigid.is_empty() { "all cells" } else { "all masses" });
+            self.load(load, &resultant, body);
         }
         problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
@@ -292,7 +292,9 @@ impl Report {
         }
     }
 
-    fn load(&mut self, load: &Load, resultant: &LoadResultant, all_masses: &str) {
+    fn load(&mut self, load: &Load, resultant: &LoadResultant, body: &Body) {
+        let all_masses = if body.rigid_bodies().len() == 0 { "all cells" } else { "all masses" };
+        let is_body = |name: &str| body.nodes_of_rigid_body(name).is_some();
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
@@ -302,6 +304,7 @@ impl Report {
             LoadKind::AccelerationField { group, .. } => {
                 ("acceleration field", group.as_deref().unwrap_or(all_masses))
             }
+            LoadKind::NodalForce { group, .. } if is_body(group) => ("force", group.as_str()),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),
         };

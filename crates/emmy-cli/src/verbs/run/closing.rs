@@ -141,6 +141,19 @@ impl Closing<'_> {
         let (size, of) = statistics.angular_momentum_size();
         let relative = Some((part(angular_momentum, size), of));
         residual("angular momentum", angular_momentum, "mass·length²/time", relative);
+        self.constraints();
+    }
+
+    /// How well the constraints of joints and rigid bodies were kept.
+    fn constraints(&self) {
+        if let Some(worst) = self.results.worst_constraint() {
+            message!(
+                self.host,
+                "worst constraint:  {:.2e} of the size of the mechanism, at {}",
+                worst.largest,
+                moment(self.problem, worst.largest_time)
+            );
+        }
     }
 
     /// Resultant and moment of all forces, which vanish in equilibrium.

@@ -49,7 +49,7 @@ fn on_box(name: &str, joint: &str) -> Mistake {
 }
 
 pub(super) fn all() -> Vec<Mistake> {
-    [bodies(), joints(), drives(), names(), meshes()].into_iter().flatten().collect()
+    [bodies(), joints(), drives(), forces(), names(), meshes()].into_iter().flatten().collect()
 }
 
 fn bodies() -> Vec<Mistake> {
@@ -116,8 +116,6 @@ fn joints() -> Vec<Mistake> {
         door("joint-of-another-length", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = 2.5 }").unseen(),
         door("joint-of-no-length", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = 0 }"),
         door("joint-of-a-length-of-a-wrong-kind", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = true }"),
-        door("joint-with-a-spring", HINGE, &format!("{HINGE}\nspring = {{ stiffness = 4.0 }}")),
-        door("joint-with-a-motor", HINGE, &format!("{HINGE}\ntorque = \"sin(t)\"")),
         door("joint-that-is-released", HINGE, &format!("{HINGE}\nuntil = 3.0")),
         door("joint-with-another-scheme", "\"DGM\"", "\"Bathe\"").unseen(),
         door("joint-with-a-scheme-of-explicit-steps", "\"DGM\"", "\"central-differences\"").unseen(),
@@ -141,6 +139,30 @@ fn drives() -> Vec<Mistake> {
             "drive-of-a-spherical-joint",
             HINGE,
             "spherical = { between = [\"door\", \"ground\"], at = [0, 0, 0] }\nangle = \"t\"",
+        )
+        .unseen(),
+    ]
+}
+
+fn forces() -> Vec<Mistake> {
+    let hinge = |name: &str, keys: &str| door(name, HINGE, &format!("{HINGE}\n{keys}"));
+    let rod = |name: &str, kind: &str, keys: &str| {
+        let points = "{ between = [\"lamp\", \"door\"], points = [[1, 0, 3], [1, 0, 2]] }";
+        door(name, &format!("distance = {points}"), &format!("{kind} = {points}\n{keys}"))
+    };
+    vec![
+        hinge("spring-beside-a-drive", "angle = \"t\"\nspring = { stiffness = 4.0 }").unseen(),
+        hinge("spring-without-stiffness", "spring = { rest = 4.0 }"),
+        hinge("spring-of-a-number", "spring = 4.0"),
+        hinge("force-in-a-hinge", "force = \"sin(t)\"").unseen(),
+        hinge("damping-that-drives", "damping = -1"),
+        rod("torque-in-a-line", "line", "torque = \"sin(t)\"").unseen(),
+        rod("line-without-a-force", "line", "").unseen(),
+        rod("spring-in-a-rigid-link", "distance", "spring = { stiffness = 4.0 }").unseen(),
+        door(
+            "damping-of-a-spherical-joint",
+            HINGE,
+            "spherical = { between = [\"door\", \"ground\"], at = [0, 0, 0] }\ndamping = 1",
         )
         .unseen(),
     ]

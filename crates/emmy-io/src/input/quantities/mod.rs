@@ -7,7 +7,7 @@ use emmy::body::FieldName;
 
 pub(super) use read::{PROBE, Requested, VALUE, field, of_extremes, read};
 
-use crate::history::ColumnInfo;
+use crate::history::{ColumnInfo, MechanismColumns};
 
 /// Quantities in the history besides those of the whole body.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,6 +16,8 @@ pub struct Quantities {
     pub reactions: Vec<(String, usize)>,
     /// Whether the input names these groups; otherwise they are all supported groups.
     pub names_reactions: bool,
+    /// Columns of joints and rigid bodies.
+    pub(crate) mechanism: MechanismColumns,
     /// Nodes that are followed.
     pub probes: Vec<Probe>,
     /// Fields whose largest value is written.
@@ -109,15 +111,16 @@ impl Quantities {
     pub fn columns(&self) -> Vec<ColumnInfo> {
         let probes = self.probes.iter().flat_map(Probe::columns);
         let reactions = self.reactions.iter().flat_map(|(group, _)| reaction_columns(group));
+        let mechanism = self.mechanism.owned().into_iter().map(|(_, column)| column);
         let extremes = self.extremes.iter().map(|field| extreme_column(*field));
         let values = self.values.iter().flat_map(value_columns);
-        probes.chain(reactions).chain(extremes).chain(values).collect()
+        probes.chain(reactions).chain(mechanism).chain(extremes).chain(values).collect()
     }
 
-    /// Names of the columns that the input names: all but reactions that it does not list.
+    /// Names of the columns that the input names: all but joints, rigid bodies, and reactions that it does not list.
     pub(crate) fn named_columns(&self) -> Vec<String> {
         let reactions = if self.names_reactions { self.reactions.clone() } else { Vec::new() };
-        let named = Quantities { reactions, ..self.clone() };
+        let named = Quantities { reactions, mechanism: MechanismColumns::default(), ..self.clone() };
         named.columns().into_iter().map(|column| column.name).collect()
     }
 }

@@ -6,7 +6,7 @@ use emmy::internals::number::{short, short_vector};
 use super::{
     GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
 };
-use crate::history::{ColumnInfo, column_of_peak, fixed_names, nodes_of};
+use crate::history::{ColumnInfo, MechanismColumns, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
 use crate::input::placed::Members as MemberKind;
@@ -34,10 +34,12 @@ impl Requested {
         let supported: Vec<String> = body.supported_groups().map(str::to_string).collect();
         faults.finish()?;
         let reactions = self.reactions(supported);
-        self.check_columns(&reactions)?;
+        let mechanism = MechanismColumns::of(body);
+        self.check_columns(&reactions, &mechanism)?;
         Ok(Quantities {
             reactions,
             names_reactions: self.reactions.is_some(),
+            mechanism,
             probes: values(self.probes),
             extremes: values(self.extremes),
             values: values(self.values),
@@ -78,11 +80,22 @@ impl Requested {
     }
 
     /// No two columns may have the same name, and none that of a peak of another one.
-    fn check_columns(&self, reactions: &[(String, usize)]) -> Result<(), Fault> {
+    fn check_columns(
+        &self,
+        reactions: &[(String, usize)],
+        mechanism: &MechanismColumns,
+    ) -> Result<(), Fault> {
         let mut taken: Vec<String> = fixed_names().map(str::to_string).collect();
         let names =
             |columns: Vec<ColumnInfo>| columns.into_iter().map(|column| column.name).collect::<Vec<_>>();
         taken.extend(reactions.iter().flat_map(|(group, _)| names(reaction_columns(group))));
+        for (owner, ColumnInfo { name, .. }) in mechanism.owned() {
+            if let (Some(owner), true) = (owner, taken.contains(&name)) {
+                let message = format!("`{owner}` would have a column `{name}`, which is there already");
+                return Err(Fault::new(message).help("give this joint or rigid body another name"));
+            }
+            taken.push(name);
+        }
         taken.extend(self.extremes.iter().map(|(field, _)| format!("max_{field}")));
         let probes = self.probes.iter().map(|(probe, place)| (names(probe.columns()), place));
         let values = self.values.iter().map(|(value, place)| (names(value_columns(value)), place));

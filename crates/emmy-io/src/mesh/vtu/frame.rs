@@ -8,13 +8,14 @@ use emmy::mesh::CellKind;
 use super::super::{MeshError, Result, without_mark};
 use super::cell::Type;
 use super::file::{Parts, Piece, document, no_cells};
+use crate::vtk::VERTEX;
 
 /// Contents of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frame {
     /// Reference positions of the nodes.
     pub(crate) points: Vec<[f64; 3]>,
-    /// Cells with their nodes.
+    /// Cells with their nodes; axes of rigid bodies are lines, their centres lines without length.
     pub(crate) cells: Vec<(CellKind, Vec<u32>)>,
     /// Names of the arrays at the nodes, with their numbers of components.
     pub(crate) fields: Vec<(String, usize)>,
@@ -34,7 +35,10 @@ pub(crate) fn frame(file: &Path, bytes: &[u8]) -> Result<Frame> {
                     |&node: &i64| u32::try_from(node).ok().filter(|&node| (node as usize) < points.len());
                 nodes.iter().map(node).collect()
             });
-            let cell = nodes.and_then(|nodes| Some((Type::of(id)?.kind(nodes.len())?, nodes)));
+            let cell = nodes.and_then(|nodes| match nodes[..] {
+                [centre] if id == i64::from(VERTEX) => Some((CellKind::Line2, vec![centre; 2])),
+                _ => Some((Type::of(id)?.kind(nodes.len())?, nodes)),
+            });
             let wrong = || MeshError::Grid {
                 file: file.to_path_buf(),
                 problem: format!("cell {} is none that Emmy writes", cells.len()),

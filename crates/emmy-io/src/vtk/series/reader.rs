@@ -8,7 +8,7 @@ use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 
 use super::{groups, rejected};
-use crate::vtk::{FACETS, GROUP, Precision, cell_type};
+use crate::vtk::{FACETS, GROUP, Precision, VERTEX, cell_type};
 use crate::whole_file;
 
 /// Reads a `.vtkhdf` that Emmy wrote.
@@ -39,6 +39,9 @@ pub struct SeriesReader {
     n_nodes: usize,
     n_cells: usize,
 }
+
+/// Points, and kinds and nodes of cells.
+pub(crate) type PointsAndCells = (Vec<[f64; 3]>, Vec<(CellKind, Vec<u32>)>);
 
 impl fmt::Debug for SeriesReader {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -114,25 +117,38 @@ impl SeriesReader {
         self.fields().into_iter().map(values).collect::<io::Result<_>>().map(Some)
     }
 
-    /// The mesh with its groups.
-    ///
-    /// # Errors
-    /// Errors of the system, an invalid mesh.
-    pub fn mesh(&self) -> io::Result<Mesh> {
+    /// Points and cells; axes of rigid bodies are lines, their centres lines without length.
+    pub(crate) fn points_and_cells(&self) -> io::Result<PointsAndCells> {
         let of = |name: &str| format!("VTKHDF/{name}");
         let points: Vec<f64> = read(&self.file, &of("Points"))?;
         let [nodes, ends]: [Vec<i64>; 2] =
             [read(&self.file, &of("Connectivity"))?, read(&self.file, &of("Offsets"))?];
         let types: Vec<u8> = read(&self.file, &of("Types"))?;
-        let mut builder = MeshBuilder::new();
-        points.as_chunks().0.iter().for_each(|&point| {
-            builder.point(point);
-        });
+        let mut cells = Vec::with_capacity(types.len());
         for (ends, id) in ends.windows(2).zip(types) {
             let kind = CellKind::ALL.into_iter().find(|&kind| cell_type(kind) == id);
             let nodes = nodes.get(ends[0] as usize..ends[1] as usize);
+            if let (VERTEX, Some([centre])) = (id, nodes) {
+                cells.push((CellKind::Line2, vec![*centre as u32; 2]));
+                continue;
+            }
             let (Some(kind), Some(nodes)) = (kind, nodes) else { return Err(damaged("Types")) };
-            let nodes: Vec<u32> = nodes.iter().map(|&node| node as u32).collect();
+            cells.push((kind, nodes.iter().map(|&node| node as u32).collect()));
+        }
+        Ok((points.as_chunks().0.to_vec(), cells))
+    }
+
+    /// The mesh with its groups.
+    ///
+    /// # Errors
+    /// Errors of the system, an invalid mesh.
+    pub fn mesh(&self) -> io::Result<Mesh> {
+        let (points, cells) = self.points_and_cells()?;
+        let mut builder = MeshBuilder::new();
+        points.into_iter().for_each(|point| {
+            builder.point(point);
+        });
+        for (kind, nodes) in cells.into_iter().filter(|(_, nodes)| nodes[0] != nodes[1]) {
             builder.cell(kind, &nodes).map_err(io::Error::other)?;
         }
         self.add_groups(&mut builder)?;

@@ -14,8 +14,8 @@ use super::chunks::Chunks;
 use super::journal::{self, Entries, Journal};
 use super::{CREATOR, SeriesReader, groups, rejected, without_slash};
 use crate::vtk::array::LEVEL;
-use crate::vtk::marks::marks;
-use crate::vtk::{FrameTime, Place, Precision, cell_type, name_of};
+use crate::vtk::grid::{Grid, on_grid};
+use crate::vtk::{FrameTime, Place, Precision, name_of};
 use crate::whole_file::{PART, named, with_ending};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
@@ -82,10 +82,19 @@ impl Series {
         mesh: &Mesh,
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
+        Series::of_grid(directory, precision, &Grid::new(mesh, Some(region_of_cell)))
+    }
+
+    /// The same of a grid.
+    pub(in crate::vtk) fn of_grid(
+        directory: &Path,
+        precision: Precision,
+        grid: &Grid<'_>,
+    ) -> io::Result<Self> {
         fs::create_dir_all(directory).map_err(named(directory))?;
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let journal = Journal::create(&with_ending(&path, journal::ENDING))?;
-        Series::new(path, journal, precision, mesh, region_of_cell)
+        Series::new(path, journal, precision, grid)
     }
 
     /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay
@@ -93,10 +102,10 @@ impl Series {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn resume(
+    pub(in crate::vtk) fn resume(
         directory: &Path,
         precision: Precision,
-        (mesh, region_of_cell): (&Mesh, &[u32]),
+        grid: &Grid<'_>,
         kept: &[FrameTime],
     ) -> io::Result<(Self, Vec<FrameTime>)> {
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
@@ -104,7 +113,7 @@ impl Series {
         let copy = SeriesReader::open(&path).ok();
         let mut entries = Entries::read(&journal).ok();
         let journal = Journal::open(&journal)?;
-        let mut series = Series::new(path, journal, precision, mesh, region_of_cell)?;
+        let mut series = Series::new(path, journal, precision, grid)?;
         let mut missing = Vec::new();
         for &FrameTime { step, time } in kept {
             let mut fields = copy.as_ref().map_or(Ok(None), |copy| copy.frame_at(time))?;
@@ -123,24 +132,18 @@ impl Series {
         Ok((series, missing))
     }
 
-    fn new(
-        path: PathBuf,
-        journal: Journal,
-        precision: Precision,
-        mesh: &Mesh,
-        region_of_cell: &[u32],
-    ) -> io::Result<Self> {
+    fn new(path: PathBuf, journal: Journal, precision: Precision, grid: &Grid<'_>) -> io::Result<Self> {
         let growing = with_ending(&path, PART);
         let file = H5File::options().best_effort_locking().create(&growing).map_err(failed(&growing))?;
-        write_static(&file, mesh, region_of_cell).map_err(failed(&growing))?;
+        write_static(&file, grid).map_err(failed(&growing))?;
         Ok(Series {
             path,
             growing,
             journal,
             file: Some(file),
             precision,
-            n_nodes: mesh.n_nodes(),
-            n_cells: mesh.n_cells(),
+            n_nodes: grid.mesh.n_nodes(),
+            n_cells: grid.n_cells(),
             fields: Vec::new(),
             n_frames: 0,
             last_step: None,
@@ -173,7 +176,7 @@ impl Series {
         }
         for field in &self.fields {
             let values = fields.iter().find(|values| values.name == field.name).ok_or_else(other_fields)?;
-            field.write(self.n_frames, &values.numbers).map_err(failed(&self.growing))?;
+            field.write(self.n_frames, &on_grid(values, self.n_cells)).map_err(failed(&self.growing))?;
         }
         if fields.len() != self.fields.len() {
             return Err(other_fields());
@@ -305,18 +308,18 @@ fn other_fields() -> io::Error {
 }
 
 /// The parts that do not change: header, mesh, groups, and the empty tables of the steps.
-fn write_static(file: &H5File, mesh: &Mesh, region_of_cell: &[u32]) -> rust_hdf5::Result<()> {
+fn write_static(file: &H5File, grid: &Grid<'_>) -> rust_hdf5::Result<()> {
     let creator = format!("Emmy {}", env!("CARGO_PKG_VERSION"));
     file.set_attr_typed(CREATOR, text(&creator), creator.into_bytes())?;
     let root = file.create_group("VTKHDF")?;
     root.set_attr_array_numeric("Version", &[2i64, 0])?;
     root.set_attr_typed("Type", text("UnstructuredGrid"), b"UnstructuredGrid".to_vec())?;
-    write_mesh(file, mesh)?;
+    write_mesh(file, grid)?;
     for name in ["PointData", "CellData", "Steps"] {
         root.create_group(name)?;
     }
-    once(file, "VTKHDF/CellData/region", region_of_cell.iter().map(|&region| region as i32).collect())?;
-    for marks in marks(mesh) {
+    once(file, "VTKHDF/CellData/region", grid.regions().unwrap_or_default())?;
+    for marks in grid.marks() {
         let [group, _] = groups(marks.place);
         once(file, &format!("{group}/{}", without_slash(&marks.name)), marks.bits)?;
     }
@@ -330,20 +333,16 @@ fn write_static(file: &H5File, mesh: &Mesh, region_of_cell: &[u32]) -> rust_hdf5
     })
 }
 
-fn write_mesh(file: &H5File, mesh: &Mesh) -> rust_hdf5::Result<()> {
-    let nodes: Vec<i64> =
-        mesh.cells().flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node))).collect();
-    let ends = mesh.cells().scan(0, |end, cell| {
-        *end += cell.nodes.len() as i64;
-        Some(*end)
-    });
+fn write_mesh(file: &H5File, grid: &Grid<'_>) -> rust_hdf5::Result<()> {
+    let mesh = grid.mesh;
+    let nodes = grid.connectivity();
     let count = |name: &str, n: usize| once(file, &format!("VTKHDF/{name}"), vec![n as i64]);
     count("NumberOfPoints", mesh.n_nodes())?;
-    count("NumberOfCells", mesh.n_cells())?;
+    count("NumberOfCells", grid.n_cells())?;
     count("NumberOfConnectivityIds", nodes.len())?;
     once(file, "VTKHDF/Connectivity", nodes)?;
-    once(file, "VTKHDF/Offsets", [0].into_iter().chain(ends).collect())?;
-    once(file, "VTKHDF/Types", mesh.cells().map(|cell| cell_type(cell.kind)).collect())?;
+    once(file, "VTKHDF/Offsets", [0].into_iter().chain(grid.ends()).collect())?;
+    once(file, "VTKHDF/Types", grid.types())?;
     let points: Vec<f64> = mesh.points().iter().flatten().copied().collect();
     let n = mesh.n_nodes();
     let dataset = file.new_dataset::<f64>().shape([n, 3]).chunk(&[n.min(ROWS), 3]).shuffle_deflate(LEVEL);

@@ -92,8 +92,13 @@ pub struct FieldValues {
 impl Body {
     /// Whether the body has a field, as [`Fields::has`], which computes more.
     pub fn has_field(&self, name: FieldName) -> bool {
-        self.made_of.iter().any(|region| has_field(region, name))
+        is_of_motion(name) || self.made_of.iter().any(|region| has_field(region, name))
     }
+}
+
+/// Whether a field needs no region: rigid bodies have none.
+fn is_of_motion(name: FieldName) -> bool {
+    matches!(name, FieldName::Displacement | FieldName::Velocity)
 }
 
 fn has_field(region: &Region, name: FieldName) -> bool {
@@ -124,7 +129,7 @@ impl Fields {
     /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
     /// axial forces need links.
     pub fn has(&self, name: FieldName) -> bool {
-        (0..self.regions.len()).any(|region| self.region_has(region, name))
+        is_of_motion(name) || (0..self.regions.len()).any(|region| self.region_has(region, name))
     }
 
     /// Groups of the regions, in the order of their numbers; `None`: every cell.

@@ -5,11 +5,14 @@ mod distance;
 mod drive;
 mod fixed;
 mod inline;
+mod measure;
 mod planar;
 mod prismatic;
 mod revolute;
 mod spherical;
 mod universal;
+
+pub(crate) use measure::{MAX_DOFS, Measure};
 
 use super::affine::Affine;
 use super::attachments::Attachments;
@@ -26,17 +29,6 @@ pub(crate) struct JointParts {
     pub points: [Affine; 2],
     /// The coordinate that it leaves, if it has one.
     pub measure: Option<Measure>,
-}
-
-/// A coordinate of a joint as a function of the positions.
-#[derive(Debug)]
-pub(crate) enum Measure {
-    /// The angle of the first vector from the second, towards the third.
-    Angle([Affine; 3]),
-    /// The component of the offset along the axis.
-    Slide([Affine; 2]),
-    /// The length of an arm.
-    Distance(Affine),
 }
 
 impl JointParts {
@@ -59,8 +51,12 @@ impl JointParts {
             JointKind::Planar { axis } => planar::constraints(&ends, ends.triad(axis)?),
             JointKind::Fixed => fixed::constraints(&ends),
             JointKind::Distance { to } => distance::constraints(&ends, to),
+            JointKind::Line { .. } => Ok(Vec::new()),
         }?;
-        let to = if let JointKind::Distance { to } = joint.kind { to } else { joint.at };
+        let to = match joint.kind {
+            JointKind::Distance { to } | JointKind::Line { to } => to,
+            _ => joint.at,
+        };
         let points = [ends.point(0, joint.at)?, ends.point(1, to)?];
         let measure = ends.measure()?;
         let mut parts = JointParts { constraints, points, measure };
@@ -99,17 +95,19 @@ impl Ends<'_> {
         Ok(match self.joint.kind {
             JointKind::Revolute { axis } | JointKind::Cylindrical { axis } => {
                 let [_, first, second] = self.triad(axis)?;
-                Some(Measure::Angle([
-                    self.vector(0, first)?,
-                    self.vector(1, first)?,
-                    self.vector(1, second)?,
-                ]))
+                let own = self.vector(0, first)?;
+                Some(Measure::angle(&own, [self.vector(1, first)?, self.vector(1, second)?]))
             }
             JointKind::Prismatic { axis } => {
-                Some(Measure::Slide([self.offset()?, self.vector(1, self.unit(axis)?)?]))
+                Some(Measure::slide(self.offset()?, self.vector(1, self.unit(axis)?)?))
             }
-            JointKind::Distance { to } => {
-                Some(Measure::Distance(self.point(0, self.joint.at)?.less(&self.point(1, to)?)))
+            JointKind::Distance { to } | JointKind::Line { to } => {
+                let arm = self.point(0, self.joint.at)?.less(&self.point(1, to)?);
+                if !(dot3(arm.reference, arm.reference) > 0.0) {
+                    let reason = "its points coincide; a distance needs two points, a spherical joint one";
+                    return Err(self.fault(reason));
+                }
+                Some(Measure::distance(arm))
             }
             _ => None,
         })

@@ -40,6 +40,7 @@ function chartsOfRun(run, clock) {
       line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
       ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
+    ...constraints(run),
     ...chartsOfQuantities(run),
     ofRun(run, { title: "Angular momentum", unit: inUnit("about the origin" + ifRounding(run, "angular_momentum"), unitOf(run, "angular_momentum_x")), lines: vector("angular_momentum", "L") }),
     ofRun(run, { title: "Linear momentum", unit: inUnit(ifRounding(run, "linear_momentum"), unitOf(run, "linear_momentum_x")), lines: vector("linear_momentum", "P") }),
@@ -95,6 +96,16 @@ function residuals(run) {
     return { label: labels[key], values: sizes(run.column(`${key}_residual`), size), colour, dash, width };
   });
   return ofRun(run, { title: "Balance of each step", unit: "residual, as a part of the largest T + V, |P|, |L|", log: true, height: 190, lines });
+}
+
+// How well joints and rigid bodies kept their shape.
+function constraints(run) {
+  const [opening, rate] = ["constraint_residual", "hidden_constraint"].map(run.column);
+  if (!opening) return [];
+  const choice = (name, unit, values, colour) => ({ name, unit, lines: [{ label: name, values: sizes(values, 1), colour }] });
+  return [ofRun(run, { title: "Constraints", log: true, height: 150, choices: [
+    choice("opening", "largest one of a joint, as a part of the size of the whole", opening, "--ink"),
+    choice("rate", inUnit("of the largest opening", unitOf(run, "hidden_constraint")), rate, "--c2")] })];
 }
 
 // Absolute residuals as parts of a scale; exact zeros and the start are left out, as they have no logarithm.

@@ -1,15 +1,15 @@
-// Charts of the columns that depend on the input: probes, reactions, extremes and values of groups.
+// Charts of the columns that depend on the input: probes, reactions, joints, rigid bodies, extremes and values of groups.
 
 // Columns with charts of their own, or without one.
 const STANDARD = new Set(["step", "time", "step_size", "kinetic_energy", "strain_energy", "external_work", "total_energy", "energy_residual",
-  "linear_momentum_residual", "angular_momentum_residual", "newton_iterations", "wall_seconds", "smallest_determinant", "local_error", "limited_by", "dissipated_energy", "degree",
+  "linear_momentum_residual", "angular_momentum_residual", "newton_iterations", "wall_seconds", "smallest_determinant", "local_error", "limited_by", "dissipated_energy", "degree", "constraint_residual", "hidden_constraint",
   ...["linear", "angular"].flatMap((kind) => ["x", "y", "z"].map((axis) => `${kind}_momentum_${axis}`))]);
 
 const COMPONENTS = { x: ["--c1", []], y: ["--c2", [6, 3]], z: ["--c0", [2, 3]],
   xx: ["--c1", []], yy: ["--c2", [6, 3]], zz: ["--c0", [2, 3]], xy: ["--c3", [9, 3]], yz: ["--c5", [4, 4]], xz: ["--c6", [2, 2]],
   1: ["--c1", []], 2: ["--c2", [6, 3]], 3: ["--c0", [2, 3]] };
 
-const LETTERS = { position: "", displacement: "u", velocity: "v", force: "F", moment: "M", cauchy_stress: "σ", second_piola_kirchhoff_stress: "S", green_lagrange_strain: "E" };
+const LETTERS = { position: "", displacement: "u", velocity: "v", force: "F", moment: "M", spin: "ω", cauchy_stress: "σ", second_piola_kirchhoff_stress: "S", green_lagrange_strain: "E" };
 
 function words(name) {
   return name.replaceAll("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy").replace("green lagrange", "Green-Lagrange").replace("piola kirchhoff", "Piola-Kirchhoff");
@@ -29,6 +29,10 @@ function quantities(run) {
 // What a quantity is, by its name: `owner` and `name` of the quantity. No probe has a force or a moment.
 function meaning(run, stem, [{ component }]) {
   if (run.values.includes(stem)) return { title: stem, name: stem };
+  const joint = named(run.joints, stem, ({ name }) => name, JOINT);
+  if (joint !== undefined) return { title: `Joint ${joint.name}`, joint, name: stem.slice(joint.name.length + 1), unit: "mean of a step" };
+  const body = component === "x" ? named(run.rigid, stem, (name) => name, /^(spin)?$/) : undefined;
+  if (body !== undefined) return { title: `Rigid body ${body}`, owner: body, name: stem.slice(body.length + 1) || "position" };
   const [, group, name] = stem.match(/^(.+)_(force|moment)$/) ?? [];
   if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
   const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
@@ -37,12 +41,38 @@ function meaning(run, stem, [{ component }]) {
   return { title: stem, name: stem };
 }
 
-// One chart for each quantity of a run. A probe's position is shown as displacement; the position itself would only show
+// Quantities of joints after their names.
+const JOINT = /^(force|moment|angle|slide|distance|torque|drive_force)$/;
+
+// The one of some objects whose name, with a word after it, is that of a quantity; of several the one with the longest name.
+function named(all, stem, nameOf, word) {
+  const fits = (name) => (stem === name && word.test("")) || (stem.startsWith(`${name}_`) && word.test(stem.slice(name.length + 1)));
+  return all.filter((own) => fits(nameOf(own))).sort((a, b) => nameOf(b).length - nameOf(a).length)[0];
+}
+
+// Joints at a point, whose moment about it is nothing but rounding.
+const WITHOUT_MOMENT = new Set(["spherical", "inline", "distance", "line"]);
+
+// The force and the moment of a joint; its coordinate and the torque or force of its drive.
+function chartsOfJoint(run, own) {
+  const { joint } = own[0];
+  const choices = (names) => names.flatMap((name) => own.filter((quantity) => quantity.name === name)).map((quantity) => ({
+    name: words(quantity.name), unit: inUnit(quantity.name === "moment" ? "about the joint" : "", quantity.name === "angle" ? "rad" : unitOf(run, quantity.parts[0].column)), lines: linesOf(run, quantity) }));
+  const forces = choices(WITHOUT_MOMENT.has(joint.kind) ? ["force"] : ["force", "moment"]);
+  const coordinates = choices(["angle", "slide", "distance", "torque", "drive_force"]);
+  const chart = (what, choices) => ofRun(run, { title: `Joint ${joint.name}: ${what}`, height: 150, choices });
+  return [chart(`${forces.map(({ name }) => name).join(" and ")} on its first body`, forces),
+    ...(coordinates.length ? [chart(coordinates.map(({ name }) => name).join(" and "), coordinates)] : [])];
+}
+
+// One chart for each quantity of a run, two for a joint. A probe's position is shown as displacement; the position itself would only show
 // where the node is.
 function chartsOfQuantities(run) {
   const all = quantities(run);
   const find = (owner, name) => all.find((quantity) => quantity.owner === owner && quantity.name === name);
-  return all.filter(({ owner, name }) => !(name === "displacement" && owner !== undefined && find(owner, "position"))).map((quantity) => {
+  return all.filter(({ owner, name }) => !(name === "displacement" && owner !== undefined && find(owner, "position"))).flatMap((quantity) => {
+    const { joint } = quantity;
+    if (joint) return quantity.name === "force" ? chartsOfJoint(run, all.filter((own) => own.joint === joint)) : [];
     const lines = linesOf(run, quantity);
     const { title, unit, owner, name } = quantity;
     if (name !== "position" || owner === undefined) {
@@ -77,8 +107,8 @@ function linesOf(run, { parts, owner, name }) {
 function comparedQuantities(runs, each) {
   const others = runs.slice(1).map((run) => new Set(run.history.columns));
   const isShared = ({ parts }) => others.every((columns) => parts.every(({ column }) => columns.has(column)));
-  return quantities(runs[0]).filter(isShared).map(({ title, unit, owner, name, parts }) => {
-    const what = inUnit(owner === undefined ? unit : words(name), unitOf(runs[0], parts[0].column));
+  return quantities(runs[0]).filter(isShared).map(({ title, unit, owner, joint, name, parts }) => {
+    const what = inUnit(owner === undefined && joint === undefined ? unit : words(name), unitOf(runs[0], parts[0].column));
     const choices = parts.map(({ column, component }) => ({ name: component, unit: what, lines: each((run) => nulled(run.column(column))) }));
     return ofRuns({ title, height: 150, ...(choices.length > 1 ? { choices } : choices[0]) });
   });

@@ -1,13 +1,15 @@
 //! `[[joint]]`: one row per kind of joint.
 
-use emmy::body::{Joint, JointEnd, JointKind, TimeFunction};
-use emmy::internals::number::short;
+mod motion;
 
-use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector};
-use super::fault::{Fault, Faults, Place};
-use super::history::{self, Context};
-use super::measured::MEASURED;
-use super::table::{Item, Read, Table};
+use emmy::body::{Joint, JointEnd, JointKind, TimeFunction};
+
+use crate::input::description::{Described, Kind, NUMBER, POSITIVE, Section, TAKEN, either, exactly, vector};
+use crate::input::fault::{Fault, Faults, Place};
+use crate::input::history::Context;
+use crate::input::measured::MEASURED;
+use crate::input::table::{Item, Read, Table};
+use motion::Forces;
 
 /// A kind of joint.
 struct Row {
@@ -20,7 +22,7 @@ struct Row {
 }
 
 /// Every kind of joint.
-const ROWS: [Row; 9] = [
+const ROWS: [Row; 10] = [
     Row {
         name: "spherical",
         doc: "A point in common",
@@ -73,12 +75,18 @@ const ROWS: [Row; 9] = [
         name: "distance",
         doc: "A rigid link without mass between two points",
         keys: &DISTANCE,
-        read: distance,
+        read: |table| between_points(table, |to| JointKind::Distance { to }),
+    },
+    Row {
+        name: "line",
+        doc: "No constraint: a line between two points for `spring`, `damping` or `force`",
+        keys: &LINE,
+        read: |table| between_points(table, |to| JointKind::Line { to }),
     },
 ];
 
 /// `[[joint]]`.
-pub(super) static JOINT: Described = Described::new(|| {
+pub(in crate::input) static JOINT: Described = Described::new(|| {
     let section = Section::new("[[joint]]", "A joint of two bodies, as they are drawn: exactly one kind")
         .may("name", Kind::Column(&TAKEN), "", "Its name: letters, digits, `_` and `-`")
         .absent("`joint-1`, `joint-2`, .. by its place");
@@ -93,6 +101,24 @@ pub(super) static JOINT: Described = Described::new(|| {
         .absent("free")
         .may("slide", Kind::TimeFunction(&MEASURED), "length", slide)
         .absent("free")
+        .may("spring", Kind::Table(&SPRING), "", "A spring in the angle, the slide or the length of the line")
+        .absent("none")
+        .may("damping", POSITIVE, "", "Force over the rate of the slide or the length, torque over that of the angle")
+        .absent("none")
+        .may(
+            "torque",
+            Kind::TimeFunction(&MEASURED),
+            "force·length",
+            "Torque of a revolute or cylindrical joint on the first body about the axis, over time",
+        )
+        .absent("none")
+        .may(
+            "force",
+            Kind::TimeFunction(&MEASURED),
+            "force",
+            "Force of a prismatic joint on the first body along the axis, or of a line that lengthens it, over time",
+        )
+        .absent("none")
         .exactly_one(&ROWS.map(|row| row.name))
 });
 
@@ -127,31 +153,49 @@ static UNIVERSAL: Described = Described::new(|| {
     )
 });
 
+static SPRING: Described = Described::new(|| {
+    let rest = "Angle or slide from the drawing, or length of the line, at which it has no force";
+    Section::new(
+        "spring of a joint",
+        "A spring in the coordinate x of a joint: its energy is stiffness (x - rest)²/2",
+    )
+    .must("stiffness", POSITIVE, "", "Force over length, or torque over angle")
+    .may("rest", NUMBER, "", rest)
+    .absent("as drawn")
+});
+
+static LINE: Described = Described::new(|| {
+    between("a line", "A line without a constraint").must("points", exactly(2, vector()), "length", POINTS)
+});
+
+const POINTS: &str = "A point of the first body and one of the second";
+
 static DISTANCE: Described = Described::new(|| {
     let length = "Length of the link: the distance of the points, or a history that begins with it";
     between("a distance", "A rigid link without mass")
-        .must("points", exactly(2, vector()), "length", "A point of the first body and one of the second")
+        .must("points", exactly(2, vector()), "length", POINTS)
         .may("length", either(POSITIVE, Kind::TimeFunction(&MEASURED)), "length", length)
         .absent("as drawn")
 });
 
 /// A joint before its bodies are found, with its places.
 #[derive(Debug)]
-pub(super) struct PlacedJoint {
-    pub(super) name: String,
-    pub(super) kind: JointKind,
-    pub(super) at: [f64; 3],
-    pub(super) drive: Option<TimeFunction>,
+pub(in crate::input) struct PlacedJoint {
+    pub(in crate::input) name: String,
+    pub(in crate::input) kind: JointKind,
+    pub(in crate::input) at: [f64; 3],
+    pub(in crate::input) drive: Option<TimeFunction>,
+    pub(in crate::input) forces: Forces,
     /// Names of the bodies.
-    pub(super) between: [(String, Place); 2],
+    pub(in crate::input) between: [(String, Place); 2],
     /// Place of the table.
-    pub(super) place: Place,
+    pub(in crate::input) place: Place,
     /// Place of the name, or of the table.
-    pub(super) name_place: Place,
+    pub(in crate::input) name_place: Place,
 }
 
 /// Reads one joint; `number` counts joints from 1.
-pub(super) fn read(
+pub(in crate::input) fn read(
     table: &Table<'_>,
     number: usize,
     context: Context<'_>,
@@ -164,14 +208,15 @@ pub(super) fn read(
     let name = given.and_then(|item| item.text()).map_or_else(|| format!("joint-{number}"), str::to_string);
     let found = faults.keep((row.read)(&own).map_err(|fault| fault.before(&format!("joint `{name}`: "))));
     let (kind, at) = found?;
-    let drive = drive(table, &own, (&name, kind, at), context);
+    let drive = motion::drive(table, &own, (&name, kind, at), context);
     let drive = faults.keep(drive)?;
+    let forces = faults.keep(motion::forces(table, chosen, (&name, kind, drive.is_some()), context))?;
     let names: Vec<Item<'_>> = own.must("between");
     let [first, second] = names.as_slice() else { return None };
     let between = [first, second].map(|item| (item.name(), item.place().clone()));
     let place = table.place.clone();
     let name_place = given.map_or(&place, |item| item.place()).clone();
-    Some(PlacedJoint { name, kind, at, drive, between, place, name_place })
+    Some(PlacedJoint { name, kind, at, drive, forces, between, place, name_place })
 }
 
 fn direction(item: &Item<'_>) -> Result<[f64; 3], Fault> {
@@ -209,145 +254,66 @@ fn universal(table: &Table<'_>) -> Result<(JointKind, [f64; 3]), Fault> {
     Ok((JointKind::Universal { axes }, table.must("at")))
 }
 
-fn distance(table: &Table<'_>) -> Result<(JointKind, [f64; 3]), Fault> {
+fn between_points(
+    table: &Table<'_>,
+    kind: fn([f64; 3]) -> JointKind,
+) -> Result<(JointKind, [f64; 3]), Fault> {
     let [at, to]: [[f64; 3]; 2] = table.must("points");
     if at == to {
         let item: Item<'_> = table.must("points");
         let message = "its points coincide; a distance needs two points, a spherical joint one";
         return Err(item.fault(message, "one point"));
     }
-    Ok((JointKind::Distance { to }, at))
+    Ok((kind(to), at))
 }
 
 fn size(vector: [f64; 3]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Difference of a given length from that of the drawing, relative to it, that is rounding in the input.
-const SAME_LENGTH: f64 = 1e-6;
-
-/// The given motion of a joint: of its angle, its slide or its length.
-fn drive(
-    table: &Table<'_>,
-    own: &Table<'_>,
-    (name, kind, at): (&str, JointKind, [f64; 3]),
-    context: Context<'_>,
-) -> Result<Option<TimeFunction>, Fault> {
-    let given = ["angle", "slide"].into_iter().filter_map(|key| table.item(key));
-    let taken = kind.coordinate();
-    for item in given {
-        if taken == Some(item.key) {
-            return from_rest(&item, name, context).map(Some);
-        }
-        let (kind, key) = (with_article(kind), item.key);
-        let message = format!("joint `{name}`: {kind} joint has no `{key}` to be given");
-        let fault = item.fault(message, format!("not of {kind} joint"));
-        return Err(fault.help(match key {
-            "angle" => "revolute and cylindrical joints take `angle`",
-            _ => "prismatic joints take `slide`",
-        }));
-    }
-    let JointKind::Distance { to } = kind else { return Ok(None) };
-    let Some(item) = own.item("length").and_then(Item::of_one_kind) else { return Ok(None) };
-    let drawn = size([0, 1, 2].map(|i| at[i] - to[i]));
-    if matches!(item.kind, Kind::Number(_)) {
-        let length: f64 = Read::read(item);
-        if (length - drawn).abs() <= SAME_LENGTH * drawn {
-            return Ok(None);
-        }
-        let [length, drawn] = [length, drawn].map(short);
-        let message = format!(
-            "joint `{name}`: the points are {drawn} apart, `length` says {length}; leave it out to take {drawn}"
-        );
-        return Err(item.fault(message, format!("not {drawn}")));
-    }
-    let length = history::without_jumps(item, context)?;
-    let start = length.value(0.0);
-    if context.is_undeformed && (start - drawn).abs() > SAME_LENGTH * drawn {
-        let [start, drawn] = [start, drawn].map(short);
-        let message = format!(
-            "the drive of `{name}` starts at a length of {start}; joints start as drawn, here at {drawn}"
-        );
-        return Err(item.fault(message, "not as drawn"));
-    }
-    // Exactly zero at the start, also where the input has rounded the length.
-    let drawn = if context.is_undeformed { start } else { drawn };
-    less(&length, drawn).map(Some).map_err(|error| item.fault(error.to_string(), "here"))
-}
-
-/// A drive that starts as drawn.
-fn from_rest(item: &Item<'_>, name: &str, context: Context<'_>) -> Result<TimeFunction, Fault> {
-    let drive = history::without_jumps(*item, context)?;
-    let start = drive.value(0.0);
-    if context.is_undeformed && start.abs() > history::ROUNDING {
-        let unit = if item.key == "angle" { " rad" } else { "" };
-        let message =
-            format!("the drive of `{name}` starts at {}{unit}; joints start as drawn, at 0", short(start));
-        return Err(item.fault(message, "not 0 at the start"));
-    }
-    Ok(drive)
-}
-
-/// A time function less a number.
-fn less(function: &TimeFunction, number: f64) -> emmy::Result<TimeFunction> {
-    let entries = function.entries();
-    if !entries.is_empty() {
-        let entries = entries.iter().map(|&(time, value)| (time, value - number)).collect();
-        return if function.is_measured() {
-            TimeFunction::measured(entries)
-        } else {
-            TimeFunction::new(entries)
-        };
-    }
-    let text = format!("{} - {number:?}", function.text().unwrap_or_default());
-    let own = function.clone();
-    Ok(match function.has_rate() {
-        true => TimeFunction::smooth(&text, move |time| [own.value(time) - number, own.rate(time), f64::NAN]),
-        false => TimeFunction::of_times(&text, move |times, values| {
-            values.iter_mut().zip(times).for_each(|(value, time)| *value = own.value(*time) - number);
-        }),
-    })
-}
-
 impl PlacedJoint {
     /// Whether its first or second end must have directions.
-    pub(super) fn needs_direction(&self, end: usize) -> bool {
+    pub(in crate::input) fn needs_direction(&self, end: usize) -> bool {
         match self.kind {
-            JointKind::Spherical | JointKind::Distance { .. } => false,
+            JointKind::Spherical | JointKind::Distance { .. } | JointKind::Line { .. } => false,
             JointKind::Inline { .. } => end == 1,
             _ => true,
         }
     }
 
     /// The place of its first or second end.
-    pub(super) fn point(&self, end: usize) -> [f64; 3] {
+    pub(in crate::input) fn point(&self, end: usize) -> [f64; 3] {
         match self.kind {
-            JointKind::Distance { to } if end == 1 => to,
+            JointKind::Distance { to } | JointKind::Line { to } if end == 1 => to,
             _ => self.at,
         }
     }
 
     /// The key of its places.
-    pub(super) fn key_of_points(&self) -> &'static str {
-        if matches!(self.kind, JointKind::Distance { .. }) { "points" } else { "at" }
+    pub(in crate::input) fn key_of_points(&self) -> &'static str {
+        match self.kind {
+            JointKind::Distance { .. } | JointKind::Line { .. } => "points",
+            _ => "at",
+        }
     }
 
     /// The joint of two bodies.
-    pub(super) fn of(&self, between: [JointEnd; 2]) -> Joint {
+    pub(in crate::input) fn of(&self, between: [JointEnd; 2]) -> Joint {
         let joint = Joint::new(self.name.clone(), self.kind, between, self.at);
-        Joint { drive: self.drive.clone(), ..joint }
+        let Forces { spring, damping, motor } = &self.forces;
+        Joint { drive: self.drive.clone(), spring: *spring, damping: *damping, motor: motor.clone(), ..joint }
     }
 }
 
 /// A kind of joint in a sentence.
-pub(super) fn with_article(kind: JointKind) -> String {
+pub(in crate::input) fn with_article(kind: JointKind) -> String {
     let word = kind.word();
     let article = if word.starts_with('i') { "an" } else { "a" };
     format!("{article} {word}")
 }
 
 /// The fault of an impossible joint.
-pub(super) fn fault(error: &emmy::Error, placed: &[PlacedJoint]) -> Option<Fault> {
+pub(in crate::input) fn fault(error: &emmy::Error, placed: &[PlacedJoint]) -> Option<Fault> {
     let emmy::Error::Joint { joint, .. } = error else { return None };
     let own = placed.iter().find(|own| own.name == *joint)?;
     Some(Fault::at(&own.place, error.to_string(), "this joint"))

@@ -1,0 +1,354 @@
+//! Springs, dampers and motors in the coordinate of a joint.
+//!
+//! In the scalar coordinate x they are what DGM is in the positions, so the energy of the spring balances at every step
+//! size (g = dx/dq at q_i, `x'_i = g . x_i`):
+//!
+//! ```math
+//! f_i = (V'(x_i) + (r + c/h) x'_i) g,    r = (V_2 - V_1 - sum_j b_j V'(x_j) x'_j) / sum_j b_j x'_j^2
+//! ```
+
+use std::sync::Arc;
+
+use super::joint::{MAX_DOFS, Measure};
+use crate::average::{Request, Rule};
+use crate::error::{Error, Result};
+use crate::force::{Book, Force, ForceMemory, Scratch, Side, StepInput, StepStart, StrainState};
+use crate::input::{Joint, JointSpring, TimeFunction};
+use crate::nodal;
+use crate::sparse::{Pattern, RowPart};
+
+/// A spring, a damper and a motor in the coordinate of a joint.
+#[derive(Debug)]
+pub(crate) struct JointLaw {
+    joint: String,
+    measure: Measure,
+    /// Nodes, ascending.
+    nodes: Vec<u32>,
+    spring: JointSpring,
+    rest: f64,
+    damping: f64,
+    motor: Option<TimeFunction>,
+}
+
+/// The coordinate in a stage.
+#[derive(Debug, Clone, Copy)]
+struct Stage {
+    value: f64,
+    rate: f64,
+}
+
+impl JointLaw {
+    /// The law of a joint, if it has one.
+    ///
+    /// # Errors
+    /// [`Error::Joint`].
+    pub(crate) fn new(joint: &Joint, measure: Option<&Measure>) -> Result<Option<Self>> {
+        let fault = |reason: String| Err(Error::Joint { joint: joint.name.clone(), reason });
+        if !joint.has_force() {
+            return Ok(None);
+        }
+        if joint.drive.is_some() {
+            return fault("a given motion leaves a spring, a damping or a motor nothing to do".to_string());
+        }
+        let Some(measure) = measure else {
+            let word = joint.kind.word();
+            return fault(format!(
+                "a {word} joint has no angle, slide or distance for a spring, damping or motor"
+            ));
+        };
+        let mut nodes: Vec<u32> = measure.nodes().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        if nodes.len() > MAX_DOFS / 3 {
+            return fault("its spring, damping or motor acts on too many nodes".to_string());
+        }
+        let spring = joint.spring.unwrap_or(JointSpring { stiffness: 0.0, rest: None });
+        let is_valid = |number: f64| number >= 0.0 && number.is_finite();
+        if !(is_valid(spring.stiffness) && is_valid(joint.damping) && spring.rest.is_none_or(f64::is_finite))
+        {
+            return fault("stiffness and damping must be at least 0, and the rest a number".to_string());
+        }
+        Ok(Some(JointLaw {
+            joint: joint.name.clone(),
+            nodes,
+            spring,
+            rest: spring.rest.unwrap_or(measure.value(&|_| 0.0)),
+            damping: joint.damping,
+            motor: joint.motor.clone(),
+            measure: measure.clone(),
+        }))
+    }
+
+    /// Its nodes, ascending.
+    pub(crate) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Its coordinate.
+    pub(crate) fn measure(&self) -> &Measure {
+        &self.measure
+    }
+
+    /// The torque or force on the first body in a stage of a solved step: of spring and damping, and of the motor at
+    /// the time of the stage.
+    pub(crate) fn force(&self, step: &StepInput<'_>, stage: usize, time: f64) -> f64 {
+        // A step in which the spring refuses is not solved.
+        let damping = self.total_damping(step).unwrap_or(f64::NAN);
+        let motor = self.motor.as_ref().map_or(0.0, |motor| motor.value(time));
+        motor - self.stored_force(step, stage, damping)
+    }
+
+    /// The coordinate and its rate in a stage.
+    fn stage(&self, step: &StepInput<'_>, i: usize) -> Stage {
+        let (u, x) = (|dof: usize| step.displacement_in(i, dof), &step.rates[i * step.displacement.len()..]);
+        let mut rate = 0.0;
+        self.measure.for_each_gradient(&u, &mut |dof, value| rate += value * x[dof]);
+        Stage { value: self.measure.value(&u), rate }
+    }
+
+    /// `V'(x_i) + d x'_i` with the damping d of [`JointLaw::total_damping`].
+    fn stored_force(&self, step: &StepInput<'_>, i: usize, damping: f64) -> f64 {
+        let Stage { value, rate } = self.stage(step, i);
+        self.spring.stiffness * (value - self.rest) + damping * rate
+    }
+
+    fn energy(&self, value: f64) -> f64 {
+        0.5 * self.spring.stiffness * (value - self.rest).powi(2)
+    }
+
+    /// `r + c/h`.
+    fn total_damping(&self, step: &StepInput<'_>) -> Result<f64> {
+        Ok(self.remainder(step)? + self.damping * step.damping.inverse_step_size)
+    }
+
+    /// r, which closes the balance of the energy.
+    fn remainder(&self, step: &StepInput<'_>) -> Result<f64> {
+        let (mut work, mut square) = (0.0, 0.0);
+        for (i, b) in step.rule.weights().iter().enumerate() {
+            let Stage { value, rate } = self.stage(step, i);
+            work += b * self.spring.stiffness * (value - self.rest) * rate;
+            square += b * rate * rate;
+        }
+        let start = self.measure.value(&|dof| step.displacement[dof]);
+        let end = self.measure.value(&|dof| step.displacement_at_end(dof));
+        if self.spring.stiffness > 0.0 && self.measure.has_turned([start, end]) {
+            let reason =
+                format!("the spring of joint \"{}\" is wound up by more than half a turn", self.joint);
+            return Err(Error::Refused { reason });
+        }
+        let gap = self.energy(end) - self.energy(start) - work;
+        let largest = self.energy(end).max(self.energy(start));
+        // At rest both vanish.
+        Ok(if gap.abs() > f64::EPSILON * largest { gap / square } else { 0.0 })
+    }
+}
+
+/// A law with its place in the pattern.
+#[derive(Debug, Clone)]
+struct Coupled {
+    law: Arc<JointLaw>,
+    /// Position of each pair of nodes in the pattern, `[n][n]`.
+    positions: Vec<u32>,
+    side: Side,
+}
+
+impl Coupled {
+    fn local(&self, node: u32) -> usize {
+        self.law.nodes.partition_point(|&own| own < node)
+    }
+
+    fn gradient(&self, u: &dyn Fn(usize) -> f64) -> [f64; MAX_DOFS] {
+        let mut gradient = [0.0; MAX_DOFS];
+        self.law.measure.for_each_gradient(u, &mut |dof, value| {
+            gradient[nodal::dof(self.local((dof / 3) as u32), dof % 3)] += value;
+        });
+        gradient
+    }
+
+    /// Degrees of freedom in their order.
+    fn dofs(&self) -> impl Iterator<Item = usize> {
+        self.law.nodes.iter().flat_map(|&node| nodal::dofs(node as usize))
+    }
+
+    /// Adds the force `factor g` of a stage to the rows of a part.
+    fn add_force(&self, (i, factor): (usize, f64), gradient: &[f64; MAX_DOFS], sink: &mut RowPart) {
+        for (&node, g) in self.law.nodes.iter().zip(gradient.as_chunks::<3>().0) {
+            if sink.owns(node) {
+                sink.add_force(i, node, g.map(|g| factor * g));
+            }
+        }
+    }
+
+    /// Adds the derivatives of a force in a stage by the rates in all: `factor` times
+    ///
+    /// ```math
+    /// d(t g)/dx_j = g (s a_ij g + d (delta_ij g + a_ij g' x_i)) + t a_ij g'
+    /// ```
+    fn add_derivatives(
+        &self,
+        step: &StepInput<'_>,
+        (i, gradient): (usize, &[f64; MAX_DOFS]),
+        [t, s, d]: [f64; 3],
+        sink: &mut RowPart,
+    ) {
+        let (k, n) = (step.rule.degree(), 3 * self.law.nodes.len());
+        let u = |dof: usize| step.displacement_in(i, dof);
+        let x = &step.rates[i * step.displacement.len()..];
+        let mut curvature = [0.0; MAX_DOFS * MAX_DOFS];
+        let curvature = &mut curvature[..n * n];
+        self.law.measure.add_curvature(&u, &|node| self.local(node), (curvature, n));
+        let mut turning = [0.0; MAX_DOFS];
+        for (sum, row) in turning.iter_mut().zip(curvature.chunks_exact(n)) {
+            *sum = row.iter().zip(self.dofs()).map(|(entry, dof)| entry * x[dof]).sum();
+        }
+        for (a, b) in (0..self.law.nodes.len()).flat_map(|a| (0..self.law.nodes.len()).map(move |b| (a, b))) {
+            if !sink.owns(self.law.nodes[a]) {
+                continue;
+            }
+            for j in 0..k {
+                let a_ij = step.rule.coefficients()[i * k + j];
+                let block = sink.block_mut(self.positions[a * self.law.nodes.len() + b] as usize, i * k + j);
+                for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
+                    let (own, other) = (3 * a + row, 3 * b + column);
+                    let same = if i == j { d * gradient[other] } else { 0.0 };
+                    let rate = s * a_ij * gradient[other] + same + d * a_ij * turning[other];
+                    let sum = gradient[own] * rate + t * a_ij * curvature[own * n + other];
+                    block[3 * row + column] += step.tangent_factor * sum;
+                }
+            }
+        }
+    }
+}
+
+/// The forces of a law, which joins to the ground or not, on a pattern that couples its nodes.
+pub(crate) fn forces(law: &Arc<JointLaw>, is_grounded: bool, pattern: &Pattern) -> Vec<Arc<dyn Force>> {
+    let pairs = law.nodes.iter().flat_map(|a| law.nodes.iter().map(move |b| (*a as usize, *b as usize)));
+    let positions = pairs.map(|(a, b)| pattern.coupling(a, b) as u32).collect();
+    let side = if is_grounded { Side::Outside } else { Side::Inside };
+    let coupled = Coupled { law: law.clone(), positions, side };
+    let mut forces: Vec<Arc<dyn Force>> = Vec::new();
+    if law.spring.stiffness > 0.0 || law.damping > 0.0 {
+        forces.push(Arc::new(SpringAndDamper(coupled.clone())));
+    }
+    if let Some(motor) = law.motor.clone() {
+        forces.push(Arc::new(Motor { coupled, motor }));
+    }
+    forces
+}
+
+/// Spring and damper of a law.
+#[derive(Debug)]
+struct SpringAndDamper(Coupled);
+
+impl Force for SpringAndDamper {
+    fn book(&self) -> Book {
+        Book::Stored
+    }
+
+    fn side(&self) -> Side {
+        self.0.side
+    }
+
+    fn assemble(
+        &self,
+        (step, request): (&StepInput<'_>, Request),
+        _: &ForceMemory,
+        _: usize,
+        _: &mut Scratch,
+        sink: &mut RowPart,
+    ) -> Result<()> {
+        let Coupled { law, .. } = &self.0;
+        let damping = law.total_damping(step)?;
+        for i in 0..step.rule.degree() {
+            let gradient = self.0.gradient(&|dof| step.displacement_in(i, dof));
+            let force = law.stored_force(step, i, damping);
+            self.0.add_force((i, force), &gradient, sink);
+            if request != Request::Stress {
+                self.0.add_derivatives(step, (i, &gradient), [force, law.spring.stiffness, damping], sink);
+            }
+        }
+        Ok(())
+    }
+
+    fn dissipates(&self) -> bool {
+        self.0.law.damping > 0.0
+    }
+
+    fn dissipated(&self, step: &StepInput<'_>, _: &mut Scratch) -> f64 {
+        let stages = step.rule.weights().iter().enumerate();
+        let squares = stages.map(|(i, b)| b * self.0.law.stage(step, i).rate.powi(2));
+        self.0.law.damping * step.damping.inverse_step_size * squares.sum::<f64>()
+    }
+
+    fn strain_state(&self, displacement: &[f64]) -> StrainState {
+        let value = self.0.law.measure.value(&|dof| displacement[dof]);
+        StrainState { strain_energy: self.0.law.energy(value), ..StrainState::NONE }
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.0.law.damping == 0.0
+    }
+
+    fn without_adjoint(&self) -> Option<&'static str> {
+        Some("springs and dampers of joints are not covered")
+    }
+}
+
+/// A force in the coordinate of a joint that is given over time.
+#[derive(Debug)]
+struct Motor {
+    coupled: Coupled,
+    motor: TimeFunction,
+}
+
+impl Force for Motor {
+    fn book(&self) -> Book {
+        Book::Work
+    }
+
+    fn side(&self) -> Side {
+        self.coupled.side
+    }
+
+    fn memory(&self, rule: &Rule) -> ForceMemory {
+        ForceMemory::new(vec![0.0; rule.degree()])
+    }
+
+    fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, _: &mut [f64]) -> Result<bool> {
+        let values = memory.of_mut::<Vec<f64>>();
+        for (value, &alpha) in values.iter_mut().zip(start.rule.nodes()) {
+            let time = start.span.time(alpha);
+            *value = self.motor.value(time);
+            if !value.is_finite() {
+                return Err(Error::NotFinite { what: "motor of a joint".into(), value: *value });
+            }
+        }
+        Ok(true)
+    }
+
+    fn assemble(
+        &self,
+        (step, request): (&StepInput<'_>, Request),
+        memory: &ForceMemory,
+        _: usize,
+        _: &mut Scratch,
+        sink: &mut RowPart,
+    ) -> Result<()> {
+        for (i, &value) in memory.of::<Vec<f64>>().iter().enumerate() {
+            let gradient = self.coupled.gradient(&|dof| step.displacement_in(i, dof));
+            self.coupled.add_force((i, value), &gradient, sink);
+            if request != Request::Stress {
+                self.coupled.add_derivatives(step, (i, &gradient), [-value, 0.0, 0.0], sink);
+            }
+        }
+        Ok(())
+    }
+
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+
+    fn without_adjoint(&self) -> Option<&'static str> {
+        Some("motors of joints are not covered")
+    }
+}
