@@ -148,8 +148,8 @@ impl Case {
 
     fn new(input: &str) -> Self {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(input);
-        let (set, state, longest) = Default::default();
-        Case(Arguments { input, set, threads: 1, assemblies: 0, state, longest, check: false })
+        let (set, state, longest, accuracy, check) = Default::default();
+        Case(Arguments { input, set, threads: 1, assemblies: 0, state, accuracy, longest, check })
     }
 
     fn cells(self, r: u32) -> Self {
@@ -200,6 +200,12 @@ impl Case {
         self
     }
 
+    /// The case with the statement on its accuracy in time.
+    pub(crate) fn accuracy(mut self) -> Self {
+        self.0.accuracy = true;
+        self
+    }
+
     /// The case with a file for its last state.
     pub(crate) fn state(mut self, file: PathBuf) -> Self {
         self.0.state = Some(file);
@@ -225,7 +231,8 @@ impl Case {
         if let Some(file) = &case.state {
             flag("state", file.display().to_string());
         }
-        words.extend(case.check.then(|| "--check".to_string()));
+        let switches = [("--accuracy", case.accuracy), ("--check", case.check)];
+        words.extend(switches.iter().filter(|(_, is_on)| *is_on).map(|(name, _)| name.to_string()));
         words
     }
 }

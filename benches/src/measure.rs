@@ -9,6 +9,7 @@ use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::sparse::inverse;
 use emmy::motion::{Observer, Record, State, View};
 use emmy::time::Scheme;
+use emmy_io::accuracy::{Accuracy, lowest_period};
 use emmy_io::input::{self, Overrides, Problem};
 
 use crate::outcome::{Outcome, mean, median};
@@ -31,6 +32,9 @@ pub(crate) struct Arguments {
     /// File for all bits of the last state and of every step's energies and momenta
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
+    /// The statement on the accuracy of the run in time, as at the end of `emmy run`
+    #[arg(long)]
+    pub accuracy: bool,
     /// CPU seconds after which the run gives up, at the end of a step
     #[arg(long, value_name = "SECONDS")]
     pub longest: Option<f64>,
@@ -80,8 +84,12 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     if let Some(path) = &arguments.state {
         save(path, motion.state(), &steps.records).map_err(|error| text(&error))?;
     }
+    let accuracy = arguments.accuracy.then(|| {
+        Accuracy::of(&problem, &problem.plan, motion.statistics(), None, || lowest_period(&problem))
+    });
     Ok(Outcome {
         threads: arguments.threads,
+        steps_per_lowest_period: accuracy.flatten().and_then(|accuracy| accuracy.steps_per_period),
         peak_megabytes,
         cpu_seconds_with_start,
         assembled_cells_per_second: assembly_rate(&problem, motion.state(), arguments.assemblies)?,

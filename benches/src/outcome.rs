@@ -38,6 +38,8 @@ pub(crate) struct Outcome {
     pub kinetic_energy: f64,
     /// Strain energy at the end \[energy\].
     pub strain_energy: f64,
+    /// Steps in the lowest elastic period, if the statement on accuracy has it.
+    pub steps_per_lowest_period: Option<f64>,
     /// Largest resident memory \[MB = 2^20 bytes\].
     pub peak_megabytes: Option<f64>,
 }
