@@ -130,7 +130,7 @@ class Body:
     ) -> None:
         if mesh is not None and not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
-        self._mesh = mesh if mesh is not None else Mesh._of(_emmy.Mesh.empty())
+        self._mesh = Mesh._of(_emmy.Mesh.empty()) if mesh is None else mesh
         self._regions = words.each(regions, Region, "regions")
         self._supports = words.each(supports, Support, "supports")
         self._loads = words.each(loads, Load, "loads")
@@ -466,9 +466,8 @@ class Body:
         return f"<emmy.Body: {', '.join(counts)}, {self.n_dofs} degrees of freedom, {fixed} fixed{of_ties}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        mesh = self._mesh if self._mesh.n_cells else None
         parts = (self._regions, self._supports, self._loads, self._masses, self._ties, self._rigid, self._joints)
-        return Body, (mesh, *parts)
+        return Body, (self._mesh, *parts)
 
 
 def _counted(n: int, one: str, many: str) -> str:

@@ -230,7 +230,13 @@ class Mesh(Sources):
         return f"<emmy.Mesh: {self.n_nodes} nodes, {count} cell{'' if count == 1 else 's'} ({kinds})>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self.n_cells == 0:
+            return _empty, ()
         return _from_vtu, (bytes(self._native.vtu()), self._native.link_groups)
+
+
+def _empty() -> Mesh:
+    return Mesh._of(_emmy.Mesh.empty())
 
 
 def _from_vtu(content: bytes, links: list[str]) -> Mesh:

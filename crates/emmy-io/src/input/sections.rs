@@ -236,7 +236,8 @@ impl Sections {
         let pressed = placed::groups(self.loads.iter().map(|load| &load.group));
         let supports = values(self.supports);
         let (ties, tied): (Vec<_>, Vec<_>) = self.ties.into_iter().map(PlacedTie::into_parts).unzip();
-        let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| mechanism.at_centre(load)).collect();
+        let loads: Vec<Load> =
+            values(self.loads).into_iter().map(|(load, _)| mechanism.at_centre(load)).collect();
         let drag = self.nodal.drag();
         let spread = placed::groups(self.nodal.spread());
         let nodal = self.nodal.values();

@@ -137,9 +137,10 @@ impl JointLaw {
             return Err(Error::Refused { reason });
         }
         let gap = self.energy(end) - self.energy(start) - work;
-        let largest = self.energy(end).max(self.energy(start));
-        // At rest both vanish.
-        Ok(if gap.abs() > f64::EPSILON * largest { gap / square } else { 0.0 })
+        let noise = 4.0 * f64::EPSILON * (start.abs() + end.abs() + self.measure.size());
+        let stretch = (start - self.rest).abs() + (end - self.rest).abs() + noise;
+        // A coordinate at rest has a gap of rounding over a rate of rounding.
+        Ok(if gap.abs() > self.spring.stiffness * noise * stretch { gap / square } else { 0.0 })
     }
 }
 
@@ -264,6 +265,8 @@ impl Force for SpringAndDamper {
             let force = law.stored_force(step, i, damping);
             self.0.add_force((i, force), &gradient, sink);
             if request != Request::Stress {
+                // `r x'` hardly changes, though r is large where the coordinate is nearly at rest.
+                let damping = law.damping * step.damping.inverse_step_size;
                 self.0.add_derivatives(step, (i, &gradient), [force, law.spring.stiffness, damping], sink);
             }
         }

@@ -156,7 +156,7 @@ static UNIVERSAL: Described = Described::new(|| {
 static SPRING: Described = Described::new(|| {
     let rest = "Angle or slide from the drawing, or length of the line, at which it has no force";
     Section::new(
-        "spring of a joint",
+        "the spring of a joint",
         "A spring in the coordinate x of a joint: its energy is stiffness (x - rest)²/2",
     )
     .must("stiffness", POSITIVE, "", "Force over length, or torque over angle")

@@ -94,6 +94,15 @@ impl Measure {
         }
     }
 
+    /// A size of the values whose rounding it has.
+    pub(crate) fn size(&self) -> f64 {
+        match self.coordinate {
+            Coordinate::Angle => 1.0,
+            Coordinate::Slide => 0.0,
+            Coordinate::Distance(drawn) => drawn,
+        }
+    }
+
     /// Whether it is an angle that passes half a turn between two values.
     pub(crate) fn has_turned(&self, [start, end]: [f64; 2]) -> bool {
         self.coordinate == Coordinate::Angle && (end - start).abs() > std::f64::consts::PI
