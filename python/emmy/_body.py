@@ -55,7 +55,7 @@ class Mobility(NamedTuple):
 
     Examples
     --------
-    >>> door = emmy.Rigid("door", mass=20.0, centre=(0.5, 0, 1), inertia=(7, 9, 2))
+    >>> door = emmy.Rigid("door", mass=20.0, centre=(0.5, 0, 1), inertia=(7, 9, 3))
     >>> hinges = [emmy.Joint.revolute(f"hinge-{z}", between=("door", "ground"), at=(0, 0, z), axis=(0, 0, 1))
     ...           for z in (0, 2)]
     >>> mobility = emmy.Body(rigid=door, joints=hinges).mobility

@@ -120,12 +120,21 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------
@@ -151,12 +160,33 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axis, angle, spring, damping, torque
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axis : vector
+            Direction of the axis.
+        angle : history, optional
+            Given angle, from 0 on.
+        spring : dict, optional
+            A spring: ``stiffness`` and ``rest``.
+        damping : float, optional
+            Damping.
+        torque : history, optional
+            Torque on the first body.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
+        TypeError
+            If a given motion is a function without its rate.
 
         Examples
         --------
@@ -174,12 +204,23 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axes
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axes : pair of vectors
+            Directions of an axis of the first and of one of the second body.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------
@@ -205,12 +246,33 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axis, angle, spring, damping, torque
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axis : vector
+            Direction of the axis.
+        angle : history, optional
+            Given angle, from 0 on.
+        spring : dict, optional
+            A spring: ``stiffness`` and ``rest``.
+        damping : float, optional
+            Damping.
+        torque : history, optional
+            Torque on the first body.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
+        TypeError
+            If a given motion is a function without its rate.
 
         Examples
         --------
@@ -239,12 +301,33 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axis, slide, spring, damping, force
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axis : vector
+            Direction of the axis.
+        slide : history, optional
+            Given slide, from 0 on.
+        spring : dict, optional
+            A spring: ``stiffness`` and ``rest``.
+        damping : float, optional
+            Damping.
+        force : history, optional
+            Force on the first body.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
+        TypeError
+            If a given motion is a function without its rate.
 
         Examples
         --------
@@ -263,12 +346,23 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axis
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axis : vector
+            Direction of the axis.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------
@@ -283,12 +377,23 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at, axis
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
+        axis : vector
+            Direction of the axis.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------
@@ -303,12 +408,21 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, at
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        at : vector
+            The point in common.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------
@@ -330,12 +444,25 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, points, length
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        points : pair of vectors
+            A point of the first and one of the second body.
+        length : float or history, optional
+            Length of the link; a history begins with the distance of the points.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
+        TypeError
+            If a given motion is a function without its rate.
 
         Examples
         --------
@@ -359,12 +486,27 @@ class Joint(Table):
 
         Parameters
         ----------
-        name, between, points, spring, damping, force
-            As in `Joint`.
+        name : str or None, optional
+            Name in the columns of the history; ``joint-1``, ... by its place if not given.
+        between : pair of str
+            Names of the two bodies.
+        points : pair of vectors
+            A point of the first and one of the second body.
+        spring : dict, optional
+            A spring: ``stiffness`` and ``rest``.
+        damping : float, optional
+            Damping.
+        force : history, optional
+            Force on the first body.
 
         Returns
         -------
         Joint
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range.
 
         Examples
         --------

@@ -24,7 +24,7 @@ const INPUT: &str = "\
         { name = 'corner', spherical = { between = ['y-max', 'hub'], at = [0, 2, 0] } },\n\
         { distance = { between = ['ball', 'y-max'], points = [[3, 2, 0], [1, 2, 0]], length = '2 + 0.1*t^2' } },\n\
     ]\n\
-    support = [{ group = 'y-min', fix = 'xyz' }]\n\
+    support = [{ group = 'y-min', fix = ['x', 'y', 'z'] }]\n\
     load = [{ acceleration = [0, 0, -9.81] }]\n\
     time = { scheme = 'DGM', degree = 2, steps = [{ until = 0.2, size = 0.05 }] }\n\
     output.fields = ['displacement', 'cell_volume_ratio']\n";
@@ -38,6 +38,7 @@ fn run(directory: &Path, set: &[&str]) -> Problem {
     let mut results = Results::create(&problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     assert!(results.finish(&problem, &motion, Status::Done, None).error.is_none());
+    drop(motion);
     problem
 }
 

@@ -6,14 +6,17 @@ use crate::force::StrainState;
 use crate::mass::spread::centre_sums;
 
 impl Body {
-    /// Root mean square of a nodal field `[n_nodes][3]`, weighted by the lumped mass.
+    /// Root mean square of a nodal field `[n_nodes][3]`, weighted by the lumped mass, and with the inertia of rigid
+    /// bodies.
     ///
     /// ```math
     /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
     /// ```
     pub fn mass_weighted_rms(&self, field: &[f64]) -> f64 {
         let squares = field.as_chunks::<3>().0.iter().zip(&self.lumped_mass()[self.space.own_nodes()]);
-        let mut sum = [squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>()];
+        let of_nodes = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>();
+        let mut sum =
+            [of_nodes + self.mechanism.frames.iter().map(|frame| frame.turning_square(field)).sum::<f64>()];
         self.space.sum_ranks("mass-weighted squares", &mut sum);
         (sum[0] / self.total_lumped_mass()).sqrt()
     }
@@ -38,7 +41,11 @@ impl Body {
         }
         self.space.sum_ranks("centre of mass", &mut centre);
         let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
-        self.mass_weighted_rms(&arms)
+        match self.mass_weighted_rms(&arms) {
+            // A mass alone is as large as its joints.
+            0.0 => self.constraints().size(),
+            radius => radius,
+        }
     }
 
     /// Total of the lumped masses \[mass\].

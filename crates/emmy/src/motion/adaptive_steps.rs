@@ -8,7 +8,7 @@ use super::resolution::Unresolved;
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepLimit, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::time::{LocalError, Scheme, State, StepOutcome, TimeElement};
+use crate::time::{Estimator, LocalError, Scheme, State, StepOutcome, TimeElement};
 
 /// Consecutive rejections of one step: smaller steps do not help.
 const MAX_REJECTIONS: usize = 60;
@@ -207,7 +207,17 @@ impl<'a> Motion<'a> {
 
     fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
         let element = time_element(self.scheme)?;
-        LocalError::new(self.body, element, adaptivity.estimator_of(element), self.settings, &self.state)
+        let kind = self.kind_of_estimator(adaptivity, element);
+        LocalError::new(self.body, element, kind, self.settings, &self.state)
+    }
+
+    /// The estimator of [`Adaptivity::estimator_of`]; of a mechanism the only one that knows multipliers, unless
+    /// another one is requested, which refuses it.
+    fn kind_of_estimator(&self, adaptivity: &Adaptivity, element: TimeElement) -> Estimator {
+        match adaptivity.estimator {
+            None if !self.body.mechanism.is_empty() => Estimator::Element,
+            _ => adaptivity.estimator_of(element),
+        }
     }
 
     /// The control of a plan: from the previous march, from the snapshot, or a new one.
@@ -290,7 +300,7 @@ impl<'a> Motion<'a> {
         let element = time_element(self.scheme_of(degree).ok()?).ok()?;
         let mut end: State = control.start.clone();
         let mut stepper = Scheme::from(element).stepper(self.body, self.settings, &mut end).ok()?;
-        let kind = control.adaptivity.estimator_of(element);
+        let kind = self.kind_of_estimator(&control.adaptivity, element);
         let estimator = LocalError::new(self.body, element, kind, self.settings, &control.start);
         let mut estimator = estimator.ok()?;
         stepper.advance(&mut end, size).ok()?;

@@ -27,7 +27,7 @@ use crate::input::RigidBody;
 use crate::mass::RegionSummary;
 use crate::nodal;
 use crate::sparse::Pattern;
-use crate::tensor::{cross, eigen};
+use crate::tensor::{cross, dot3, eigen};
 
 /// A rigid body in a mesh. A point mass has a node alone.
 #[derive(Debug, Clone)]
@@ -115,6 +115,15 @@ impl Frame {
             masses[(i + 1) * n + j + 1] += E[i][j];
         }
         masses
+    }
+
+    /// The product `u . M u` of a nodal field `[n_nodes][3]` less that of the mass in the centre.
+    pub(crate) fn turning_square(&self, field: &[f64]) -> f64 {
+        let at = |node: u32| nodal::at(field, node as usize);
+        let pairs = self.nodes().flat_map(|a| self.nodes().map(move |b| (a, b)));
+        let products = pairs.zip(self.masses()).map(|((a, b), mass)| mass * dot3(at(a), at(b)));
+        let centre = at(self.first);
+        products.sum::<f64>() - self.body.mass * dot3(centre, centre)
     }
 
     /// Adds the inertia to the mass of each coupling; the mass of the centre is a point mass.

@@ -3,8 +3,8 @@
 
 #![allow(non_snake_case)]
 
-use crate::shared::schemes::{DGM, assumed_strain, at};
-use emmy::motion::{NewtonSettings, Record};
+use crate::shared::schemes::{DGM, assumed_strain, at, dgm};
+use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
 
 fn rigid(name: &str) -> JointEnd {
@@ -412,4 +412,82 @@ fn a_spring_that_is_wound_up_too_far_is_refused() {
     let error = (0..20).find_map(|_| motion.step(0.1).err()).unwrap();
     let cause = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
     assert!(cause.contains("wound up"), "{error}: {cause}");
+}
+
+/// A pendulum on a hinge, released at 2 rad from below, in the plane of x and z.
+fn pendulum() -> Body {
+    let centre = [0.5 * 2f64.sin(), 0.0, -0.5 * 2f64.cos()];
+    let pendulum = RigidBody::new("pendulum", 3.0, centre, [0.3, 0.4, 0.2]);
+    Body::builder(Mesh::without_cells())
+        .rigid(pendulum)
+        .joint(hinge("pivot", [rigid("pendulum"), JointEnd::Ground], [0.0; 3], [0.0, 1.0, 0.0]))
+        .load(Load::acceleration([0.0, 0.0, -9.81]))
+        .build()
+        .unwrap()
+}
+
+/// Errors of adaptive steps are those that they are asked for: velocities that joints allow are estimated.
+#[test]
+fn adaptive_steps_know_joints() {
+    let exact = [0.485_256_525_325_571_6, 0.0, -0.120_524_290_617_920_1];
+    let body = pendulum();
+    for k in 1..=3 {
+        let mut last = f64::INFINITY;
+        for tolerance in [1e-4, 1e-6] {
+            let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+            let plan = StepPlan::adaptive(0.0, 2.0, Adaptivity::new(tolerance)).unwrap();
+            motion.march(&plan, &mut []).unwrap();
+            let error = distance(motion.record().rigid_bodies[0].position, exact);
+            assert!(error < 100.0 * tolerance, "k = {k}, {tolerance:e}: {error:e}");
+            assert!(error < 0.3 * last, "k = {k}, {tolerance:e}: {error:e}");
+            assert!(motion.record().constraint_residual < 1e-13);
+            last = error;
+        }
+    }
+}
+
+/// Schemes with dissipation lose the energy that they book, and neither momenta nor joints.
+#[test]
+fn dissipative_schemes_keep_joints() {
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
+        .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
+        .joint(
+            hinge("h", [rigid("a"), rigid("b")], [0.4, 0.1, -0.2], [0.3, -0.2, 0.9])
+                .with_spring(50.0, Some(0.3)),
+        )
+        .build()
+        .unwrap();
+    for k in 1..=2 {
+        let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
+        let state = State::initial(&body, 0.0, &[flies]).unwrap();
+        let mut motion = Motion::starting(&body, at(dgm(0.5), k), NewtonSettings::default(), state).unwrap();
+        let mut last = motion.record().clone();
+        let angular = last.angular_momentum;
+        for _ in 0..40 {
+            let record = motion.step(0.05).unwrap().clone();
+            assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
+            assert!(record.total_energy <= last.total_energy + 1e-13, "k = {k}: {record:?}");
+            assert!(distance(record.angular_momentum, angular) < 1e-12, "k = {k}: {record:?}");
+            assert!(record.constraint_residual < 1e-13, "k = {k}: {record:?}");
+            last = record;
+        }
+        assert!(last.dissipated_energy > 1e-6, "k = {k}: {last:?}");
+    }
+}
+
+/// A motion goes on bit for bit, with its angles over full turns and its rank.
+#[test]
+fn mechanisms_are_resumed_bit_for_bit() {
+    let (body, _) = four_bars(2);
+    for scheme in [at(DGM, 2), at(dgm(0.8), 1)] {
+        let mut motion = Motion::new(&body, scheme).unwrap();
+        (0..8).for_each(|_| _ = motion.step(0.1).unwrap());
+        let snapshot = motion.snapshot();
+        let mut resumed = Motion::resumed(&body, scheme, NewtonSettings::default(), snapshot).unwrap();
+        for _ in 0..8 {
+            assert_eq!(resumed.step(0.1).unwrap(), motion.step(0.1).unwrap());
+            assert_eq!(resumed.state(), motion.state());
+        }
+    }
 }

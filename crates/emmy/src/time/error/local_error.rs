@@ -4,7 +4,7 @@ use super::Estimator;
 use super::defect_correction::DefectCorrection;
 use super::reconstruction::Reconstruction;
 use super::sampling::Sampling;
-use crate::body::Body;
+use crate::body::{Body, ConstrainedVelocity};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::time::classic::{Forces, Start};
@@ -70,6 +70,9 @@ pub struct LocalError<'a> {
     displacement: Vec<f64>,
     /// Error of the velocities.
     velocity: Vec<f64>,
+    /// Of a mechanism, what constraints allow of velocities: the rest carries an error of low order that never reaches
+    /// the positions.
+    allowed: Option<ConstrainedVelocity>,
 }
 
 #[derive(Debug)]
@@ -117,7 +120,9 @@ impl<'a> LocalError<'a> {
         state: &State,
     ) -> Result<Self> {
         estimator.check(element)?;
-        body.check_unconstrained("an estimate of the error")?;
+        if estimator != Estimator::Element {
+            body.check_unconstrained("this estimate of the error")?;
+        }
         let n = body.n_dofs();
         let next = || NextDegree::new(body, element, estimator, settings, state).map(Box::new);
         let kind = match estimator {
@@ -128,7 +133,9 @@ impl<'a> LocalError<'a> {
                 Kind::Sampled(next()?, Box::new(sampling))
             }
         };
-        let mut estimator = LocalError { body, kind, displacement: vec![0.0; n], velocity: vec![0.0; n] };
+        let (displacement, velocity) = (vec![0.0; n], vec![0.0; n]);
+        let allowed = if body.mechanism.is_empty() { None } else { Some(ConstrainedVelocity::new(body)?) };
+        let mut estimator = LocalError { body, kind, displacement, velocity, allowed };
         estimator.restart(state)?;
         Ok(estimator)
     }
@@ -205,7 +212,16 @@ impl<'a> LocalError<'a> {
         if let Kind::Element(next) | Kind::Sampled(next, _) = &mut self.kind {
             next.advance(start, rates, step_size)?;
             set_difference(&mut self.displacement, &end.displacement, &next.end.displacement);
-            set_difference(&mut self.velocity, &end.velocity, &next.end.velocity);
+            if let Some(allowed) = &mut self.allowed {
+                let time = start.time + step_size;
+                self.velocity.copy_from_slice(&end.velocity);
+                allowed.project(self.body, time, &end.displacement, &mut self.velocity)?;
+                let State { displacement, velocity, .. } = &mut next.end;
+                allowed.project(self.body, time, displacement, velocity)?;
+                self.velocity.iter_mut().zip(&*velocity).for_each(|(v, better)| *v -= better);
+            } else {
+                set_difference(&mut self.velocity, &end.velocity, &next.end.velocity);
+            }
         }
         self.clear_fixed();
         if let Kind::Sampled(_, sampling) = &mut self.kind {
