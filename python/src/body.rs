@@ -458,10 +458,10 @@ fn without_rigid_bodies(mesh: &emmy::mesh::Mesh, names: &[&str]) -> emmy::Result
     for cell in mesh.cells() {
         builder.cell(cell.kind, cell.nodes)?;
     }
-    groups.cells.iter().for_each(|(name, cells)| _ = builder.cell_group(name, cells.iter().copied()));
-    groups.facets.iter().for_each(|(name, facets)| _ = builder.facet_group(name, facets.iter().copied()));
+    groups.cells.iter().for_each(|(name, cells)| builder.cell_group(name, cells.iter().copied()));
+    groups.facets.iter().for_each(|(name, facets)| builder.facet_group(name, facets.iter().copied()));
     let own = groups.nodes.iter().filter(|(name, _)| !names.contains(&name.as_str()));
-    own.for_each(|(name, nodes)| _ = builder.node_group(name, nodes.iter().copied()));
+    own.for_each(|(name, nodes)| builder.node_group(name, nodes.iter().copied()));
     builder.build()
 }
 

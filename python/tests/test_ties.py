@@ -59,7 +59,7 @@ def test_blocks_in_free_flight():
 
 
 def test_shifts_are_noted_or_too_large():
-    note = "tie 0: nodes of `upper-face` are moved onto `lower-face`, by up to 0.03"
+    note = "tie of `upper-face` to `lower-face`: nodes are moved by up to 0.03"
     with pytest.warns(emmy.EmmyWarning, match=note):
         body = tied_blocks(gap=0.03)
     # The lower face of the upper block comes down by the gap.

@@ -183,8 +183,8 @@ fn add_constraints(summary: &mut Value, peaks: &Peaks) {
     }
 }
 
-/// Adds the numbers of the columns after those of the whole body: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A field
-/// that is there already stays.
+/// Adds the numbers of the columns after those of the whole body: `X`, `X_min`, `X_min_time`, `X_max`, `X_max_time`. A
+/// field that is there already stays.
 pub(crate) fn add_peaks(summary: &mut Value, peaks: &Peaks) {
     add_constraints(summary, peaks);
     if let Value::Object(fields) = summary {

@@ -268,8 +268,8 @@ pub enum Error {
     },
     /// An inertia tensor that is not symmetric, or that no body has.
     #[error(
-        "no body has the inertia {inertia:?} of the rigid body \"{body}\": each principal moment is less than the sum \
-         of the others"
+        "the inertia {inertia:?} of the rigid body \"{body}\" must be symmetric, and each principal moment less than the \
+         sum of the others; of a flat body or a rod it is equal: give it a little thickness"
     )]
     Inertia {
         /// Name of the body.

@@ -312,3 +312,16 @@ fn what_has_no_joints_yet_says_so() {
         assert!(failed.stderr.contains(words), "{arguments:?}: {}", failed.stderr);
     }
 }
+
+/// A velocity along the axis of the hinge is not a motion of the pendulum: all of its energy, m v^2 / 2, is taken out.
+#[test]
+fn velocities_that_joints_do_not_allow_are_taken_out_with_a_note() {
+    let place = Place::with(&PENDULUM.replace("[time]", "[initial]\nvelocity = [0, 1, 0]\n\n[time]"));
+    let note = "the joints take 1.5 of 1.5 of the kinetic energy out of the initial velocities\n";
+    for verb in ["check", "run"] {
+        let outcome = place.succeed(&[verb, "box.toml"]);
+        let text = outcome.stdout + &outcome.stderr;
+        assert!(text.contains(note), "{verb}: {text}");
+    }
+    assert_eq!(place.history("out")["kinetic_energy"][0], 0.0);
+}

@@ -66,7 +66,7 @@ fn check_says_how_far_followers_move() {
     ] {
         assert!(outcome.stdout.contains(line), "{line}{}", outcome.stdout);
     }
-    let note = "note: tie 1: nodes of `bottom-3` are moved onto `top-2`, by up to 0.02 mm\n";
+    let note = "note: tie of `bottom-3` to `top-2`: nodes are moved by up to 0.02 mm\n";
     assert!(outcome.stderr.contains(note), "{}", outcome.stderr);
 }
 

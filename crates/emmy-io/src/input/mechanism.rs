@@ -1,6 +1,6 @@
 //! Rigid bodies and joints together: their names, and the bodies that joints are between.
 
-use emmy::body::{Joint, JointEnd, Load, LoadKind, RigidBody};
+use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, RigidBody};
 use emmy::internals::number::short_vector;
 use emmy::mesh::Mesh;
 use emmy::time::Scheme;
@@ -11,6 +11,7 @@ use super::rigid::{self, GROUND, PlacedRigid};
 use super::suggest::{did_you_mean, listed};
 use super::time::Time;
 use crate::message::counted;
+use crate::units::Units;
 
 /// The rigid bodies and joints of an input.
 #[derive(Debug, Default)]
@@ -191,7 +192,7 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
     let nodes = mesh.group_nodes(name).map_err(|error| Fault::at(place, error.to_string(), "empty"))?;
     let nearest = nodes.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
     match nearest {
-        Some(node) if distance(node) <= SAME_PLACE * mesh.diagonal() => return Ok(node),
+        Some(node) if distance(node) <= SAME_PLACE * mesh.diagonal() => Ok(node),
         Some(node) => {
             let (kind, key) = (joint::with_article(joint.kind), joint.key_of_points());
             let (of, at) = (counted(nodes.len(), "node", "nodes"), short_vector(point));
@@ -207,4 +208,26 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
 /// Whether a load acts on rigid bodies by their names.
 pub(super) fn is_for_bodies(load: &Load) -> bool {
     matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. })
+}
+
+/// Part of the kinetic energy that joints take out of the initial velocities and that is worth a note.
+const WORTH_A_NOTE: f64 = 1e-9;
+
+/// The note on initial velocities that the joints do not allow.
+pub(super) fn note_on_start(
+    body: &Body,
+    initial: &[InitialVelocity],
+    start: f64,
+    units: Units,
+) -> Option<String> {
+    if body.n_constraints() == 0 || initial.is_empty() {
+        return None;
+    }
+    // Faults of the fields have their own messages.
+    let [given, allowed] = body.initial_energies(start, initial).ok()?;
+    let taken = given - allowed;
+    (taken > WORTH_A_NOTE * given).then(|| {
+        let [taken, given] = [taken, given].map(|energy| units.number(energy, "energy"));
+        format!("the joints take {taken} of {given} of the kinetic energy out of the initial velocities")
+    })
 }

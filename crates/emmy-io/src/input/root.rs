@@ -66,7 +66,7 @@ impl<'a> Root<'a> {
         Some(groups)
     }
 
-    /// Groups of the regions of links, also of regions with faults. A region with an unknown material may be one of them.
+    /// Groups of the regions of links, also of regions with faults. A region with an unknown material may be one.
     pub(super) fn link_groups(&self) -> Vec<String> {
         let is_solid = |region: &Table<'_>| {
             let mut cells = region.item("material").into_iter().flat_map(material::cells);

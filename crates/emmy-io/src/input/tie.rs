@@ -142,14 +142,11 @@ pub(super) fn notes_on_start(body: &Body, initial: &[InitialVelocity]) -> Vec<St
 
 /// Notes on followers that were moved.
 pub(super) fn notes(body: &Body, units: Units) -> Vec<String> {
-    let note = |(number, tie): (usize, &TieSummary)| {
+    let note = |tie: &TieSummary| {
         let shift = units.number(shift_of_followers(body, tie)?, "length");
-        Some(format!(
-            "tie {number}: nodes of `{}` are moved onto `{}`, by up to {shift}",
-            tie.follower, tie.leader
-        ))
+        Some(format!("tie of `{}` to `{}`: nodes are moved by up to {shift}", tie.follower, tie.leader))
     };
-    body.ties().iter().enumerate().filter_map(note).collect()
+    body.ties().iter().filter_map(note).collect()
 }
 
 /// The fault of a body with an impossible tie, or with ties on several ranks.

@@ -43,7 +43,7 @@ impl Body {
         let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
         match self.mass_weighted_rms(&arms) {
             // A mass alone is as large as its joints.
-            0.0 => self.constraints().size(),
+            0.0 if !self.constraints().is_empty() => self.constraints().size(),
             radius => radius,
         }
     }

@@ -1,4 +1,4 @@
-//! What a record holds of rigid bodies and joints.
+//! Rigid bodies and joints in records.
 
 use super::Record;
 use crate::body::{Body, ConstrainedVelocity};

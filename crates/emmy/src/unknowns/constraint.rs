@@ -28,7 +28,7 @@ pub(crate) struct Constraint {
     pub pairs: Vec<(Affine, Affine, f64)>,
     /// s.
     pub value: f64,
-    /// What is given over time; pairs and value are those of a time, at first those of the drawing.
+    /// The given coordinate; pairs and value are those of a time, at first those of the drawing.
     pub drive: Option<Drive>,
 }
 

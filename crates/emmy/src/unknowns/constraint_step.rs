@@ -1,4 +1,4 @@
-//! What the constraints of a step depend on beside the positions: its times, and their range at its start.
+//! Given motions and the range of the constraints in a step.
 
 use super::constraint::Constraint;
 use super::constraints::Constraints;
@@ -64,8 +64,8 @@ impl ConstraintStep {
         self.set_range(body, 0, u);
     }
 
-    /// Whether the constraints hold at the end of a step. If not, their range becomes that at the end: the step may have
-    /// begun where some depend on each other that do not elsewhere.
+    /// Whether the constraints hold at the end of a step. If not, their range becomes that at the end: the step may
+    /// have begun where some depend on each other that do not elsewhere.
     pub(crate) fn hold(&mut self, body: (&Constraints, &[bool]), step: &StepInput<'_>) -> Held {
         let end = |dof: usize| step.displacement_at_end(dof);
         let start = |dof: usize| step.displacement[dof];

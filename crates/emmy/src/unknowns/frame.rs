@@ -226,7 +226,7 @@ mod tests {
         let (spin, drift) = ([0.3, -1.1, 0.7], [0.5, 0.1, -0.4]);
         let velocity = |X: [f64; 3]| {
             let r = [0, 1, 2].map(|d| X[d] - body.centre[d]);
-            let turned = crate::tensor::cross(spin, r);
+            let turned = cross(spin, r);
             [0, 1, 2].map(|d| drift[d] + turned[d])
         };
         let v: Vec<[f64; 3]> = frame.points().map(velocity).collect();

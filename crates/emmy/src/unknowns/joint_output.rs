@@ -29,7 +29,7 @@ pub struct JointState {
     pub coordinate: f64,
 }
 
-/// What the output of a joint takes from constraints and positions.
+/// The output of a joint, from constraints and positions.
 #[derive(Debug)]
 pub(crate) struct JointOutput {
     /// Numbers of its constraints.

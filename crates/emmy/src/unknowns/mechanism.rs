@@ -31,7 +31,7 @@ pub(crate) struct Mechanism {
 /// use emmy::prelude::*;
 /// let between = [JointEnd::Rigid("door".into()), JointEnd::Ground];
 /// let hinge = Joint::new("hinge", JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, between, [0.0; 3]);
-/// let door = RigidBody::new("door", 20.0, [0.5, 0.0, 1.0], [7.0, 9.0, 2.0]);
+/// let door = RigidBody::new("door", 20.0, [0.5, 0.0, 1.0], [7.0, 8.5, 2.0]);
 /// let body = Body::builder(Mesh::without_cells()).rigid(door).joint(hinge).build()?;
 /// let mobility = body.mobility();
 /// assert_eq!((mobility.n_constraints, mobility.n_redundant, mobility.degrees_of_freedom), (5, 0, Some(1)));

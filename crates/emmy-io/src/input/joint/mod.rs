@@ -18,8 +18,11 @@ struct Row {
     /// Its keys.
     keys: &'static Described,
     /// Reads its places.
-    read: fn(&Table<'_>) -> Result<(JointKind, [f64; 3]), Fault>,
+    read: ReadKind,
 }
+
+/// Reads a kind of joint, and the point of its first body.
+type ReadKind = fn(&Table<'_>) -> Result<(JointKind, [f64; 3]), Fault>;
 
 /// Every kind of joint.
 const ROWS: [Row; 10] = [

@@ -9,7 +9,7 @@ use crate::input::fault::Fault;
 use crate::input::history::{self, Context};
 use crate::input::table::{Item, Read, Table};
 
-/// What acts in the coordinate of a joint.
+/// The forces in the coordinate of a joint.
 #[derive(Debug, Default)]
 pub(in crate::input) struct Forces {
     pub(in crate::input) spring: Option<JointSpring>,
@@ -27,12 +27,11 @@ pub(super) fn drive(
     (name, kind, at): (&str, JointKind, [f64; 3]),
     context: Context<'_>,
 ) -> Result<Option<TimeFunction>, Fault> {
-    let given = ["angle", "slide"].into_iter().filter_map(|key| table.item(key));
     let taken = kind.coordinate();
-    for item in given {
-        if taken == Some(item.key) {
-            return from_rest(&item, name, context).map(Some);
-        }
+    let [takes, others] = [true, false].map(|is| {
+        ["angle", "slide"].into_iter().find(|key| table.item(key).is_some() && (taken == Some(*key)) == is)
+    });
+    if let Some(item) = others.and_then(|key| table.item(key)) {
         let (kind, key) = (with_article(kind), item.key);
         let message = format!("joint `{name}`: {kind} joint has no `{key}` to be given");
         let fault = item.fault(message, format!("not of {kind} joint"));
@@ -40,6 +39,9 @@ pub(super) fn drive(
             "angle" => "revolute and cylindrical joints take `angle`",
             _ => "prismatic joints take `slide`",
         }));
+    }
+    if let Some(item) = takes.and_then(|key| table.item(key)) {
+        return from_rest(&item, name, context).map(Some);
     }
     let JointKind::Distance { to } = kind else { return Ok(None) };
     let Some(item) = own.item("length").and_then(Item::of_one_kind) else { return Ok(None) };

@@ -103,7 +103,7 @@ impl Ends<'_> {
             }
             JointKind::Distance { to } | JointKind::Line { to } => {
                 let arm = self.point(0, self.joint.at)?.less(&self.point(1, to)?);
-                if !(dot3(arm.reference, arm.reference) > 0.0) {
+                if dot3(arm.reference, arm.reference) == 0.0 {
                     let reason = "its points coincide; a distance needs two points, a spherical joint one";
                     return Err(self.fault(reason));
                 }
