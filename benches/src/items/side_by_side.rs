@@ -17,8 +17,8 @@ const SCHEME: &str = "FE(1)";
 /// The motions of the other programs.
 pub(super) const OTHERS: &str = "DOLFINx with the same cells, points and mid-point rule, which is FE(1), with energies \
     equal to 1e-8. CalculiX with St. Venant-Kirchhoff material and the trapezoidal rule, with energies equal to those \
-    of Newmark(0.25,0.5) to 1e-6; not with soft bodies and blocks of tet10, where its mass is another, or the stiff \
-    block of hex20, where it diverges. An asterisk marks recorded figures.";
+    of Newmark(0.25,0.5) to 1e-6; not with blocks of tet10 and the soft bracket, where its mass is another, nor with \
+    the stiff block of hex20, where it diverges. -: not run. An asterisk marks recorded figures.";
 
 /// A time.
 #[derive(Debug, Clone, Copy, PartialEq)]

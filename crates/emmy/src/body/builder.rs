@@ -116,7 +116,8 @@ impl BodyBuilder {
     }
 
     /// Adds a rigid body without cells. Its name becomes a group of the mesh: the node of its centre, at which
-    /// supports, masses and forces act. A node for each of three axes follows; initial velocities of the group move all.
+    /// supports, masses and forces act. A node for each of three axes follows; initial velocities of the group move
+    /// all.
     pub fn rigid(mut self, body: RigidBody) -> Self {
         self.rigid.push(body);
         self
@@ -154,9 +155,9 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
-    /// [`crate::Error::Inertia`], [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a rigid body named as a group,
-    /// [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless the
-    /// drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
+    /// [`crate::Error::Inertia`], [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a rigid body named as a
+    /// group, [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless
+    /// the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
     /// error of one rank.
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
