@@ -86,6 +86,7 @@ impl Work {
         let mut warnings = summary::warnings(&RunStatistics {
             steps: now.steps - before.steps,
             unresolved_loads: now.unresolved_loads - before.unresolved_loads,
+            unresolved_turns: now.unresolved_turns - before.unresolved_turns,
             rounding: if now.rounding > before.rounding { now.rounding } else { 0.0 },
             ..Default::default()
         });

@@ -78,7 +78,7 @@ def test_steps_that_miss_a_pulse(march):
     own = free_block()
     motion = emmy.Motion(emmy.Body(own.mesh, own.regions, loads=pulse), steps=(1.0, 0.1))
     told = messages(lambda: march(motion))
-    assert told == ["1 of 10 steps did not resolve a load or a moving support; the first one is in the events"]
+    assert told == ["1 of 10 steps did not resolve a load or a given motion; the first one is in the events"]
     (event,) = motion.events
     assert (event.step, event.kind) == (6, "unresolved")
     assert event.message.startswith("a step of 0.1 does not resolve load")

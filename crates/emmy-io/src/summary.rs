@@ -58,7 +58,7 @@ pub const FEW_DIGITS: f64 = 6.0;
 /// let sound = RunStatistics { steps: 10, ..Default::default() };
 /// assert!(warnings(&sound).is_empty());
 /// let missed = warnings(&RunStatistics { unresolved_loads: 2, ..sound });
-/// assert!(missed[0].starts_with("2 of 10 steps did not resolve a load or a moving support"));
+/// assert!(missed[0].starts_with("2 of 10 steps did not resolve a load or a given motion"));
 /// ```
 pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -71,7 +71,14 @@ pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
     if statistics.unresolved_loads > 0 {
         let (missed, steps) = (statistics.unresolved_loads, statistics.steps);
         warnings.push(format!(
-            "{missed} of {steps} steps did not resolve a load or a moving support; the first one is in the events"
+            "{missed} of {steps} steps did not resolve a load or a given motion; the first one is in the events"
+        ));
+    }
+    if statistics.unresolved_turns > 0 {
+        let (missed, steps) = (statistics.unresolved_turns, statistics.steps);
+        warnings.push(format!(
+            "a rigid body turned by more than half a turn in {missed} of {steps} steps, which they cannot follow: take \
+             smaller ones"
         ));
     }
     warnings

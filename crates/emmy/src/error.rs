@@ -462,6 +462,14 @@ pub enum Error {
         /// Smallest determinant seen.
         det: f64,
     },
+    /// A spring of a joint beyond half a turn, where its angle is not known.
+    #[error(
+        "the spring of joint \"{joint}\" is wound up by more than half a turn from the drawing, where it ends"
+    )]
+    WoundUp {
+        /// Name of the joint.
+        joint: String,
+    },
     /// A configuration in which a force is not defined.
     #[error("{reason}")]
     Refused {
@@ -520,6 +528,14 @@ pub enum Error {
         node: usize,
         /// Its last good position.
         position: [f64; 3],
+    },
+    /// Joints whose given motions no velocity obeys.
+    #[error(
+        "no motion obeys all joints at t = {time}: their given motions contradict each other, or the mechanism is locked"
+    )]
+    NoMotion {
+        /// The time.
+        time: f64,
     },
     /// A step after which constraints do not hold.
     #[error(

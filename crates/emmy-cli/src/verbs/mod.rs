@@ -270,7 +270,7 @@ fn at_most_all_cores(threads: u16, host: &dyn Host) -> u16 {
     }
 }
 
-/// A warning of planned steps that do not resolve a load or a moving support.
+/// A warning of planned steps that do not resolve a load or a given motion.
 fn unresolved_steps(problem: &Problem) -> Option<String> {
     let Problem { body, scheme, plan, .. } = problem;
     let (count, first) = Resolution::new(body, *scheme, plan)?.unresolved_steps(plan);

@@ -241,7 +241,7 @@ fn warn_of_loads(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
     if missed > 0 {
         message!(
             host,
-            "warning: in {missed} runs, steps did not resolve a load or a moving support (column unresolved_loads)"
+            "warning: in {missed} runs, steps did not resolve a load or a given motion (column unresolved_loads)"
         );
     }
 }

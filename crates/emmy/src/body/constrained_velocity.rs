@@ -24,6 +24,12 @@ pub(crate) struct ConstrainedVelocity {
     change: Vec<f64>,
 }
 
+/// Part of the rates of the constraints outside their range that is rounding.
+const TOLERANCE: f64 = 1e-6;
+
+/// Rates of the constraints over the velocities that are rounding.
+const ROUNDING: f64 = 1e-10;
+
 impl ConstrainedVelocity {
     /// The velocities of a body with constraints.
     ///
@@ -57,11 +63,12 @@ impl ConstrainedVelocity {
         Ok(own)
     }
 
-    /// Takes from a velocity at a time what the constraints do not allow. Returns the largest `|G v + dPhi/dt|` before.
+    /// Takes from a velocity at a time what the constraints do not allow; at a kink of a given motion, on the side that
+    /// the sign of the second number of `time` gives. Returns the largest `|G v + dPhi/dt|` before.
     ///
     /// # Errors
-    /// [`Error::Linear`] if the constraints contradict each other.
-    pub(crate) fn project(&mut self, body: &Body, time: f64, u: &[f64], v: &mut [f64]) -> Result<f64> {
+    /// [`Error::NoMotion`] if the given motions contradict each other, [`crate::Error::NotFiniteAt`].
+    pub(crate) fn project(&mut self, body: &Body, time: [f64; 2], u: &[f64], v: &mut [f64]) -> Result<f64> {
         let (largest, impulses) = self.impulses(body, time, u, v)?;
         self.momentum.fill(0.0);
         self.dofs.iter().zip(&impulses).for_each(|(&dof, impulse)| self.momentum[dof] = *impulse);
@@ -75,7 +82,7 @@ impl ConstrainedVelocity {
     /// # Errors
     /// As [`ConstrainedVelocity::project`].
     pub(crate) fn project_joints(&mut self, body: &Body, time: f64, u: &[f64], v: &mut [f64]) -> Result<f64> {
-        let (largest, impulses) = self.impulses(body, time, u, v)?;
+        let (largest, impulses) = self.impulses(body, [time, 0.0], u, v)?;
         for (&dof, row) in self.dofs.iter().zip(self.inverse_mass.chunks_exact(impulses.len().max(1))) {
             v[dof] -= row.iter().zip(&impulses).map(|(f, impulse)| f * impulse).sum::<f64>();
         }
@@ -90,13 +97,13 @@ impl ConstrainedVelocity {
     }
 
     /// The largest `|G v + dPhi/dt|`, and `G^T nu` of the joint nodes.
-    fn impulses(&mut self, body: &Body, time: f64, u: &[f64], v: &[f64]) -> Result<(f64, Vec<f64>)> {
+    fn impulses(&mut self, body: &Body, time: [f64; 2], u: &[f64], v: &[f64]) -> Result<(f64, Vec<f64>)> {
         let constraints = body.constraints();
         if constraints.is_empty() {
             return Ok((0.0, Vec::new()));
         }
         let (m, n) = (constraints.len(), self.dofs.len());
-        self.times.set_time((constraints, body.space.inactive()), time, &|dof| u[dof]);
+        self.times.set_time((constraints, body.space.inactive()), time, &|dof| u[dof])?;
         constraints.set_gradients((&self.times, 0), &|dof| u[dof], &mut self.gradients);
         let rate = |c: usize| {
             let row = self.times.row(constraints, 0, c);
@@ -104,7 +111,13 @@ impl ConstrainedVelocity {
         };
         let mut nu: Vec<f64> = (0..m).map(rate).collect();
         let largest = nu.iter().fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
+        let fastest = self.dofs.iter().fold(0.0, |most: f64, &dof| most.max(v[dof].abs()));
+        let scale = TOLERANCE * largest + ROUNDING * fastest;
+        let all = nu.clone();
         self.times.project(&mut nu);
+        if all.iter().zip(&nu).any(|(rate, inside)| (rate - inside).abs() > scale) {
+            return Err(Error::NoMotion { time: time[0] });
+        }
         let mut products = vec![0.0; m * n];
         for (product, gradient) in products.chunks_exact_mut(n).zip(self.gradients.chunks_exact(n)) {
             for (g, row) in gradient.iter().zip(self.inverse_mass.chunks_exact(n)).filter(|(g, _)| **g != 0.0)
@@ -123,8 +136,7 @@ impl ConstrainedVelocity {
             (0..m * m).for_each(|at| matrix[at] += range.complement(at / m, at % m));
         }
         if !eliminate(&mut matrix, &mut nu, 1) {
-            let reason = "no velocity obeys all constraints at the start".to_string();
-            return Err(Error::Linear { reason });
+            return Err(Error::NoMotion { time: time[0] });
         }
         let mut impulses = vec![0.0; n];
         for (nu, gradient) in nu.iter().zip(self.gradients.chunks_exact(n)) {

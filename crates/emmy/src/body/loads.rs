@@ -27,13 +27,14 @@ pub struct LoadResultant {
 }
 
 impl Body {
-    /// The first time after another at which the time function of a load or a driven support has a kink or a jump; of
-    /// the kinks of a measured table only the corners count.
+    /// The first time after another at which the time function of a load, a driven support or a joint has a kink or a
+    /// jump; of the kinks of a measured table only the corners count.
     pub(crate) fn next_corner(&self, after: f64) -> Option<f64> {
         let drives = self.space.drives().iter().flat_map(|drive| drive.time_functions());
         let of_drives = drives.filter_map(|time_function| time_function.next_corner(after));
         let of_loads = self.over_time().filter_map(|load| load.time_function().next_corner(after));
-        of_loads.chain(of_drives).min_by(f64::total_cmp)
+        let of_joints = self.mechanism.time_functions().filter_map(|(_, law, _)| law.next_corner(after));
+        of_loads.chain(of_drives).chain(of_joints).min_by(f64::total_cmp)
     }
 
     /// The smooth functions of time that act on the body, without repetition. A call of all ranks.
@@ -49,12 +50,15 @@ impl Body {
                 .arms()
                 .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
         });
+        let of_joints = self.mechanism.time_functions();
+        let of_joints =
+            of_joints.filter_map(|(joint, law, arm)| Signal::of(law, SignalTarget::Joint(joint), None, arm));
         let mut known = HashSet::new();
         let is_new = |signal: &Signal| {
             signal.text.is_empty()
                 || known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
         };
-        of_loads.into_iter().chain(of_supports).filter(is_new).chain(of_fields).collect()
+        of_loads.into_iter().chain(of_supports).chain(of_joints).filter(is_new).chain(of_fields).collect()
     }
 
     /// The first load by a field that is not a finite number at one of its points between two times: its number, the

@@ -10,6 +10,9 @@ use crate::nodal;
 /// `M v = p` for driven bodies.
 const OF_ROUNDING: f64 = 1e-8;
 
+/// Shift to the side of a kink after it.
+const SHIFT: f64 = 1e-12;
+
 impl Body {
     /// Displacement of the incompatible modes, `[n_internal][3]`: that of the internal nodes less the mean over their
     /// cells.
@@ -44,7 +47,7 @@ impl Body {
     ) -> Result<(Vec<f64>, Vec<f64>)> {
         let mut velocity = self.given_velocity(time, fields)?;
         if !self.constraints().is_empty() {
-            ConstrainedVelocity::new(self)?.project(self, time, displacement, &mut velocity)?;
+            ConstrainedVelocity::new(self)?.project(self, [time, SHIFT], displacement, &mut velocity)?;
         }
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))

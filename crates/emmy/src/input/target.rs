@@ -1,17 +1,19 @@
-//! Loads and supports that functions of time drive, in messages.
+//! Loads, supports and joints that functions of time drive, in messages.
 
 use std::fmt;
 
 use super::time_function::NotFinite;
 use crate::error::Error;
 
-/// The load or support that a function of time drives.
+/// The load, the support or the joint that a function of time drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignalTarget {
     /// A load, by its number.
     Load(usize),
     /// A driven support, by its number among all supports.
     Support(usize),
+    /// A joint with a given motion or a motor, by its number.
+    Joint(usize),
 }
 
 impl fmt::Display for SignalTarget {
@@ -19,6 +21,7 @@ impl fmt::Display for SignalTarget {
         match self {
             SignalTarget::Load(number) => write!(f, "load {number}"),
             SignalTarget::Support(number) => write!(f, "moving support {number}"),
+            SignalTarget::Joint(number) => write!(f, "joint {number}"),
         }
     }
 }
@@ -27,7 +30,7 @@ impl fmt::Display for SignalTarget {
 const LONGEST: usize = 60;
 
 impl SignalTarget {
-    /// The load or support with the text of its function, which may be empty.
+    /// The load, support or joint with the text of its function, which may be empty.
     pub(crate) fn with_text(self, text: &str) -> String {
         if text.is_empty() {
             return self.to_string();

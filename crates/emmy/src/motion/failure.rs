@@ -22,7 +22,10 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
 
 /// Whether a smaller step may succeed where one has failed.
 pub(super) fn may_shrink_after(error: &Error) -> bool {
-    !matches!(cause_of(error), Error::NotFiniteAt { .. } | Error::NotOnTeam { .. }) && !is_lost(error)
+    let is_final = |cause: &Error| {
+        matches!(cause, Error::NotFiniteAt { .. } | Error::NotOnTeam { .. } | Error::WoundUp { .. })
+    };
+    !is_final(cause_of(error)) && !is_lost(error)
 }
 
 /// Whether a step was lost in the rounding of the time.

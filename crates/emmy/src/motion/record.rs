@@ -91,6 +91,9 @@ pub struct Record {
     pub rejections: usize,
     /// Whether the step did not resolve a load or a given motion ([`super::Resolution`]).
     pub is_unresolved: bool,
+    /// Whether a rigid body turned by more than half a turn in the step.
+    #[serde(default)]
+    pub is_turned_over: bool,
     /// Degree of the time element; 1 for other methods.
     pub degree: usize,
     /// The joints, in the order of [`Body::joints`].

@@ -142,6 +142,9 @@ pub struct RunStatistics {
     pub largest_displacement: LargestDisplacement,
     /// Steps that did not resolve a load or a given motion.
     pub unresolved_loads: usize,
+    /// Steps in which a rigid body turned by more than half a turn, which they cannot follow.
+    #[serde(default)]
+    pub unresolved_turns: usize,
     /// Size of the largest step \[time\].
     #[serde(default)]
     pub largest_step_size: f64,
@@ -185,6 +188,7 @@ impl RunStatistics {
         self.external_work = record.external_work;
         self.dissipated_energy = record.dissipated_energy;
         self.unresolved_loads += usize::from(record.is_unresolved);
+        self.unresolved_turns += usize::from(record.is_turned_over);
         self.largest_step_size = self.largest_step_size.max(record.step_size);
         self.accumulated_local_error += record.local_error;
         record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));

@@ -1,5 +1,7 @@
 //! Single steps of a motion.
 
+use std::f64::consts::PI;
+
 use super::failure::placed;
 use super::plan::SHORTEST;
 use super::resolution::Unresolved;
@@ -7,6 +9,7 @@ use super::{EventKind, Motion, PlannedStep, Record};
 use crate::error::{Error, Result};
 use crate::input::SAME_TIME;
 use crate::number::short;
+use crate::tensor::dot3;
 use crate::time::StepOutcome;
 
 impl Motion<'_> {
@@ -96,11 +99,12 @@ impl Motion<'_> {
         self.state.step += 1;
         self.state.is_equilibrium = false;
         let mut joints = self.stepper.joints().to_vec();
-        joints.iter_mut().zip(&self.record.joints).for_each(|(new, old)| new.coordinate = old.coordinate);
+        joints.iter_mut().zip(&self.record.joints).for_each(|(new, old)| new.coordinate += old.coordinate);
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
         self.record.joints = joints;
         if let Some(recorder) = &mut self.mechanism {
             recorder.set(self.body, &self.state, &mut self.record);
+            self.note_turn(step_size);
         }
         self.reactions.clear();
         self.reactions.extend_from_slice(self.stepper.reactions());
@@ -117,6 +121,22 @@ impl Motion<'_> {
             self.was_at_rounding_floor = true;
             let message = "Newton's iteration ended at the rounding floor, above the tolerance; the end of the run says how many digits are left";
             self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
+        }
+    }
+
+    /// Counts a step in which a rigid body turns by more than half a turn, and notes the first one.
+    fn note_turn(&mut self, step_size: f64) {
+        let turns = self.record.rigid_bodies.iter().map(|own| step_size * dot3(own.spin, own.spin).sqrt());
+        let largest = turns.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((number, turn)) = largest.filter(|(_, turn)| *turn > PI) else { return };
+        self.record.is_turned_over = true;
+        if self.statistics.unresolved_turns == 0 {
+            let name = self.body.rigid_bodies().nth(number).map_or("", |own| own.name.as_str());
+            let (turn, size) = (short(turn), short(step_size));
+            let message = format!(
+                "a step of {size} turns the rigid body \"{name}\" by {turn} rad, more than it can follow"
+            );
+            self.note(EventKind::Unresolved, self.state.step, message);
         }
     }
 }

@@ -4,10 +4,10 @@ use super::equations::Equations;
 use super::implicit::ImplicitStep;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{BlockRow, Body, JointState, MassSolver, Reaction};
+use crate::body::{BlockRow, Body, ConstrainedVelocity, JointState, MassSolver, Reaction};
 use crate::error::Result;
 use crate::force::StrainState;
-use crate::input::Span;
+use crate::input::{SAME_TIME, Span};
 use crate::newton::NewtonSettings;
 
 /// Stepper of a time element.
@@ -41,6 +41,8 @@ pub struct TimeElementStepper<'a> {
     is_loaded: bool,
     reactions: Vec<Reaction>,
     joints: Vec<JointState>,
+    /// Velocities after kinks of the given motions of joints; `None` if they have none.
+    allowed: Option<ConstrainedVelocity>,
     /// Origin of the displacement in the stage system.
     origin: [f64; 3],
     /// Mass fractions of the nodes of a free body, `[n_nodes]`; empty otherwise.
@@ -69,6 +71,11 @@ impl<'a> TimeElementStepper<'a> {
             is_loaded: false,
             reactions: body.space.no_reactions(),
             joints: vec![JointState::default(); body.joints().len()],
+            allowed: if body.constraints().have_kinks() {
+                Some(ConstrainedVelocity::new(body)?)
+            } else {
+                None
+            },
             origin: [0.0; 3],
             mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
@@ -230,6 +237,7 @@ impl<'a> TimeElementStepper<'a> {
         } else {
             impulses.dissipated += self.update_velocity(state, h);
         }
+        self.add_kink(state, h, impulses)?;
         let body = self.step.system.equations.body;
         body.space.set_internal_velocity(&self.end_basis, self.step.rates(), h, &mut state.velocity);
         Ok(())
@@ -300,6 +308,27 @@ impl<'a> TimeElementStepper<'a> {
                 .driven_dofs()
                 .for_each(|dof| self.end_velocity[dof] += weighted(beta, rates[dof] / h - velocity[dof]));
         }
+    }
+
+    /// Sets the velocity after a kink of the given motion of a joint in the step, at its end: the joints exert the
+    /// impulse `p^+ - p` with the work `(v + v^+)/2 . (p^+ - p)`. Without it, momenta would ring ever after.
+    fn add_kink(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
+        let Some(allowed) = &mut self.allowed else { return Ok(()) };
+        let equations = &self.step.system.equations;
+        if !equations.constraint_step.has_kink() {
+            return Ok(());
+        }
+        let (body, end) = (equations.body, equations.constraint_step.span().end);
+        self.position.copy_from_slice(&state.velocity);
+        allowed.project(body, [end, SAME_TIME * h], &state.displacement, &mut state.velocity)?;
+        let jump = &mut self.residual[..state.momentum.len()];
+        jump.copy_from_slice(&state.momentum);
+        body.mass_product(&state.velocity, &mut state.momentum);
+        jump.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
+        self.position.iter_mut().zip(&state.velocity).for_each(|(mean, v)| *mean = 0.5 * (*mean + v));
+        impulses.work += body.space.dot(&self.position, jump);
+        impulses.add_force(body, 1.0, &state.displacement, jump);
+        Ok(())
     }
 
     /// Adds the impulse of the reactions at the end of the step, where the given velocity `v_c^+` replaces the velocity

@@ -104,7 +104,7 @@ impl<'a> Equations<'a> {
         self.driven.set(&self.body.space, rule, span, &self.displacement)?;
         if !self.body.mechanism.is_empty() {
             let body = (self.body.constraints(), self.body.space.inactive());
-            self.constraint_step.begin(body, rule, span, &self.displacement);
+            self.constraint_step.begin(body, rule, span, &self.displacement)?;
         }
         Ok(is_loaded)
     }
@@ -356,7 +356,7 @@ impl<'a> Equations<'a> {
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
-    /// Sets the forces of the joints in a solved step. Returns the work of the given motions.
+    /// Sets the forces of the joints in a solved step, and the changes of their angles. Returns the work of the given motions.
     pub(super) fn set_joint_forces(&self, unknowns: &[f64], joints: &mut [JointState]) -> f64 {
         let Equations { body, constraint_step: times, .. } = self;
         if body.mechanism.is_empty() {
@@ -364,11 +364,7 @@ impl<'a> Equations<'a> {
         }
         let [x, multipliers, _] = self.blocks.split(unknowns);
         let step = self.step_at(x);
-        joints.fill(JointState::default());
-        for stage in 0..self.coefficients.rule.degree() {
-            let mesh = body.mesh();
-            body.mechanism.add_forces((&step, times), (stage, multipliers), mesh.points(), joints);
-        }
+        body.mechanism.set_states((&step, times), multipliers, body.mesh().points(), joints);
         body.constraints().work(&step, times, multipliers)
     }
 

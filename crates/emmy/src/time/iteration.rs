@@ -225,7 +225,9 @@ impl Iteration {
         let could_not_start = |cause| Error::StepFailed { step, time, cause };
         // An iteration that ran is more informative than one that could not start, unless a force has refused it.
         Err(match (failure, cause) {
-            (_, Some(cause)) if matches!(*cause, Error::Refused { .. }) => could_not_start(cause),
+            (_, Some(cause)) if matches!(*cause, Error::Refused { .. } | Error::WoundUp { .. }) => {
+                could_not_start(cause)
+            }
             (Some(failure), _) => failure,
             (None, Some(cause)) => could_not_start(cause),
             (None, None) => Error::Linear { reason: format!("no starting point for step {step}") },

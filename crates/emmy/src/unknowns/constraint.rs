@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::affine::Affine;
-use crate::input::TimeFunction;
+use crate::error::Result;
+use crate::input::{NotFinite, SignalTarget, TimeFunction};
 use crate::nodal;
 use crate::tensor::dot3;
 
@@ -36,6 +37,8 @@ pub(crate) struct Constraint {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drive {
     pub law: TimeFunction,
+    /// Number of the joint.
+    pub joint: usize,
     pub coordinate: Coordinate,
     /// `(dc_r/dt, ds/dt)`.
     rates: ([f64; 2], f64),
@@ -56,8 +59,14 @@ pub(crate) enum Coordinate {
 }
 
 impl Drive {
-    pub(crate) fn new(law: TimeFunction, coordinate: Coordinate) -> Self {
-        Drive { law, coordinate, rates: ([0.0; 2], 0.0), scale: 1.0 }
+    /// The drive of a joint, by its number.
+    pub(crate) fn new(law: TimeFunction, joint: usize, coordinate: Coordinate) -> Self {
+        Drive { law, joint, coordinate, rates: ([0.0; 2], 0.0), scale: 1.0 }
+    }
+
+    /// Whether it has a kink after a time and up to another one.
+    pub(crate) fn has_kink(&self, after: f64, until: f64) -> bool {
+        self.law.next_kink(after).is_some_and(|kink| kink <= until)
     }
 }
 
@@ -78,10 +87,18 @@ impl Constraint {
         self
     }
 
-    /// Sets pairs and value to those at a time, which must have a drive.
-    pub(crate) fn set_time(&mut self, time: f64) {
-        let Some(Drive { law, coordinate, rates, scale }) = &mut self.drive else { return };
-        let (given, rate) = (law.value_before(time), law.rate(time));
+    /// Sets pairs and value to those at a time, and rates to those on the side of a kink that the sign of `shift`
+    /// gives.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn set_time(&mut self, time: f64, shift: f64) -> Result<()> {
+        let Some(Drive { law, joint, coordinate, rates, scale }) = &mut self.drive else { return Ok(()) };
+        let (given, rate) = (law.value_before(time), law.rate_beside(time, shift));
+        if let Some(value) = [given, rate].into_iter().find(|value| !value.is_finite()) {
+            let found = NotFinite { time, value };
+            return Err(SignalTarget::Joint(*joint).not_finite(law.text().unwrap_or_default(), found));
+        }
         match *coordinate {
             Coordinate::Angle => {
                 let (sin, cos) = given.sin_cos();
@@ -98,6 +115,7 @@ impl Constraint {
                 rates.1 = *scale * length * rate;
             }
         }
+        Ok(())
     }
 
     /// dPhi/dt at displacements of the nodes.

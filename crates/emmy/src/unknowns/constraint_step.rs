@@ -4,8 +4,10 @@ use super::constraint::Constraint;
 use super::constraints::Constraints;
 use super::range::Range;
 use crate::average::Rule;
+use crate::error::Result;
 use crate::force::StepInput;
-use crate::input::Span;
+use crate::input::{SAME_TIME, Span};
+use crate::polynomial::lagrange_integral;
 
 /// Given motions at the times of a step, and the range of the constraints.
 ///
@@ -17,16 +19,16 @@ use crate::input::Span;
 /// ```math
 /// P C_i = 0,    (1 - P) Lambda_i = 0
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct ConstraintStep {
-    step_size: f64,
-    /// Times of the stages.
-    times: Vec<f64>,
+    span: Span,
     /// Numbers of the driven constraints.
     driven: Vec<usize>,
     /// The driven constraints at the k stages, at the end and at the start.
     at: Vec<Vec<Constraint>>,
     n_stages: usize,
+    /// `L_j(alpha)`, the integrals of the basis at points of the path of a step, `[PATH][k]`.
+    path: Vec<f64>,
     range: Range,
 }
 
@@ -38,8 +40,8 @@ impl ConstraintStep {
         let rows: Vec<Constraint> = driven.iter().map(|&c| constraints.rows()[c].clone()).collect();
         let at = if driven.is_empty() { Vec::new() } else { vec![rows; k + 2] };
         ConstraintStep {
-            step_size: 0.0,
-            times: vec![0.0; k],
+            span: Span::at(0.0),
+            path: Vec::with_capacity(PATH * k),
             driven,
             at,
             n_stages: k,
@@ -48,20 +50,57 @@ impl ConstraintStep {
     }
 
     /// Sets the times of a step, and the range of the constraints to that at its start.
-    pub(crate) fn begin(&mut self, body: (&Constraints, &[bool]), rule: &Rule, span: Span, start: &[f64]) {
-        self.step_size = span.size;
-        self.times.iter_mut().zip(rule.nodes()).for_each(|(time, &alpha)| *time = span.time(alpha));
-        let times = self.times.iter().copied().chain([span.end, span.start]);
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn begin(
+        &mut self,
+        body: (&Constraints, &[bool]),
+        rule: &Rule,
+        span: Span,
+        start: &[f64],
+    ) -> Result<()> {
+        self.span = span;
+        let times = rule.nodes().iter().map(|&alpha| span.time(alpha)).chain([span.end, span.start]);
         for (time, rows) in times.zip(&mut self.at) {
-            rows.iter_mut().for_each(|row| row.set_time(time));
+            rows.iter_mut().try_for_each(|row| row.set_time(time, 0.0))?;
+        }
+        if self.path.is_empty() {
+            let points = (1..=PATH).map(|m| m as f64 / PATH as f64);
+            let of_point = |alpha| (0..rule.degree()).map(move |j| lagrange_integral(rule.nodes(), j, alpha));
+            self.path.extend(points.flat_map(of_point));
         }
         self.set_range(body, self.n_stages + 1, &|dof| start[dof]);
+        Ok(())
     }
 
-    /// Sets a single time, in place of a stage, and the range of the constraints there.
-    pub(crate) fn set_time(&mut self, body: (&Constraints, &[bool]), time: f64, u: &dyn Fn(usize) -> f64) {
-        self.at.iter_mut().take(1).flatten().for_each(|row| row.set_time(time));
+    /// Sets a single time, in place of a stage, on the side of a kink that the sign of `shift` gives, and the range of
+    /// the constraints there.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn set_time(
+        &mut self,
+        body: (&Constraints, &[bool]),
+        [time, shift]: [f64; 2],
+        u: &dyn Fn(usize) -> f64,
+    ) -> Result<()> {
+        self.at.iter_mut().take(1).flatten().try_for_each(|row| row.set_time(time, shift))?;
         self.set_range(body, 0, u);
+        Ok(())
+    }
+
+    /// Whether the rate of a given motion jumps in the step.
+    pub(crate) fn has_kink(&self) -> bool {
+        let same = SAME_TIME * self.span.size;
+        let [after, until] = [self.span.start, self.span.end].map(|time| time + same);
+        let drives = self.at.first().into_iter().flatten().filter_map(|row| row.drive.as_ref());
+        drives.into_iter().any(|drive| drive.has_kink(after, until))
+    }
+
+    /// The integrals of the basis at each point of the path of the step.
+    pub(crate) fn path(&self) -> impl Iterator<Item = &[f64]> {
+        self.path.chunks_exact(self.n_stages)
     }
 
     /// Whether the constraints hold at the end of a step. If not, their range becomes that at the end: the step may
@@ -100,14 +139,14 @@ impl ConstraintStep {
         !self.driven.is_empty()
     }
 
-    /// Time of a stage.
-    pub(crate) fn time(&self, stage: usize) -> f64 {
-        self.times[stage]
+    /// The step.
+    pub(crate) fn span(&self) -> Span {
+        self.span
     }
 
     /// Step size \[time\].
     pub(crate) fn step_size(&self) -> f64 {
-        self.step_size
+        self.span.size
     }
 
     /// The range of the constraints.
@@ -125,6 +164,9 @@ impl ConstraintStep {
         self.range.project_columns(table, n_columns);
     }
 }
+
+/// Number of points of the path of a step at which angles are counted on: enough for some turns.
+const PATH: usize = 64;
 
 /// Whether constraints hold at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -44,6 +44,12 @@ impl Constraints {
         self.is_grounded
     }
 
+    /// Whether the rate of some given motion jumps at some time.
+    pub(crate) fn have_kinks(&self) -> bool {
+        let drives = self.rows.iter().filter_map(|row| row.drive.as_ref());
+        drives.into_iter().any(|drive| drive.has_kink(f64::NEG_INFINITY, f64::INFINITY))
+    }
+
     /// Size of the body \[length\].
     pub(crate) fn size(&self) -> f64 {
         self.size

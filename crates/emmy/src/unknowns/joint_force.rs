@@ -13,7 +13,7 @@ use super::joint::{MAX_DOFS, Measure};
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
 use crate::force::{Book, Force, ForceMemory, Scratch, Side, StepInput, StepStart, StrainState};
-use crate::input::{Joint, JointSpring, TimeFunction};
+use crate::input::{Joint, JointSpring, SignalTarget, Span, TimeFunction};
 use crate::nodal;
 use crate::sparse::{Pattern, RowPart};
 
@@ -21,6 +21,7 @@ use crate::sparse::{Pattern, RowPart};
 #[derive(Debug)]
 pub(crate) struct JointLaw {
     joint: String,
+    number: usize,
     measure: Measure,
     /// Nodes, ascending.
     nodes: Vec<u32>,
@@ -38,11 +39,11 @@ struct Stage {
 }
 
 impl JointLaw {
-    /// The law of a joint, if it has one.
+    /// The law of a joint with a number, if it has one.
     ///
     /// # Errors
     /// [`Error::Joint`].
-    pub(crate) fn new(joint: &Joint, measure: Option<&Measure>) -> Result<Option<Self>> {
+    pub(crate) fn new(joint: &Joint, number: usize, measure: Option<&Measure>) -> Result<Option<Self>> {
         let fault = |reason: String| Err(Error::Joint { joint: joint.name.clone(), reason });
         if !joint.has_force() {
             return Ok(None);
@@ -70,6 +71,7 @@ impl JointLaw {
         }
         Ok(Some(JointLaw {
             joint: joint.name.clone(),
+            number,
             nodes,
             spring,
             rest: spring.rest.unwrap_or(measure.value(&|_| 0.0)),
@@ -89,13 +91,24 @@ impl JointLaw {
         &self.measure
     }
 
-    /// The torque or force on the first body in a stage of a solved step: of spring and damping, and of the motor at
-    /// the time of the stage.
-    pub(crate) fn force(&self, step: &StepInput<'_>, stage: usize, time: f64) -> f64 {
-        // A step in which the spring refuses is not solved.
+    /// The torques or forces on the first body in the stages of a solved step: of spring, damping and motor.
+    pub(crate) fn forces(&self, step: &StepInput<'_>, span: Span) -> Vec<f64> {
+        let mut forces = vec![0.0; step.rule.degree()];
+        // A step that spring or motor refuse is not solved.
         let damping = self.total_damping(step).unwrap_or(f64::NAN);
-        let motor = self.motor.as_ref().map_or(0.0, |motor| motor.value(time));
-        motor - self.stored_force(step, stage, damping)
+        if self.set_motor(step.rule, span, &mut forces).is_err() {
+            forces.fill(f64::NAN);
+        }
+        forces.iter_mut().enumerate().for_each(|(i, force)| *force -= self.stored_force(step, i, damping));
+        forces
+    }
+
+    /// Sets the stage averages of the motor, zeros without one.
+    fn set_motor(&self, rule: &Rule, span: Span, averages: &mut [f64]) -> Result<()> {
+        let Some(motor) = &self.motor else { return Ok(()) };
+        let found = motor.averages(span.start, span.size, rule, averages);
+        let target = SignalTarget::Joint(self.number);
+        found.map_err(|found| target.not_finite(motor.text().unwrap_or_default(), found))
     }
 
     /// The coordinate and its rate in a stage.
@@ -132,9 +145,7 @@ impl JointLaw {
         let start = self.measure.value(&|dof| step.displacement[dof]);
         let end = self.measure.value(&|dof| step.displacement_at_end(dof));
         if self.spring.stiffness > 0.0 && self.measure.has_turned([start, end]) {
-            let reason =
-                format!("the spring of joint \"{}\" is wound up by more than half a turn", self.joint);
-            return Err(Error::Refused { reason });
+            return Err(Error::WoundUp { joint: self.joint.clone() });
         }
         let gap = self.energy(end) - self.energy(start) - work;
         let noise = 4.0 * f64::EPSILON * (start.abs() + end.abs() + self.measure.size());
@@ -231,8 +242,8 @@ pub(crate) fn forces(law: &Arc<JointLaw>, is_grounded: bool, pattern: &Pattern) 
     if law.spring.stiffness > 0.0 || law.damping > 0.0 {
         forces.push(Arc::new(SpringAndDamper(coupled.clone())));
     }
-    if let Some(motor) = law.motor.clone() {
-        forces.push(Arc::new(Motor { coupled, motor }));
+    if law.motor.is_some() {
+        forces.push(Arc::new(Motor(coupled)));
     }
     forces
 }
@@ -299,10 +310,7 @@ impl Force for SpringAndDamper {
 
 /// A force in the coordinate of a joint that is given over time.
 #[derive(Debug)]
-struct Motor {
-    coupled: Coupled,
-    motor: TimeFunction,
-}
+struct Motor(Coupled);
 
 impl Force for Motor {
     fn book(&self) -> Book {
@@ -310,7 +318,7 @@ impl Force for Motor {
     }
 
     fn side(&self) -> Side {
-        self.coupled.side
+        self.0.side
     }
 
     fn memory(&self, rule: &Rule) -> ForceMemory {
@@ -318,14 +326,7 @@ impl Force for Motor {
     }
 
     fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, _: &mut [f64]) -> Result<bool> {
-        let values = memory.of_mut::<Vec<f64>>();
-        for (value, &alpha) in values.iter_mut().zip(start.rule.nodes()) {
-            let time = start.span.time(alpha);
-            *value = self.motor.value(time);
-            if !value.is_finite() {
-                return Err(Error::NotFinite { what: "motor of a joint".into(), value: *value });
-            }
-        }
+        self.0.law.set_motor(start.rule, start.span, memory.of_mut::<Vec<f64>>())?;
         Ok(true)
     }
 
@@ -338,17 +339,13 @@ impl Force for Motor {
         sink: &mut RowPart,
     ) -> Result<()> {
         for (i, &value) in memory.of::<Vec<f64>>().iter().enumerate() {
-            let gradient = self.coupled.gradient(&|dof| step.displacement_in(i, dof));
-            self.coupled.add_force((i, value), &gradient, sink);
+            let gradient = self.0.gradient(&|dof| step.displacement_in(i, dof));
+            self.0.add_force((i, value), &gradient, sink);
             if request != Request::Stress {
-                self.coupled.add_derivatives(step, (i, &gradient), [-value, 0.0, 0.0], sink);
+                self.0.add_derivatives(step, (i, &gradient), [-value, 0.0, 0.0], sink);
             }
         }
         Ok(())
-    }
-
-    fn is_symmetric(&self) -> bool {
-        true
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

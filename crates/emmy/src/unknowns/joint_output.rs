@@ -68,40 +68,60 @@ impl JointOutput {
         self.rows.len()
     }
 
-    /// Adds the part of a stage to the force of the last step.
-    pub(crate) fn add_force(
+    /// The force in a solved step, and in the place of the coordinate the change of an angle.
+    pub(crate) fn state(
         &self,
         constraints: &Constraints,
         (step, times): (&StepInput<'_>, &ConstraintStep),
-        (stage, multipliers): (usize, &[f64]),
+        multipliers: &[f64],
         points: &[[f64; 3]],
-        state: &mut JointState,
-    ) {
-        let u = |dof: usize| step.displacement_in(stage, dof);
-        let about = self.point.value(u);
-        // Adds a force along a degree of freedom.
-        let add = |state: &mut JointState, dof: usize, size: f64| {
-            let (node, axis) = (dof / 3, dof % 3);
-            if self.nodes.binary_search(&(node as u32)).is_ok() {
-                let mut force = [0.0; 3];
-                force[axis] = self.sign * size;
-                let moment = cross([0, 1, 2].map(|d| points[node][d] + u(3 * node + d) - about[d]), force);
-                state.force[axis] += force[axis];
-                (0..3).for_each(|d| state.moment[d] += moment[d]);
+    ) -> JointState {
+        let mut state = JointState { coordinate: self.turning(step, times), ..JointState::default() };
+        let of_law = self.law.as_ref().map(|law| (law, law.forces(step, times.span())));
+        for (stage, b) in step.rule.weights().iter().enumerate() {
+            let u = |dof: usize| step.displacement_in(stage, dof);
+            let about = self.point.value(u);
+            // Adds a force along a degree of freedom.
+            let add = |state: &mut JointState, dof: usize, size: f64| {
+                let (node, axis) = (dof / 3, dof % 3);
+                if self.nodes.binary_search(&(node as u32)).is_ok() {
+                    let mut force = [0.0; 3];
+                    force[axis] = self.sign * size;
+                    let arm = [0, 1, 2].map(|d| points[node][d] + u(3 * node + d) - about[d]);
+                    let moment = cross(arm, force);
+                    state.force[axis] += force[axis];
+                    (0..3).for_each(|d| state.moment[d] += moment[d]);
+                }
+            };
+            for c in self.rows.clone() {
+                let row = times.row(constraints, stage, c);
+                let size = -b / times.step_size().powi(2) * multipliers[stage * constraints.len() + c];
+                row.for_each_gradient(&u, &mut |dof, gradient| add(&mut state, dof, size * gradient));
+                state.drive += size * row.drive_arm(&u);
             }
+            if let Some((law, forces)) = &of_law {
+                let size = b * forces[stage];
+                law.measure()
+                    .for_each_gradient(&u, &mut |dof, gradient| add(&mut state, dof, size * gradient));
+                state.drive += size;
+            }
+        }
+        state
+    }
+
+    /// The change of an angle in a step, counted on along its path: its ends alone do not tell full turns.
+    fn turning(&self, step: &StepInput<'_>, times: &ConstraintStep) -> f64 {
+        let Some(measure) = self.measure.as_ref().filter(|own| own.coordinate() == Coordinate::Angle) else {
+            return 0.0;
         };
-        let b = step.rule.weights()[stage];
-        for c in self.rows.clone() {
-            let row = times.row(constraints, stage, c);
-            let size = -b / times.step_size().powi(2) * multipliers[stage * constraints.len() + c];
-            row.for_each_gradient(&u, &mut |dof, gradient| add(state, dof, size * gradient));
-            state.drive += size * row.drive_arm(&u);
+        let mut last = measure.value(&|dof| step.displacement[dof]);
+        let mut sum = 0.0;
+        for integrals in times.path() {
+            let next = measure.value(&|dof| step.displacement_at(integrals, dof));
+            sum += next - last - TURN * ((next - last) / TURN).round();
+            last = next;
         }
-        if let Some(law) = &self.law {
-            let size = b * law.force(step, stage, times.time(stage));
-            law.measure().for_each_gradient(&u, &mut |dof, gradient| add(state, dof, size * gradient));
-            state.drive += size;
-        }
+        sum
     }
 
     /// The coordinate at some displacements, an angle within half a turn of the last one.

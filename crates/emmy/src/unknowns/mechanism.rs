@@ -12,7 +12,7 @@ use super::joint_output::{JointOutput, JointState};
 use super::range::Range;
 use crate::error::{Error, Result};
 use crate::force::{Force, StepInput};
-use crate::input::{Joint, JointEnd, JointKind};
+use crate::input::{Joint, JointEnd, JointKind, TimeFunction};
 use crate::mesh::{Mesh, distance};
 use crate::sparse::Pattern;
 
@@ -66,8 +66,8 @@ impl Mechanism {
     ) -> Result<Self> {
         let attachments = Attachments { mesh, frames: &frames };
         let (mut rows, mut outputs) = (Vec::new(), Vec::new());
-        for joint in &joints {
-            let JointParts { constraints, points, measure } = JointParts::new(joint, &attachments)?;
+        for (number, joint) in joints.iter().enumerate() {
+            let JointParts { constraints, points, measure } = JointParts::new(joint, number, &attachments)?;
             let points = points.map(|point| point.on_leaders(leaders));
             if points[0].nodes.iter().any(|node| points[1].nodes.contains(node)) {
                 let reason = "its two points are tied to each other".to_string();
@@ -76,7 +76,7 @@ impl Mechanism {
             let begin = rows.len();
             rows.extend(constraints.into_iter().map(|row| row.on_leaders(leaders)));
             let measure = measure.map(|measure| measure.on_leaders(leaders));
-            let law = JointLaw::new(joint, measure.as_ref())?.map(Arc::new);
+            let law = JointLaw::new(joint, number, measure.as_ref())?.map(Arc::new);
             outputs.push(JointOutput::new(points, begin..rows.len(), measure, law));
         }
         rows.extend(frames.iter().flat_map(Frame::constraints));
@@ -104,19 +104,30 @@ impl Mechanism {
         laws.flat_map(|(law, is_grounded)| joint_force::forces(law, is_grounded, pattern)).collect()
     }
 
-    /// Adds the part of a stage to the forces of the last step.
-    pub(crate) fn add_forces(
+    /// Sets the forces of the joints in a solved step, and in the place of the coordinates the changes of the angles.
+    pub(crate) fn set_states(
         &self,
         step: (&StepInput<'_>, &ConstraintStep),
-        stage: (usize, &[f64]),
+        multipliers: &[f64],
         points: &[[f64; 3]],
         states: &mut [JointState],
     ) {
-        let joints = self.outputs.iter().zip(states);
-        joints.for_each(|(output, state)| output.add_force(&self.constraints, step, stage, points, state));
+        for (output, state) in self.outputs.iter().zip(states) {
+            *state = output.state(&self.constraints, step, multipliers, points);
+        }
     }
 
-    /// Sets the coordinates of the joints at some displacements.
+    /// The functions of time of the joints, each with the number of its joint and the displacement per unit, 0 of a
+    /// motor.
+    pub(crate) fn time_functions(&self) -> impl Iterator<Item = (usize, &TimeFunction, f64)> {
+        self.joints.iter().enumerate().flat_map(|(number, joint)| {
+            let arm = if joint.kind.coordinate() == Some("angle") { self.constraints.size() } else { 1.0 };
+            let drive = joint.drive.iter().map(move |law| (number, law, arm));
+            drive.chain(joint.motor.iter().map(move |law| (number, law, 0.0)))
+        })
+    }
+
+    /// Sets the coordinates of the joints at some displacements, angles within half a turn of those that are set.
     pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, states: &mut [JointState]) {
         let joints = self.outputs.iter().zip(states);
         joints.for_each(|(output, state)| state.coordinate = output.coordinate(state.coordinate, u));

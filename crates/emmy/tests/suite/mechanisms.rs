@@ -3,6 +3,8 @@
 
 #![allow(non_snake_case)]
 
+use std::f64::consts::PI;
+
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm};
 use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
@@ -13,6 +15,23 @@ fn rigid(name: &str) -> JointEnd {
 
 fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3], axis: [f64; 3]) -> Joint {
     Joint::new(name, JointKind::Revolute { axis }, between, at)
+}
+
+/// Two free bodies with a joint, which tumble.
+fn tumbling(joint: Joint) -> (Body, State) {
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
+        .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
+        .joint(joint)
+        .build()
+        .unwrap();
+    let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[flies]).unwrap();
+    (body, state)
+}
+
+fn started(body: &Body, scheme: Scheme, state: State) -> Motion<'_> {
+    Motion::starting(body, scheme, NewtonSettings::default(), state).unwrap()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -96,7 +115,7 @@ fn four_bars_move_as_their_cranks() {
     // Errors at the end of an independent implementation.
     for (k, h, expected) in [(1, 0.01, 1.568_318e-4), (2, 0.02, 3.533_342e-7)] {
         let state = State::initial(&body, 0.0, &start).unwrap();
-        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        let mut motion = started(&body, at(DGM, k), state);
         let energy = motion.record().total_energy;
         let (mut work, mut error) = (0.0, 0.0);
         for (end, exact) in exact.into_iter().enumerate() {
@@ -122,7 +141,7 @@ fn joints_take_what_they_do_not_allow_from_the_start() {
     let [given, allowed] = body.initial_energies(0.0, std::slice::from_ref(&shear)).unwrap();
     assert!(allowed < given && allowed > 0.0, "{given} {allowed}");
     let state = State::initial(&body, 0.0, &[shear]).unwrap();
-    let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
+    let mut motion = started(&body, at(DGM, 2), state);
     assert!((motion.record().kinetic_energy - allowed).abs() < 1e-14);
     assert!(motion.record().hidden_constraint < 1e-14, "{:?}", motion.record());
     let spins: Vec<[f64; 3]> = motion.record().rigid_bodies.iter().map(|own| own.spin).collect();
@@ -177,7 +196,6 @@ fn bricards_mechanism_moves_at_every_degree() {
 /// A body turns by a given angle against another one, both in free flight: the drive does the work of the energy.
 #[test]
 fn a_driven_hinge_turns_by_its_angle() {
-    use std::f64::consts::PI;
     let law = TimeFunction::smooth("4*pi*(t/2 - sin(pi*t)/(2*pi))", |t| {
         [
             2.0 * PI * t - 2.0 * (PI * t).sin(),
@@ -187,16 +205,9 @@ fn a_driven_hinge_turns_by_its_angle() {
     });
     let axis = [0.3, -0.2, 0.9];
     let driven = hinge("drive", [rigid("a"), rigid("b")], [0.4, 0.1, -0.2], axis).driven(law);
-    let body = Body::builder(Mesh::without_cells())
-        .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
-        .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
-        .joint(driven)
-        .build()
-        .unwrap();
+    let (body, state) = tumbling(driven);
     for k in 1..=3 {
-        let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
-        let state = State::initial(&body, 0.0, &[flies]).unwrap();
-        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        let mut motion = started(&body, at(DGM, k), state.clone());
         let first = motion.record().clone();
         for _ in 0..40 {
             let record = motion.step(0.05).unwrap();
@@ -289,7 +300,7 @@ fn a_start_in_a_singular_position_takes_the_higher_rank() {
     let start = [turning("left", points[0]), turning("right", points[1]), lifted];
     for k in 1..=3 {
         let state = State::initial(&body, 0.0, &start).unwrap();
-        let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+        let mut motion = started(&body, at(DGM, k), state);
         for _ in 0..40 {
             let record = motion.step(0.05).unwrap();
             assert!(record.constraint_residual < 1e-13, "k = {k}: {record:?}");
@@ -307,19 +318,106 @@ fn a_start_in_a_singular_position_takes_the_higher_rank() {
 
 #[test]
 fn given_motions_that_contradict_each_other_are_no_motion() {
-    let law = |speed: f64| TimeFunction::smooth("turns", move |t| [speed * t, speed, 0.0]);
+    let law = |f: fn(f64) -> [f64; 3]| TimeFunction::smooth("turns", f);
     let z = [0.0, 0.0, 1.0];
-    let drive =
-        |name: &str, speed| hinge(name, [rigid("arm"), JointEnd::Ground], [0.0; 3], z).driven(law(speed));
+    let with = |other: fn(f64) -> [f64; 3]| {
+        let drive = |name: &str, f| hinge(name, [rigid("arm"), JointEnd::Ground], [0.0; 3], z).driven(law(f));
+        Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("arm", 2.0, [0.5, 0.0, 0.0], [0.1, 0.2, 0.2]))
+            .joint(drive("first", |t| [t, 1.0, 0.0]))
+            .joint(drive("second", other))
+            .build()
+            .unwrap()
+    };
+    // At the start their rates tell, later the joints do.
+    let error = State::initial(&with(|t| [2.0 * t, 2.0, 0.0]), 0.0, &[]).unwrap_err();
+    assert!(matches!(error, emmy::Error::NoMotion { .. }), "{error}");
+    let body = with(|t| [t + t * t, 1.0 + 2.0 * t, 2.0]);
+    let error = Motion::new(&body, at(DGM, 2)).unwrap().step(0.1).unwrap_err();
+    assert!(matches!(error, emmy::Error::ConstraintsLost { .. }), "{error}");
+    // The same motion twice is no contradiction.
+    let body = with(|t| [t, 1.0, 0.0]);
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+    (0..10).for_each(|_| _ = motion.step(0.1).unwrap());
+    assert!((motion.record().joints[0].coordinate - 1.0).abs() < 1e-12);
+}
+
+/// Two wheels spin freely and opposite on one axle, each by 2 rad a step: the ends of steps do not tell that they turn
+/// by 4 rad against each other. A wheel under a constant torque turns by `t^2/2 torque/inertia`; no turn is lost.
+#[test]
+fn angles_are_counted_over_full_turns_within_a_step() {
+    let axle = hinge("axle", [rigid("wheel"), JointEnd::Ground], [0.0; 3], [0.0, 0.0, 1.0]);
     let body = Body::builder(Mesh::without_cells())
-        .rigid(RigidBody::new("arm", 2.0, [0.5, 0.0, 0.0], [0.1, 0.2, 0.2]))
-        .joint(drive("slow", 1.0))
-        .joint(drive("fast", 2.0))
+        .rigid(RigidBody::new("wheel", 2.0, [0.0; 3], [0.4, 0.4, 0.5]))
+        .joint(axle.with_motor(TimeFunction::constant()))
         .build()
         .unwrap();
-    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
-    let error = motion.step(0.1).unwrap_err();
-    assert!(matches!(error, emmy::Error::ConstraintsLost { .. }), "{error}");
+    let run = |k: usize, h: f64, until: f64| {
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+        let plan = StepPlan::new(0.0, vec![Phase { until, size: h }]).unwrap();
+        motion.march(&plan, &mut []).unwrap();
+        let (record, statistics) = (motion.record().clone(), motion.statistics().clone());
+        (record.joints[0].coordinate, record.external_work, statistics.unresolved_turns)
+    };
+    for (k, h) in [(2, 0.05), (2, 0.1), (3, 0.1), (3, 0.125)] {
+        let (angle, work, missed) = run(k, h, 10.0);
+        assert!((angle - 100.0).abs() < PI && missed == 0, "k = {k}, {h}: {angle}, {missed}");
+        assert!((work - 100.0).abs() < 1e-2, "k = {k}, {h}: {work}");
+    }
+    let z = [0.0, 0.0, 1.0];
+    let free = hinge("axle", [rigid("left"), rigid("right")], [0.0; 3], z);
+    let wheels = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("left", 2.0, [0.0; 3], [0.4, 0.4, 0.5]))
+        .rigid(RigidBody::new("right", 2.0, [0.0, 0.0, 1.0], [0.4, 0.4, 0.5]))
+        .joint(free)
+        .build()
+        .unwrap();
+    let spin = |group: &str, rate: f64| InitialVelocity {
+        group: Some(group.into()),
+        angular_velocity: z.map(|z| rate * z),
+        ..Default::default()
+    };
+    for k in 2..=3 {
+        let state = State::initial(&wheels, 0.0, &[spin("left", 2.0), spin("right", -2.0)]).unwrap();
+        let mut motion = started(&wheels, at(DGM, k), state);
+        (0..10).for_each(|_| _ = motion.step(1.0).unwrap());
+        let angle = motion.record().joints[0].coordinate;
+        assert!((angle - 40.0).abs() < PI, "k = {k}: {angle}");
+        assert_eq!(motion.statistics().unresolved_turns, 0);
+    }
+    // Beyond half a turn a step the motion is not that of the wheel, and the run says so.
+    let (_, _, missed) = run(3, 0.5, 10.0);
+    assert!(missed > 5, "{missed}");
+}
+
+/// A slider whose given speed jumps: with the impulse at the jump its energy and momentum are those of its speed.
+#[test]
+fn given_motions_may_have_kinks() {
+    let speeds = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (2.0, 0.0)]).unwrap();
+    let rail = JointKind::Prismatic { axis: [1.0, 0.0, 0.0] };
+    let slider = Joint::new("rail", rail, [rigid("cart"), JointEnd::Ground], [0.0; 3]).driven(speeds);
+    let body = Body::builder(Mesh::without_cells())
+        .rigid(RigidBody::new("cart", 3.0, [0.0; 3], [0.5, 0.6, 0.8]))
+        .joint(slider)
+        .build()
+        .unwrap();
+    // Steps that end at the kinks, and steps that do not.
+    for (k, n) in (1..=3).flat_map(|k| [20, 19].map(|n| (k, n))) {
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+        for step in 1..=n {
+            let record = motion.step(1.6 / n as f64).unwrap();
+            assert!(record.energy_residual.abs() < 1e-12, "k = {k}, {n}: {record:?}");
+            assert!(record.linear_momentum_residual < 1e-12, "k = {k}, {n}: {record:?}");
+            let speed = match 1.6 * step as f64 / n as f64 {
+                t if t < 0.5 - 1e-9 => 2.0,
+                t if t < 1.0 - 1e-9 => -2.0,
+                _ => 0.0,
+            };
+            let momentum = record.linear_momentum[0];
+            assert!((momentum - 3.0 * speed).abs() < 1e-11, "k = {k}, {n}, step {step}: {momentum}");
+            assert!((record.kinetic_energy - 1.5 * speed * speed).abs() < 1e-11);
+        }
+    }
 }
 
 /// A ball on a spring of zero length in rest to the ground: an ellipse, whose period is that of the oscillator; and a
@@ -349,16 +447,9 @@ fn springs_dampers_and_motors_of_joints_are_booked() {
         ),
     ];
     for (name, joint) in joints {
-        let body = Body::builder(Mesh::without_cells())
-            .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
-            .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
-            .joint(joint)
-            .build()
-            .unwrap();
+        let (body, state) = tumbling(joint);
         for k in 1..=3 {
-            let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
-            let state = State::initial(&body, 0.0, &[flies]).unwrap();
-            let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
+            let mut motion = started(&body, at(DGM, k), state.clone());
             let first = motion.record().clone();
             for _ in 0..40 {
                 let record = motion.step(0.05).unwrap();
@@ -408,10 +499,13 @@ fn a_spring_that_is_wound_up_too_far_is_refused() {
         .unwrap();
     let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 2.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
-    let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
-    let error = (0..20).find_map(|_| motion.step(0.1).err()).unwrap();
+    let mut motion = started(&body, at(DGM, 2), state);
+    let plan = StepPlan::new(0.0, vec![Phase { until: 3.0, size: 0.1 }]).unwrap();
+    let error = motion.march(&plan, &mut []).unwrap_err();
     let cause = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
     assert!(cause.contains("wound up"), "{error}: {cause}");
+    // A smaller step would not help.
+    assert_eq!(motion.statistics().cuts, 0);
 }
 
 /// A pendulum on a hinge, released at 2 rad from below, in the plane of x and z.
@@ -449,19 +543,11 @@ fn adaptive_steps_know_joints() {
 /// Schemes with dissipation lose the energy that they book, and neither momenta nor joints.
 #[test]
 fn dissipative_schemes_keep_joints() {
-    let body = Body::builder(Mesh::without_cells())
-        .rigid(RigidBody::new("a", 2.0, [1.0, 0.0, 0.3], [0.5, 0.6, 0.8]))
-        .rigid(RigidBody::new("b", 1.0, [-0.7, 0.4, 0.0], [0.3, 0.25, 0.2]))
-        .joint(
-            hinge("h", [rigid("a"), rigid("b")], [0.4, 0.1, -0.2], [0.3, -0.2, 0.9])
-                .with_spring(50.0, Some(0.3)),
-        )
-        .build()
-        .unwrap();
+    let sprung =
+        hinge("h", [rigid("a"), rigid("b")], [0.4, 0.1, -0.2], [0.3, -0.2, 0.9]).with_spring(50.0, Some(0.3));
+    let (body, state) = tumbling(sprung);
     for k in 1..=2 {
-        let flies = InitialVelocity { angular_velocity: [0.7, -1.1, 0.9], ..Default::default() };
-        let state = State::initial(&body, 0.0, &[flies]).unwrap();
-        let mut motion = Motion::starting(&body, at(dgm(0.5), k), NewtonSettings::default(), state).unwrap();
+        let mut motion = started(&body, at(dgm(0.5), k), state.clone());
         let mut last = motion.record().clone();
         let angular = last.angular_momentum;
         for _ in 0..40 {

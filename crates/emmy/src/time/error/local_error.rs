@@ -6,6 +6,7 @@ use super::reconstruction::Reconstruction;
 use super::sampling::Sampling;
 use crate::body::{Body, ConstrainedVelocity};
 use crate::error::Result;
+use crate::input::SAME_TIME;
 use crate::newton::NewtonSettings;
 use crate::time::classic::{Forces, Start};
 use crate::time::{AveragingRule, Memory, State, Stepper, TimeElement, TimeElementStepper};
@@ -213,7 +214,7 @@ impl<'a> LocalError<'a> {
             next.advance(start, rates, step_size)?;
             set_difference(&mut self.displacement, &end.displacement, &next.end.displacement);
             if let Some(allowed) = &mut self.allowed {
-                let time = start.time + step_size;
+                let time = [start.time + step_size, -SAME_TIME * step_size];
                 self.velocity.copy_from_slice(&end.velocity);
                 allowed.project(self.body, time, &end.displacement, &mut self.velocity)?;
                 let State { displacement, velocity, .. } = &mut next.end;

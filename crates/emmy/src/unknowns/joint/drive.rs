@@ -3,13 +3,13 @@
 use super::{Constraint, Coordinate, Drive, Ends, JointParts, Result, TimeFunction};
 
 /// Gives the coordinate of a joint: an angle or a slide by one more constraint, a distance in its own.
-pub(super) fn add(ends: &Ends<'_>, law: &TimeFunction, parts: &mut JointParts) -> Result<()> {
+pub(super) fn add(ends: &Ends<'_>, number: usize, law: &TimeFunction, parts: &mut JointParts) -> Result<()> {
     let Some(measure) = &parts.measure else {
         let word = ends.joint.kind.word();
         return Err(ends.fault(format!("a {word} joint has no angle, slide or distance to give")));
     };
     let coordinate = measure.coordinate();
-    let drive = Some(Drive::new(law.clone(), coordinate));
+    let drive = Some(Drive::new(law.clone(), number, coordinate));
     match (coordinate, parts.constraints.last_mut()) {
         (Coordinate::Distance(_), Some(own)) => own.drive = drive,
         (Coordinate::Distance(_), None) => {

@@ -32,11 +32,11 @@ pub(crate) struct JointParts {
 }
 
 impl JointParts {
-    /// The parts of a joint.
+    /// The parts of a joint with a number.
     ///
     /// # Errors
     /// [`Error::Joint`].
-    pub(crate) fn new(joint: &Joint, attachments: &Attachments<'_>) -> Result<Self> {
+    pub(crate) fn new(joint: &Joint, number: usize, attachments: &Attachments<'_>) -> Result<Self> {
         let ends = Ends { joint, attachments };
         if joint.between[0] == joint.between[1] {
             return Err(ends.fault("it is between a body and itself"));
@@ -61,7 +61,7 @@ impl JointParts {
         let measure = ends.measure()?;
         let mut parts = JointParts { constraints, points, measure };
         if let Some(law) = &joint.drive {
-            drive::add(&ends, law, &mut parts)?;
+            drive::add(&ends, number, law, &mut parts)?;
         }
         Ok(parts)
     }

@@ -136,7 +136,7 @@ function warnings(run) {
   const notes = (run.summary.notes ?? []).map((text) => element("p", { class: "note" }, "Note: ", text.replaceAll("`", "")));
   return [
     digits < 6 ? note("rounding leaves ", ofSummary(run, "digits_left", String(digits)), " correct digits of energy and momenta.") : null,
-    missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a moving support.`) : null,
+    missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a given motion.`) : null,
     ...notes,
   ].filter((warning) => warning !== null);
 }
