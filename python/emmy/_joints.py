@@ -53,8 +53,9 @@ class Joint(Table):
     slide : history, optional
         Given slide of the first body relative to the second along the axis, from 0 on.
     spring : dict, optional
-        A spring in the angle, the slide or the length of a line: its ``stiffness``, and ``rest``, the angle or slide
-        from the drawing, or the length, at which it has no force; as drawn if not given.
+        A spring in the angle, up to half a turn from the drawing, the slide or the length of a line: its ``stiffness``,
+        and ``rest``, the angle or slide from the drawing, or the length, at which it has no force; as drawn if not
+        given.
     damping : float, optional
         Force over the rate of the slide or the length, torque over that of the angle.
     torque : history, optional

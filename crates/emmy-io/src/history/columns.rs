@@ -85,7 +85,7 @@ const COLUMNS: [Column; 23] = [
     Column {
         name: "dissipated_energy",
         dimension: ENERGY,
-        meaning: "with viscosity, drag or a dissipative scheme only: energy that they have dissipated since the start",
+        meaning: "with viscosity, drag, dampers in joints or a dissipative scheme only: energy that they have dissipated since the start",
         number: |step| Real(step.record.dissipated_energy),
         is_in: |own| own.dissipates,
     },
@@ -182,7 +182,7 @@ pub struct Row {
 pub struct HistoryColumns {
     /// Whether step sizes are adaptive: column `local_error`.
     pub is_adaptive: bool,
-    /// Whether viscosity, drag or the scheme dissipate energy: column `dissipated_energy`.
+    /// Whether viscosity, drag, dampers or the scheme dissipate energy: column `dissipated_energy`.
     pub dissipates: bool,
     /// Whether degrees are adaptive: column `degree`.
     pub has_degrees: bool,
@@ -198,7 +198,7 @@ impl HistoryColumns {
         let Problem { body, scheme, .. } = problem;
         let adaptivity = problem.plan.adaptivity();
         HistoryColumns {
-            dissipates: body.is_viscous() || body.drag() > 0.0 || scheme.dissipation().is_some(),
+            dissipates: body.dissipates() || scheme.dissipation().is_some(),
             is_adaptive: adaptivity.is_some(),
             has_degrees: adaptivity.is_some_and(|adaptivity| adaptivity.degrees.is_some()),
             is_static: problem.is_static(),

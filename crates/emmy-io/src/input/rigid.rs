@@ -13,7 +13,7 @@ pub(super) const GROUND: &str = "ground";
 
 /// `[[rigid]]`.
 pub(super) static RIGID: Described = Described::new(|| {
-    let moments = exactly(3, Kind::Number(Bounds::AtLeast(0.0)));
+    let moments = exactly(3, Kind::Number(Bounds::Above(0.0)));
     Section::new("[[rigid]]", "A rigid body without cells, or a point mass")
         .must(
             "name",
@@ -72,13 +72,9 @@ fn inertia_of(item: Item<'_>) -> Result<[[f64; 3]; 3], Fault> {
         sorted.sort_by(f64::total_cmp);
         let [a, b, largest] = sorted;
         if largest > a + b {
-            let message = format!(
-                "no body has these moments of inertia: {} exceeds {} + {}",
-                short(largest),
-                short(a),
-                short(b)
-            );
-            return Err(item.fault(message, "each is at most the sum of the others"));
+            let [largest, a, b] = [largest, a, b].map(short);
+            let message = format!("no body has these moments of inertia: {largest} exceeds {a} + {b}");
+            return Err(item.fault(message, "each must be less than the sum of the others"));
         }
         return Ok([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]);
     }

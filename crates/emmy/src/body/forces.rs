@@ -361,8 +361,8 @@ impl Body {
         self.others().map(|force| force.momentum_rate()).sum()
     }
 
-    /// Whether some force dissipates energy.
-    pub(crate) fn dissipates(&self) -> bool {
+    /// Whether some force dissipates energy: of viscosity, drag or a damper in a joint.
+    pub fn dissipates(&self) -> bool {
         self.is_viscous() || self.others().any(|force| force.dissipates())
     }
 

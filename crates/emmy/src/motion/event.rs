@@ -38,7 +38,7 @@ pub enum EventKind {
     Release,
     /// Newton's iteration ended at its rounding floor, for the first time.
     RoundingFloor,
-    /// A step does not resolve a function of time, for the first time.
+    /// A step does not resolve a function of time or the turn of a rigid body, for the first time.
     Unresolved,
 }
 
