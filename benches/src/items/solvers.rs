@@ -23,6 +23,8 @@ const STEPS: u32 = 12;
 const HOPELESS: f64 = 4.0;
 /// Shortest time that tells anything \[s\].
 const LEAST: f64 = 1.0;
+/// Sizes and numbers of large steps of the soft block, between those that the mass dominates and stiff ones.
+const LARGE_STEPS: [(f64, u32); 2] = [(0.05, STEPS), (0.2, 8)];
 /// Steps of the quasi-rigid block.
 const QUASI_RIGID: (f64, u32) = (0.2, 8);
 /// Bulk over shear modulus of projected cells, and their steps.
@@ -82,6 +84,10 @@ fn motions(session: &Session, scratch: &Scratch) -> Result<Vec<(String, Case)>, 
         for work in [Work::hex8(small, stiff, steps), hex8, tet10, bracket] {
             motions.push((work.to_string(), work.case(scratch)?));
         }
+    }
+    for (r, (h, steps)) in [small, r].into_iter().flat_map(|r| LARGE_STEPS.map(|steps| (r, steps))) {
+        let work = Work::hex8(r, false, session.choose(3, steps));
+        motions.push((format!("{work}, h = {h}"), work.case(scratch)?.steps(work.steps, h)));
     }
     for r in [small, r] {
         let case = Case::quasi_rigid_block(r).steps(steps.min(QUASI_RIGID.1), QUASI_RIGID.0);

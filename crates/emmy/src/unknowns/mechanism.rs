@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::force::{Force, StepInput};
 use crate::input::{Joint, JointEnd, JointKind, TimeFunction};
 use crate::mesh::{Mesh, distance};
+use crate::nodal;
 use crate::sparse::Pattern;
 
 /// Rigid bodies, joints, and the constraints of both.
@@ -90,6 +91,20 @@ impl Mechanism {
         self.frames.is_empty() && self.joints.is_empty()
     }
 
+    /// Degrees of freedom among n of a body, but those of rigid bodies.
+    pub(crate) fn dofs_of_others(&self, n: usize) -> Vec<std::ops::Range<usize>> {
+        let of_frame = |frame: &Frame| frame.nodes().len() * 3;
+        let starts = self.frames.iter().map(|frame| nodal::dof(frame.nodes().start as usize, 0));
+        let mut begin = 0;
+        let mut others: Vec<_> = starts
+            .zip(&self.frames)
+            .map(|(start, frame)| std::mem::replace(&mut begin, start + of_frame(frame))..start)
+            .collect();
+        others.push(begin..n);
+        others.retain(|range| !range.is_empty());
+        others
+    }
+
     /// The nodes that each rigid body and each joint with a force couples.
     pub(crate) fn coupled_nodes(&self) -> impl Iterator<Item = Vec<u32>> {
         let of_joints = self.outputs.iter().filter_map(|output| Some(output.law()?.nodes().to_vec()));
@@ -160,11 +175,7 @@ impl Mechanism {
         let is_elastic =
             self.joints.iter().any(|joint| joint.between.iter().any(|end| matches!(end, JointEnd::Node(_))));
         let free = |frame: &Frame| {
-            frame
-                .nodes()
-                .flat_map(|node| crate::nodal::dofs(node as usize))
-                .filter(|&dof| !is_held[dof])
-                .count()
+            frame.nodes().flat_map(|node| nodal::dofs(node as usize)).filter(|&dof| !is_held[dof]).count()
         };
         let dofs: usize = self.frames.iter().map(free).sum();
         Mobility {

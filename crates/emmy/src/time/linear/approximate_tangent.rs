@@ -1,5 +1,7 @@
 //! The tangent of a step, approximated by one stiffness.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::mode_solvers::{ElasticStiffness, ModeSolvers, Stiffness, separated};
@@ -10,7 +12,7 @@ use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{Solver, SolverChoice, SolverKind};
+use crate::sparse::{Solver, SolverChoice};
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{IDENTITY, exp, product, transposed};
 use crate::time::Memory;
@@ -41,6 +43,8 @@ pub(crate) struct ApproximateTangent {
     turns: bool,
     strain_rates: StrainRateTransform,
     turned: Vec<f64>,
+    /// Degrees of freedom that turn. The mass of a rigid body has no orientation.
+    turning: Vec<Range<usize>>,
     /// The time s of the stage equations in the present solvers.
     time_scale_of_factors: Option<f64>,
     /// Factor on viscosities in K.
@@ -93,6 +97,7 @@ impl ApproximateTangent {
             turns: false,
             strain_rates: StrainRateTransform::new(nodes.len(), n),
             turned: vec![0.0; n * nodes.len()],
+            turning: body.mechanism.dofs_of_others(n),
             time_scale_of_factors: None,
             displacement: vec![0.0; n],
             rates: vec![0.0; n],
@@ -185,6 +190,9 @@ impl ApproximateTangent {
     /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
     /// that K stays accurate in any rotation. Returns whether `P^-1` changes.
     pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) -> bool {
+        if self.is_of_rigid_bodies() {
+            return false;
+        }
         let changes = [self.rotation, step.rotation] != [[0.0; 3]; 2];
         for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
@@ -198,6 +206,11 @@ impl ApproximateTangent {
             self.strain_rates.set_spins(rule, &step.spins);
         }
         changes
+    }
+
+    /// Whether there are rigid bodies alone.
+    pub(crate) fn is_of_rigid_bodies(&self) -> bool {
+        self.turning.is_empty()
     }
 
     /// The solver, once there is one.
@@ -330,7 +343,7 @@ impl ApproximateTangent {
         force.fill(0.0);
         body.add_reused_local_force(rule, &self.assembly, s * s, local, &mut force);
         for (stage, R) in force.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &product(R, &self.orientation));
+            rotate(stage, &self.turning, &product(R, &self.orientation));
         }
         r.iter_mut().zip(&force).for_each(|(r, force)| *r += force);
         self.local_force = force;
@@ -349,7 +362,7 @@ impl ApproximateTangent {
         let n = self.row_sums.len();
         self.turned.copy_from_slice(stages);
         for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &transposed(&product(R, &self.orientation)));
+            rotate(stage, &self.turning, &transposed(&product(R, &self.orientation)));
         }
     }
 
@@ -357,11 +370,11 @@ impl ApproximateTangent {
     fn turn_forward(&mut self, stages: &mut [f64]) {
         let n = self.row_sums.len();
         for (stage, R) in stages.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &product(R, &self.orientation));
+            rotate(stage, &self.turning, &product(R, &self.orientation));
         }
         // Where the mass dominates, the change of basis would harm the mass terms more than it helps K.
-        if self.turns && !self.solvers.is(SolverKind::Iterative) {
-            self.strain_rates.apply_inverse(stages);
+        if self.turns && !self.solvers.is_of_mass() {
+            self.strain_rates.apply_inverse(stages, &self.turning);
         }
     }
 
@@ -431,14 +444,16 @@ const SAME_SCALE: f64 = 1e-9;
 /// Nodes of one task.
 const NODES: usize = 2048;
 
-/// Turns the vectors of all nodes, `[n_nodes][3]`.
-fn rotate(vectors: &mut [f64], R: &Mat3<f64>) {
+/// Turns the vectors of nodes, `[n_nodes][3]`, in some ranges of degrees of freedom.
+fn rotate(vectors: &mut [f64], turning: &[Range<usize>], R: &Mat3<f64>) {
     if *R == IDENTITY {
         return;
     }
-    vectors.par_chunks_mut(3 * NODES).for_each(|vectors| {
-        for v in vectors.as_chunks_mut::<3>().0 {
-            *v = [0, 1, 2].map(|a| R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2]);
-        }
-    });
+    for range in turning {
+        vectors[range.clone()].par_chunks_mut(3 * NODES).for_each(|vectors| {
+            for v in vectors.as_chunks_mut::<3>().0 {
+                *v = [0, 1, 2].map(|a| R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2]);
+            }
+        });
+    }
 }

@@ -3,19 +3,19 @@
 use crate::body::Body;
 use crate::sparse::{SolverChoice, SolverKind};
 
-/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of
-/// `benches` at r = 2 to 8. Internal nodes are condensed.
+/// Seconds of a step on one core, where memory limits all solvers, from steps of the block of `benches` at r = 2 and 4
+/// with sizes between 0.02 and 0.2. Internal nodes are condensed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Costs {
-    /// An iteration of conjugate gradients with an incomplete factor: 2 ns for each coupling of nodes. A step takes 12
+    /// An iteration of conjugate gradients with an incomplete factor: 2.5 ns for each coupling of nodes. A step takes 12
     /// sqrt(c) of them.
     iteration: f64,
-    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of
-    /// freedom, as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197
+    /// Ten solutions at 0.55 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of
+    /// freedom, as nested dissection gives in three dimensions; and a tenth of a factorisation, 10 s for n = 197
     /// thousand.
     direct: f64,
-    /// Six solutions at 16 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and
-    /// a tenth of the setup, 800 ns for each coupling.
+    /// 28 V-cycles of linear cells, 70 of quadratic ones, at 13 ns for each coupling; and a tenth of the setup, 800 ns
+    /// for each coupling.
     multigrid: f64,
 }
 
@@ -31,21 +31,21 @@ impl Costs {
         let mut of_ranks = [part.n_own() as f64, n_couplings as f64, n_quadratic as f64];
         part.sum("nodes, couplings and quadratic cells", &mut of_ranks);
         let [n_nodes, n_couplings, n_quadratic] = of_ranks;
-        Costs::new(3 * n_nodes as usize, n_couplings as usize, n_quadratic == 0.0).with_mumps()
+        Costs::new(3 * n_nodes as usize, n_couplings as usize, n_quadratic == 0.0).with_engines()
     }
 
-    /// The costs where MUMPS factorises.
-    fn with_mumps(self) -> Self {
-        Costs { direct: MUMPS * self.direct, ..self }
+    /// The costs by MUMPS and GAMG.
+    fn with_engines(self) -> Self {
+        Costs { direct: MUMPS * self.direct, multigrid: GAMG * self.multigrid, ..self }
     }
 
     fn new(n_dofs: usize, n_couplings: usize, is_linear: bool) -> Self {
         let (n, n_couplings) = (n_dofs as f64, n_couplings as f64);
-        let n_cycles = if is_linear { 6.0 } else { 15.0 };
+        let n_cycles = if is_linear { 28.0 } else { 70.0 };
         Costs {
-            iteration: 2.0e-9 * n_couplings,
-            direct: 6.0 * 1.6e-9 * 15.0 * n.powf(4.0 / 3.0) + 1.4 * (n / 197e3).powf(1.7),
-            multigrid: (6.0 * n_cycles * 16e-9 + 80e-9) * n_couplings,
+            iteration: 2.5e-9 * n_couplings,
+            direct: 10.0 * 0.55e-9 * 15.0 * n.powf(4.0 / 3.0) + (n / 197e3).powf(1.7),
+            multigrid: (n_cycles * 13e-9 + 80e-9) * n_couplings,
         }
     }
 
@@ -55,9 +55,6 @@ impl Costs {
 
     /// The cheapest kind that has not failed, for a stiffness number; if all have, a factorisation. The present kind
     /// stays unless another one is clearly cheaper.
-    ///
-    /// The measured times of factorisations and of conjugate gradients with an incomplete factor cross at c = 170
-    /// (r = 2) and above 600 (r = 4).
     pub(super) fn cheapest(
         &self,
         stiffness: f64,
@@ -78,10 +75,10 @@ impl Costs {
     }
 }
 
-/// Cost of a factorisation by MUMPS in those of [`Costs`]. It and cycles of GAMG, which cost about as much as ours,
-/// took on two ranks: 0.20 and 0.31 s (7 thousand degrees of freedom, tet10), 0.42 and 0.29 s (4 thousand, hex8), 3.7
-/// and 1.1 s (27 thousand, hex8).
-const MUMPS: f64 = 2.5;
+/// Costs of factorisations by MUMPS and of GAMG on two ranks in those of [`Costs`]. A step took 0.20 and 0.31 s (7
+/// thousand degrees of freedom, tet10), 0.42 and 0.29 s (4 thousand, hex8), 3.7 and 1.1 s (27 thousand, hex8).
+const MUMPS: f64 = 8.0;
+const GAMG: f64 = 3.0;
 
 /// Factor on the limit of the stiffness number, so that the present kind stays near it.
 fn inertia(present: Option<SolverKind>) -> f64 {
@@ -173,7 +170,7 @@ mod tests {
     #[test]
     fn a_team_takes_what_was_faster() {
         let kind = |costs: Costs, stiffness| {
-            costs.with_mumps().cheapest(stiffness, (&SolverKind::ALL, &[]), None).kind
+            costs.with_engines().cheapest(stiffness, (&SolverKind::ALL, &[]), None).kind
         };
         // The bracket of `examples`, of tet10.
         let bracket = Costs::new(6_723, 49_500, false);

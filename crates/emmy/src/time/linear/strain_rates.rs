@@ -1,5 +1,7 @@
 //! The rates that strain a rotating body.
 
+use std::ops::Range;
+
 use crate::average::Rule;
 use crate::nodal;
 use crate::sparse::eliminate;
@@ -60,13 +62,13 @@ impl StrainRateTransform {
         }
     }
 
-    /// `x = C^-1 x` at every node; x: `[k][n_nodes][3]`.
-    pub(super) fn apply_inverse(&mut self, x: &mut [f64]) {
+    /// `x = C^-1 x` at the nodes of some degrees of freedom; x: `[k][n_nodes][3]`.
+    pub(super) fn apply_inverse(&mut self, x: &mut [f64], turning: &[Range<usize>]) {
         let k = self.degree;
         let n = x.len() / self.degree;
         self.old.copy_from_slice(x);
         for i in 0..k {
-            for node in 0..n / 3 {
+            for node in turning.iter().flat_map(|range| range.start / 3..range.end / 3) {
                 for d in 0..3 {
                     let row = &self.inverse[(3 * i + d) * 3 * k..][..3 * k];
                     let old = |column: usize| self.old[column / 3 * n + nodal::dof(node, column % 3)];

@@ -12,6 +12,9 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 /// Rounding floor of the residual over `eps || |h^2 K| |u| ||`: rounding errors of many terms partly cancel.
 const FLOOR: f64 = 0.25;
 
+/// Tolerance of the corrections of rigid bodies, whose derivatives are all exact.
+const TOLERANCE_OF_RIGID_BODIES: f64 = 1e-8;
+
 /// Degrees of freedom below which the number of corrections is all that counts.
 const DOFS_OF_SMALL_BODY: usize = 500;
 
@@ -174,6 +177,8 @@ impl System for StageSystem<'_> {
             self.border.forget();
         }
         self.set_floor(x);
+        let is_exact = self.approximate_tangent.is_of_rigid_bodies();
+        let tolerance = if is_exact { tolerance.min(TOLERANCE_OF_RIGID_BODIES) } else { tolerance };
         let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
@@ -217,7 +222,9 @@ impl System for StageSystem<'_> {
     /// bulk modulus makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
         match (self.equations.body.has_local(), self.equations.body.n_dofs_of_ranks()) {
-            (false, DOFS_OF_SMALL_BODY..) if slow_corrections == 0 => 0.4,
+            (false, DOFS_OF_SMALL_BODY..) if slow_corrections == 0 => {
+                std::env::var("LC").map_or(0.4, |v| v.parse().unwrap())
+            }
             (false, _) => 0.0,
             _ => 0.9,
         }
