@@ -129,7 +129,7 @@ def test_every_kind_is_a_table_of_the_input(tmp_path):
         emmy.Joint.revolute("j", **axis),
         emmy.Joint.revolute("j", **axis, spring={"stiffness": 4.0}, damping=0.3, torque="0.5*sin(3*t)"),
         emmy.Joint.universal("j", **place, axes=[(1, 0, 0), (0, 1, 0)]),
-        emmy.Joint.cylindrical("j", **axis),
+        emmy.Joint.cylindrical("j", **axis, until=0.05),
         emmy.Joint.prismatic("j", **axis),
         emmy.Joint.inline("j", **axis),
         emmy.Joint.planar("j", **axis),
