@@ -49,7 +49,9 @@ class Mobility(NamedTuple):
     n_constraints, n_redundant : int
         Number of the constraints of all joints, drives included, and of those that follow from the others.
     degrees_of_freedom : int or None
-        Degrees of freedom; None if joints have nodes of elastic parts, which deform.
+        Degrees of freedom, given motions included; None if joints have nodes of elastic parts, which deform.
+    n_driven : int
+        Number of these that have a given motion.
     redundant : tuple of str
         Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
 
@@ -68,6 +70,7 @@ class Mobility(NamedTuple):
     n_constraints: int
     n_redundant: int
     degrees_of_freedom: int | None
+    n_driven: int
     redundant: tuple[str, ...]
 
 

@@ -62,6 +62,8 @@ class Joint(Table):
         Torque on the first body about the axis.
     force : history, optional
         Force on the first body along the axis, or force that lengthens a line.
+    until : float, optional
+        Time of release, from which on it exerts nothing.
 
     Raises
     ------
@@ -91,6 +93,7 @@ class Joint(Table):
     damping: float | None = None
     torque: History | None = None
     force: History | None = None
+    until: float | None = None
 
     def _tree(self) -> dict[str, Any]:
         own: dict[str, Any] = {}
@@ -100,7 +103,7 @@ class Joint(Table):
                 own[key] = words.path(value, key)
             elif key in ("torque", "force"):
                 own[key] = words.history(value, key)
-            elif key in ("name", "spring", "damping"):
+            elif key in ("name", "spring", "damping", "until"):
                 own[key] = words.tree(value, key)
             elif key == "length":
                 # A number is the length as drawn, a history begins with it.
@@ -116,7 +119,14 @@ class Joint(Table):
         return f"Joint.{kind}({name}{', '.join(f'{key}={value!r}' for key, value in given.items())})"
 
     @classmethod
-    def spherical(cls, name: str | None = None, *, between: Sequence[str], at: Vector) -> Self:
+    def spherical(
+        cls,
+        name: str | None = None,
+        *,
+        between: Sequence[str],
+        at: Vector,
+        until: float | None = None,
+    ) -> Self:
         """A point in common.
 
         Parameters
@@ -127,6 +137,8 @@ class Joint(Table):
             Names of the two bodies.
         at : vector
             The point in common.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -142,7 +154,7 @@ class Joint(Table):
         >>> emmy.Joint.spherical(between=("tip", "ball"), at=(1, 0, 0)).kind
         'spherical'
         """
-        return cls(name, kind="spherical", between=between, at=at)
+        return cls(name, kind="spherical", between=between, at=at, until=until)
 
     @classmethod
     def revolute(
@@ -156,6 +168,7 @@ class Joint(Table):
         spring: Mapping[str, float] | None = None,
         damping: float | None = None,
         torque: History | None = None,
+        until: float | None = None,
     ) -> Self:
         """A hinge: a point and an axis in common.
 
@@ -177,6 +190,8 @@ class Joint(Table):
             Damping.
         torque : history, optional
             Torque on the first body.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -196,11 +211,19 @@ class Joint(Table):
         """
         return cls(
             name, kind="revolute", between=between, at=at, axis=axis, angle=angle, spring=spring, damping=damping,
-            torque=torque,
+            torque=torque, until=until,
         )  # fmt: skip
 
     @classmethod
-    def universal(cls, name: str | None = None, *, between: Sequence[str], at: Vector, axes: Sequence[Vector]) -> Self:
+    def universal(
+        cls,
+        name: str | None = None,
+        *,
+        between: Sequence[str],
+        at: Vector,
+        axes: Sequence[Vector],
+        until: float | None = None,
+    ) -> Self:
         """A point in common, and an angle between an axis of each.
 
         Parameters
@@ -213,6 +236,8 @@ class Joint(Table):
             The point in common.
         axes : pair of vectors
             Directions of an axis of the first and of one of the second body.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -228,7 +253,7 @@ class Joint(Table):
         >>> emmy.Joint.universal("cross", between=("a", "b"), at=(0, 0, 0), axes=[(1, 0, 0), (0, 1, 0)]).axes
         ((1, 0, 0), (0, 1, 0))
         """
-        return cls(name, kind="universal", between=between, at=at, axes=axes)
+        return cls(name, kind="universal", between=between, at=at, axes=axes, until=until)
 
     @classmethod
     def cylindrical(
@@ -242,6 +267,7 @@ class Joint(Table):
         spring: Mapping[str, float] | None = None,
         damping: float | None = None,
         torque: History | None = None,
+        until: float | None = None,
     ) -> Self:
         """An axis in common, about which they turn and along which they slide.
 
@@ -263,6 +289,8 @@ class Joint(Table):
             Damping.
         torque : history, optional
             Torque on the first body.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -282,7 +310,7 @@ class Joint(Table):
         """
         return cls(
             name, kind="cylindrical", between=between, at=at, axis=axis, angle=angle, spring=spring, damping=damping,
-            torque=torque,
+            torque=torque, until=until,
         )  # fmt: skip
 
     @classmethod
@@ -297,6 +325,7 @@ class Joint(Table):
         spring: Mapping[str, float] | None = None,
         damping: float | None = None,
         force: History | None = None,
+        until: float | None = None,
     ) -> Self:
         """A slider: an axis in common, along which they slide without turning.
 
@@ -318,6 +347,8 @@ class Joint(Table):
             Damping.
         force : history, optional
             Force on the first body.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -338,11 +369,19 @@ class Joint(Table):
         """
         return cls(
             name, kind="prismatic", between=between, at=at, axis=axis, slide=slide, spring=spring, damping=damping,
-            force=force,
+            force=force, until=until,
         )  # fmt: skip
 
     @classmethod
-    def inline(cls, name: str | None = None, *, between: Sequence[str], at: Vector, axis: Vector) -> Self:
+    def inline(
+        cls,
+        name: str | None = None,
+        *,
+        between: Sequence[str],
+        at: Vector,
+        axis: Vector,
+        until: float | None = None,
+    ) -> Self:
         """A point of the first body on an axis of the second.
 
         Parameters
@@ -355,6 +394,8 @@ class Joint(Table):
             The point in common.
         axis : vector
             Direction of the axis.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -370,10 +411,18 @@ class Joint(Table):
         >>> emmy.Joint.inline("slot", between=("pin", "ground"), at=(0, 0, 0), axis=(1, 0, 0)).kind
         'inline'
         """
-        return cls(name, kind="inline", between=between, at=at, axis=axis)
+        return cls(name, kind="inline", between=between, at=at, axis=axis, until=until)
 
     @classmethod
-    def planar(cls, name: str | None = None, *, between: Sequence[str], at: Vector, axis: Vector) -> Self:
+    def planar(
+        cls,
+        name: str | None = None,
+        *,
+        between: Sequence[str],
+        at: Vector,
+        axis: Vector,
+        until: float | None = None,
+    ) -> Self:
         """A plane in common, normal to the axis.
 
         Parameters
@@ -386,6 +435,8 @@ class Joint(Table):
             The point in common.
         axis : vector
             Direction of the axis.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -401,10 +452,17 @@ class Joint(Table):
         >>> emmy.Joint.planar("table", between=("puck", "ground"), at=(0, 0, 0), axis=(0, 0, 1)).kind
         'planar'
         """
-        return cls(name, kind="planar", between=between, at=at, axis=axis)
+        return cls(name, kind="planar", between=between, at=at, axis=axis, until=until)
 
     @classmethod
-    def fixed(cls, name: str | None = None, *, between: Sequence[str], at: Vector) -> Self:
+    def fixed(
+        cls,
+        name: str | None = None,
+        *,
+        between: Sequence[str],
+        at: Vector,
+        until: float | None = None,
+    ) -> Self:
         """Two bodies made one.
 
         Parameters
@@ -415,6 +473,8 @@ class Joint(Table):
             Names of the two bodies.
         at : vector
             The point in common.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -430,7 +490,7 @@ class Joint(Table):
         >>> emmy.Joint.fixed("weld", between=("arm", "hand"), at=(1, 0, 0)).between
         ('arm', 'hand')
         """
-        return cls(name, kind="fixed", between=between, at=at)
+        return cls(name, kind="fixed", between=between, at=at, until=until)
 
     @classmethod
     def distance(
@@ -440,6 +500,7 @@ class Joint(Table):
         between: Sequence[str],
         points: Sequence[Vector],
         length: Path | None = None,
+        until: float | None = None,
     ) -> Self:
         """A rigid link without mass between two points.
 
@@ -453,6 +514,8 @@ class Joint(Table):
             A point of the first and one of the second body.
         length : float or history, optional
             Length of the link; a history begins with the distance of the points.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -470,7 +533,7 @@ class Joint(Table):
         >>> emmy.Joint.distance("rod", between=("bob", "ground"), points=[(0, 0, -1), (0, 0, 0)]).points
         ((0, 0, -1), (0, 0, 0))
         """
-        return cls(name, kind="distance", between=between, points=points, length=length)
+        return cls(name, kind="distance", between=between, points=points, length=length, until=until)
 
     @classmethod
     def line(
@@ -482,6 +545,7 @@ class Joint(Table):
         spring: Mapping[str, float] | None = None,
         damping: float | None = None,
         force: History | None = None,
+        until: float | None = None,
     ) -> Self:
         """No constraint: a line between two points with a spring, a damping or a force.
 
@@ -499,6 +563,8 @@ class Joint(Table):
             Damping.
         force : history, optional
             Force on the first body.
+        until : float, optional
+            Time of release.
 
         Returns
         -------
@@ -515,4 +581,6 @@ class Joint(Table):
         >>> emmy.Joint.line("strut", between=("bob", "ground"), points=points, spring={"stiffness": 40.0}).spring
         {'stiffness': 40.0}
         """
-        return cls(name, kind="line", between=between, points=points, spring=spring, damping=damping, force=force)
+        return cls(
+            name, kind="line", between=between, points=points, spring=spring, damping=damping, force=force, until=until,
+        )  # fmt: skip

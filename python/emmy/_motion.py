@@ -61,8 +61,8 @@ class Motion(MotionView):
         Size down to which a failing step is halved.
     probes : dict, optional
         Nodes whose path goes into the history: points by name, or dicts of ``point`` and ``quantities``.
-    reactions, extremes, values : optional
-        Groups of supports, fields and means of fields for the history, as in the input.
+    reactions, joints, extremes, values : optional
+        Groups of supports, names of joints, fields and means of fields for the history, as in the input.
     equilibrium : bool, int or dict, optional
         Whether to start from the static equilibrium; or the number of load steps.
     limits : dict, optional
@@ -113,6 +113,7 @@ class Motion(MotionView):
         smallest_step: float | None = None,
         probes: Mapping[str, Any] | None = None,
         reactions: Sequence[str] | None = None,
+        joints: Sequence[str] | None = None,
         extremes: Sequence[str] | None = None,
         values: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
         equilibrium: bool | int | Mapping[str, Any] | None = None,
@@ -130,7 +131,9 @@ class Motion(MotionView):
         given: Snapshot | State | NDArray[np.float64] | None = start
         if velocity is not None:
             given = words.vectors(velocity, body.n_nodes, "initial")
-        outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
+        outputs = {
+            "probes": probes, "reactions": reactions, "joints": joints, "extremes": extremes, "values": values
+        }  # fmt: skip
         tree = _plan.tree(
             scheme=scheme, degree=degree, steps=steps, until=until, adaptive=adaptive, smallest_step=smallest_step,
             tolerance=tolerance, max_iterations=max_iterations, solver=solver, initial=tables, equilibrium=equilibrium,

@@ -256,6 +256,8 @@ class Load(Table):
         Resultant, spread evenly over a group of facets.
     nodal_force : vector, optional
         Force at each node of a group.
+    moment : vector, optional
+        Moment on a rigid body, whose name is `group`, in the axes of space.
     pressure : float, optional
         Pressure on the current surface of a group of facets.
     acceleration : vector or function, optional
@@ -291,6 +293,7 @@ class Load(Table):
     traction: Vector | VectorField | None = None
     force: Vector | None = None
     nodal_force: Vector | None = None
+    moment: Vector | None = None
     pressure: float | None = None
     acceleration: Vector | VectorField | None = None
     body_force: Sequence[float | str] | NDArray[Any] | VectorField | None = None

@@ -157,7 +157,7 @@ class Run:
 
     @property
     def events(self) -> list[Event]:
-        """Steps that were cut or rejected, supports that were released, and more."""
+        """Steps that were cut or rejected, supports and joints that were released, and more."""
         rows = read_rows(self._directory / "events.csv")[1:]
         return [Event(int(step), float(time), kind, message) for step, time, kind, message in rows]
 

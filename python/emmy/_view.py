@@ -126,7 +126,7 @@ class MotionView:
 
     @property
     def events(self) -> list[Event]:
-        """Steps that were cut or rejected, supports that were released, and more."""
+        """Steps that were cut or rejected, supports and joints that were released, and more."""
         return [Event(*event) for event in self._native.events()]
 
     @property

@@ -242,10 +242,17 @@ impl Body {
 
     /// How many ways the mechanism can move.
     fn mobility<'py>(&self, py: Python<'py>) -> PyResult<Counts<'py>> {
-        let Mobility { n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, redundant } =
-            pool::work(py, || self.inner().mobility())?;
+        let Mobility {
+            n_bodies,
+            n_joints,
+            n_constraints,
+            n_redundant,
+            degrees_of_freedom,
+            n_driven,
+            redundant,
+        } = pool::work(py, || self.inner().mobility())?;
         let redundant = PyTuple::new(py, redundant)?;
-        Ok((n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, redundant))
+        Ok((n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, n_driven, redundant))
     }
 
     #[getter]

@@ -129,7 +129,7 @@ def test_every_kind_is_a_table_of_the_input(tmp_path):
         emmy.Joint.revolute("j", **axis),
         emmy.Joint.revolute("j", **axis, spring={"stiffness": 4.0}, damping=0.3, torque="0.5*sin(3*t)"),
         emmy.Joint.universal("j", **place, axes=[(1, 0, 0), (0, 1, 0)]),
-        emmy.Joint.cylindrical("j", **axis),
+        emmy.Joint.cylindrical("j", **axis, until=0.05),
         emmy.Joint.prismatic("j", **axis),
         emmy.Joint.inline("j", **axis),
         emmy.Joint.planar("j", **axis),
@@ -182,3 +182,20 @@ def test_a_run_of_rigid_bodies(tmp_path):
     motion.extend(0.4)
     whole, later = motion.run(), again.run()
     assert later["top_x"][-1] == whole["top_x"][-1]
+
+
+def test_a_wheel_that_is_turned_and_let_go():
+    wheel = emmy.Rigid("wheel", mass=2.0, centre=(0, 0, 0), inertia=(0.1, 0.1, 0.18))
+    axle = emmy.Joint.cylindrical("axle", between=("wheel", "ground"), at=(0, 0, 0), axis=(0, 0, 1), until=0.5)
+    stop = emmy.Joint.line("stop", between=("wheel", "ground"), points=[(1, 0, 0), (2, 0, 0)], damping=1e-9)
+    body = emmy.Body(rigid=wheel, joints=[axle, stop], loads=emmy.Load("wheel", moment=(0, 0, 0.36)))
+    assert body.mobility[:6] == (1, 2, 4, 0, 2, 0)
+    start = emmy.Initial(velocity=(0, 0, 0.2))
+    motion = emmy.Motion(body, degree=2, steps=(1.0, 0.125), initial=start, joints=["axle"])
+    history = motion.run()
+    assert "axle_slide" in history.dtype.names and "stop_distance" not in history.dtype.names
+    assert history["axle_slide"][-1] == pytest.approx(0.2, abs=1e-12)
+    assert history["angular_momentum_z"][-1] == pytest.approx(0.36, abs=1e-8)
+    assert (history["axle_force_z"][5:] == 0).all()
+    with pytest.raises(emmy.InputError, match="there is no joint `axel`"):
+        emmy.Motion(body, steps=(1.0, 0.1), joints=["axel"])

@@ -26,6 +26,7 @@ RUNS = {
     "spring-network": ["examples/spring-network.toml", "--set", "output.format=vtkhdf"],
     "comet": ["examples/comet.toml"],
     "two-materials": ["examples/two-materials.toml"],
+    "four-bar": ["examples/four-bar.toml"],
     "charts-only": ["examples/plane-beam.toml", "--set", "output.every=0"],
 }
 
@@ -313,6 +314,35 @@ def check_extremes(browser, directory):
     page.close()
 
 
+def check_mechanism(browser, directory, joints):
+    """Joints have charts, and rings in the scene that move with the bodies; constraints are shown with their rounding."""
+    page = browser.page(f"{directory}/report.html")
+    charts = page.value("[...document.querySelectorAll('section.chart')].map(e => e.getAttribute('aria-label'))")
+    assert all(any(joint in chart for chart in charts) for joint in joints), charts
+    keys = page.value("[...document.querySelectorAll('[aria-label=\"Constraints\"] .key')].map(e => e.textContent)")
+    assert len(keys) == 2 and keys[1].startswith("rounding"), keys
+    page.press("Home")
+    start = rings(page)
+    # Two rings of the cranks' heads lie on each other.
+    assert len(start) > 6 * 60, len(start)
+    for _ in range(5):
+        page.press("ArrowRight")
+    assert rings(page) != start, "the rings do not move"
+    check_numbers(page, {os.path.basename(directory): json.load(open(f"{directory}/summary.json"))})
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+
+
+def rings(page):
+    """Points of the picture with the colour of the rings at joints."""
+    ink = page.value("getComputedStyle(document.body).getPropertyValue('--c2').trim()")
+    ink = bytes.fromhex(ink[1:])
+    rows, size = pixels(page.picture("#viewport"))
+    return {(x, y) for y, row in enumerate(rows) for x in range(len(row) // size) if row[size * x:size * x + 3] == ink}
+
+
 def check_silence(page):
     # Reading pixels back for a picture may be slow with a renderer in software; that is not of the page.
     complaints = [text for text in page.complaints() if "GPU stall due to ReadPixels" not in text]
@@ -549,6 +579,7 @@ def main():
         n += check_single(browser, f"{place}/charts-only", kept, has_motion=False)
         n += check_single(browser, f"{place}/comet", kept)
         n += check_single(browser, f"{place}/two-materials", kept)
+        check_mechanism(browser, f"{place}/four-bar", ["foot-0", "foot-1", "foot-2", "head-0", "head-1", "head-2", "head-3"])
         check_long_numbers(browser, emmy, f"{place}/charts-only", f"{place}/long-numbers")
         check_windows(browser, f"{place}/l-block")
         check_whole_body(browser, f"{place}/two-materials")

@@ -285,6 +285,12 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+    /// A moment on what has no directions.
+    #[error("a moment acts on a rigid body with an inertia, and \"{group}\" is none")]
+    Moment {
+        /// Name in the place of that of a rigid body.
+        group: String,
+    },
     /// An impossible tie.
     #[error("tie of \"{follower}\" to \"{leader}\": {reason}")]
     Tie {

@@ -63,6 +63,51 @@ fn a_pendulum_on_a_hinge() {
     assert!(failed.code == 2 && failed.stderr.contains("`rigid.0.mass` is 4, but 3.0"), "{}", failed.stderr);
 }
 
+/// The time of a release is not the end of an equal step; after it, the centre flies on a parabola.
+#[test]
+fn a_pendulum_that_is_let_go() {
+    let hinge = "axis = [0, 1, 0] }\n";
+    let input =
+        PENDULUM.replace(hinge, &format!("{hinge}until = 0.84375\n")).replace("size = 0.05", "size = 0.0625");
+    let place = Place::with(&input);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("           released at t = 0.84375\n"), "{check}");
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let events = place.read("out/events.csv");
+    assert!(
+        events.contains("15,0.84375,release,the joint joint-1 was released (until = 0.84375)\n"),
+        "{events}"
+    );
+    let history = place.history("out");
+    let release = history["t"].iter().position(|t| *t == 0.84375).unwrap();
+    let [last, middle] = [history["t"].len() - 1, release + 8];
+    let of = |name: &str, row: usize| history[name][row];
+    let times = [release, middle, last].map(|row| of("t", row));
+    // Heights less the fall are linear in time.
+    let free = [release, middle, last].map(|row| {
+        let fallen = 0.5 * 9.81 * (of("t", row) - times[0]).powi(2);
+        of("centre_z", row) + fallen
+    });
+    let slopes = [1, 2].map(|i| (free[i] - free[0]) / (times[i] - times[0]));
+    assert!((slopes[0] - slopes[1]).abs() < 1e-11, "{slopes:?}");
+    assert_eq!((of("joint-1_force_z", last), of("joint-1_moment_y", last)), (0.0, 0.0));
+    assert!(of("joint-1_force_z", release) > 0.0);
+    let (spin, angle) =
+        (of("pendulum_spin_y", last), of("joint-1_angle", last) - of("joint-1_angle", release));
+    assert!((angle - spin * (times[2] - times[0])).abs() < 1e-11, "{spin} {angle}");
+    for (name, until) in [("before", "0.5"), ("at", "0.84375"), ("after", "1.21875")] {
+        place.succeed(&["run", "box.toml", "--quiet", "--until", until, "--output", name]);
+        place.succeed(&["resume", name, "--quiet", "--until", "2.0"]);
+        assert_same_rows(&place, "out", name);
+    }
+    let failed = place.emmy(&["resume", "after", "--until", "3", "--set", "joint.0.until=2.5"]);
+    assert!(
+        failed.code == 2 && failed.stderr.contains("`joint.0.until` is 2.5, but 0.84375"),
+        "{}",
+        failed.stderr
+    );
+}
+
 /// A crank that is turned, a rod, and a slider on the x axis.
 const SLIDER_CRANK: &str = r#"
 [[rigid]]
@@ -114,7 +159,7 @@ fn a_driven_slider_crank_is_where_geometry_says() {
     let check = place.succeed(&["check", "box.toml"]).stdout;
     for line in [
         "joint      motor: revolute, crank and the ground, at [0, 0, 0], axis [0, 0, 1]\n           angle: 2*t^2\n",
-        "mechanism  3 rigid bodies, 4 joints with 21 constraints; 0 degrees of freedom\n",
+        "mechanism  3 rigid bodies, 4 joints with 21 constraints; 1 degree of freedom, which is driven\n",
         "3 of 21 constraints follow from the others: the motion is unique, their single forces are not\n",
         "they are constraints of the joint joint-4\n",
         "body       all: mass 4, centre [2.875, 0, 0]\n",

@@ -33,7 +33,7 @@ pub struct Study {
     pub reference_scheme: Scheme,
     /// Step size of the reference.
     pub reference_size: f64,
-    /// Times at which supports are released; steps end there.
+    /// Times at which supports and joints are released; steps end there.
     pub releases: Vec<f64>,
     /// Units of the charts.
     pub units: Units,

@@ -1,6 +1,6 @@
 //! Columns of joints and rigid bodies.
 
-use emmy::body::{Body, JointState, RigidMotion};
+use emmy::body::{Body, Joint, JointKind, JointState, RigidMotion};
 use emmy::motion::Record;
 
 use super::ColumnInfo;
@@ -23,9 +23,13 @@ pub(crate) struct MechanismColumns {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct OfJoint {
+    /// Its place among the joints of the body.
+    place: usize,
     name: String,
     /// The coordinate that it leaves.
     coordinate: Option<&'static str>,
+    /// Whether it also slides.
+    has_slide: bool,
     /// Whether a given motion, a spring, a damping or a motor acts in it.
     has_drive: bool,
 }
@@ -40,11 +44,15 @@ struct OfBody {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl MechanismColumns {
-    /// The columns of a body.
-    pub(crate) fn of(body: &Body) -> Self {
-        let joints = body.joints().iter().map(|joint| OfJoint {
+    /// The columns of a body, with those of the joints of some names; `None`: of all.
+    pub(crate) fn of(body: &Body, names: Option<&[String]>) -> Self {
+        let is_asked = |joint: &Joint| names.is_none_or(|names| names.contains(&joint.name));
+        let joints = body.joints().iter().enumerate().filter(|(_, joint)| is_asked(joint));
+        let joints = joints.map(|(place, joint)| OfJoint {
+            place,
             name: joint.name.clone(),
             coordinate: joint.kind.coordinate(),
+            has_slide: matches!(joint.kind, JointKind::Cylindrical { .. }),
             has_drive: joint.drive.is_some() || joint.has_force(),
         });
         let joints: Vec<OfJoint> = joints.collect();
@@ -52,7 +60,7 @@ impl MechanismColumns {
             .rigid_bodies()
             .map(|body| OfBody { name: body.name.clone(), has_axes: body.inertia.is_some() });
         let bodies: Vec<OfBody> = bodies.collect();
-        let has_constraints = !joints.is_empty() || bodies.iter().any(|body| body.has_axes);
+        let has_constraints = !body.joints().is_empty() || bodies.iter().any(|body| body.has_axes);
         MechanismColumns { joints, has_constraints, bodies }
     }
 
@@ -77,10 +85,11 @@ impl MechanismColumns {
         // No step led to the start, so that no force has a mean there.
         let has_forces = record.step_size > 0.0;
         let mean = |force: f64| if has_forces { Real(force) } else { Missing };
-        for (place, joint) in self.joints.iter().enumerate() {
-            let state: JointState = record.joints.get(place).copied().unwrap_or_default();
+        for joint in &self.joints {
+            let state: JointState = record.joints.get(joint.place).copied().unwrap_or_default();
             numbers.extend(state.force.into_iter().chain(state.moment).map(mean));
             numbers.extend(joint.coordinate.map(|_| Real(state.coordinate)));
+            numbers.extend(joint.has_slide.then_some(Real(state.slide)));
             numbers.extend(joint.drive().map(|_| mean(state.drive)));
         }
         if self.has_constraints {
@@ -105,7 +114,8 @@ impl OfJoint {
         );
         let mut all = vectors(&format!("{name}_force"), "force", &force);
         all.extend(vectors(&format!("{name}_moment"), "force·length", &moment));
-        all.extend(self.coordinate.map(|word| {
+        let slide = self.has_slide.then_some("slide");
+        all.extend(self.coordinate.into_iter().chain(slide).map(|word| {
             let (dimension, meaning) = match word {
                 "angle" => {
                     ("radian", "angle of the first body of the joint NAME about the axis of the second")
@@ -175,9 +185,9 @@ fn vectors(name: &str, dimension: &str, meaning: &str) -> Vec<ColumnInfo> {
 
 #[cfg(test)]
 mod tests {
-    use emmy::body::{Joint, JointEnd, JointKind, RigidBody, TimeFunction};
+    use emmy::body::{InitialVelocity, JointEnd, RigidBody, TimeFunction};
     use emmy::mesh::Mesh;
-    use emmy::motion::Motion;
+    use emmy::motion::{Motion, State};
     use emmy::time::TimeElement;
 
     use super::*;
@@ -197,7 +207,7 @@ mod tests {
             .joint(link)
             .build()
             .unwrap();
-        let columns = MechanismColumns::of(&body);
+        let columns = MechanismColumns::of(&body, None);
         let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
         let of_vector = |name: &str| AXES.map(|axis| format!("{name}_{axis}"));
         let expected = [
@@ -234,9 +244,38 @@ mod tests {
     }
 
     #[test]
+    fn a_ring_slides_on_its_axis_and_turns_about_it() {
+        let kind = JointKind::Cylindrical { axis: [0.0, 0.0, 2.0] };
+        let between = || [JointEnd::Rigid("ring".into()), JointEnd::Ground];
+        let body = Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("ring", 2.0, [0.1, 0.0, 0.0], [0.1, 0.1, 0.2]))
+            .joint(Joint::new("axis", kind, between(), [0.0; 3]))
+            .build()
+            .unwrap();
+        let columns = MechanismColumns::of(&body, None);
+        let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
+        assert_eq!(names[6..8], ["axis_angle", "axis_slide"]);
+        let flies = InitialVelocity {
+            velocity: [0.0, 0.0, 0.5],
+            angular_velocity: [0.0, 0.0, 2.0],
+            ..Default::default()
+        };
+        let state = State::initial(&body, 0.0, &[flies]).unwrap();
+        let mut motion = Motion::new(&body, TimeElement::discrete_gradient(3).unwrap()).unwrap();
+        motion = motion.from(state).unwrap();
+        let record = (0..20).map(|_| motion.step(0.05).unwrap().clone()).last().unwrap();
+        let mut numbers = Vec::new();
+        columns.add_to(&record, &mut numbers);
+        assert!((numbers[6].value() - 2.0).abs() < 1e-8 && (numbers[7].value() - 0.5).abs() < 1e-13);
+        let others = MechanismColumns::of(&body, Some(&[]));
+        let names: Vec<String> = others.owned().into_iter().map(|(_, column)| column.name).collect();
+        assert_eq!(names[..2], [RESIDUAL, HIDDEN]);
+    }
+
+    #[test]
     fn a_point_mass_has_no_constraints() {
         let body = Body::builder(Mesh::without_cells()).rigid(RigidBody::point("ball", 3.0, [2.0, 0.0, 0.0]));
-        let columns = MechanismColumns::of(&body.build().unwrap());
+        let columns = MechanismColumns::of(&body.build().unwrap(), None);
         let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
         assert_eq!(names, ["ball_x", "ball_y", "ball_z"]);
     }

@@ -50,7 +50,7 @@ pub(super) static ROOT: Described = Described::new(|| {
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
 /// Keys that are planned: their table, the key, the fault and advice.
-const PLANNED: [(&str, &str, &str, &str); 3] = [
+const PLANNED: [(&str, &str, &str, &str); 2] = [
     (
         "the input",
         "coupling",
@@ -58,7 +58,6 @@ const PLANNED: [(&str, &str, &str, &str); 3] = [
         "`[[joint]]` joins nodes of a mesh with rigid bodies, the ground and each other",
     ),
     ("[[rigid]]", "group", "Emmy has no rigid groups of a mesh yet", "give mass, centre and inertia"),
-    ("[[joint]]", "until", "Emmy has no joints that are released yet", "leave `until` out"),
 ];
 
 /// The fault of a key of a table that is planned, and advice.

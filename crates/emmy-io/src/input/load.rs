@@ -42,7 +42,7 @@ pub(super) enum Acting {
 }
 
 /// Every kind of load.
-const ROWS: [Row; 8] = [
+const ROWS: [Row; 9] = [
     Row {
         name: "traction",
         kind: field,
@@ -79,6 +79,17 @@ const ROWS: [Row; 8] = [
         read: |given, faults| {
             let force = Read::read(given.value);
             given.load(faults, Members::Nodes, |group| LoadKind::NodalForce { group, force })
+        },
+    },
+    Row {
+        name: "moment",
+        kind: vector,
+        unit: "force·length",
+        doc: "Moment on a rigid body, whose name is `group`, in the axes of space",
+        needs_group: true,
+        read: |given, faults| {
+            let moment = Read::read(given.value);
+            given.load(faults, Members::Nodes, |group| LoadKind::Moment { group, moment })
         },
     },
     Row {

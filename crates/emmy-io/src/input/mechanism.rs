@@ -7,6 +7,7 @@ use emmy::time::Scheme;
 
 use super::fault::{Fault, Faults, Place};
 use super::joint::{self, PlacedJoint};
+use super::placed::{Members, Placed};
 use super::rigid::{self, GROUND, PlacedRigid};
 use super::suggest::{did_you_mean, listed};
 use super::time::Time;
@@ -27,6 +28,18 @@ impl Mechanism {
     /// Names of the rigid bodies.
     pub(super) fn bodies(&self) -> Vec<&str> {
         self.rigid.iter().map(|own| own.body.name.as_str()).collect()
+    }
+
+    /// Names of the joints.
+    pub(super) fn names_of_joints(&self) -> Vec<&str> {
+        self.joints.iter().map(|own| own.name.as_str()).collect()
+    }
+
+    /// The place of the name of a rigid body or joint.
+    pub(super) fn place(&self, name: &str) -> Option<Place> {
+        let bodies = self.rigid.iter().map(|own| (&own.body.name, &own.name));
+        let joints = self.joints.iter().map(|own| (&own.name, &own.name_place));
+        bodies.chain(joints).find(|(own, _)| *own == name).map(|(_, place)| place.clone())
     }
 
     /// Places of the rigid bodies.
@@ -102,9 +115,47 @@ impl Mechanism {
         }
     }
 
+    /// Checks that moments act on rigid bodies that turn.
+    pub(super) fn check_moments(&self, loads: &[Placed<(Load, Members)>], mesh: &Mesh, faults: &mut Faults) {
+        for load in loads.iter().filter(|load| is_moment(&load.value.0)) {
+            let Some((name, place)) = &load.group else { continue };
+            let own = self.rigid.iter().find(|own| own.body.name == *name);
+            faults.keep(match own {
+                Some(own) if own.body.inertia.is_some() => Ok(()),
+                Some(_) => {
+                    let message =
+                        format!("`{name}` is a point mass and has no direction, which a moment turns");
+                    Err(Fault::at(place, message, "a point mass").help("give it an `inertia`"))
+                }
+                None if mesh.groups().kinds(name).is_empty() => {
+                    let label = did_you_mean(name, self.bodies().into_iter()).unwrap_or("not there".into());
+                    let known = format!("rigid bodies: {}", listed(self.bodies().into_iter()));
+                    let message = format!("`moment`: there is no rigid body `{name}`");
+                    Err(Fault::at(place, message, label).help(known))
+                }
+                None => {
+                    let message =
+                        format!("`{name}` is a group of an elastic body; a moment acts on a rigid body");
+                    let help = "couple it to a rigid body first: a `[[rigid]]`, joined to its nodes";
+                    Err(Fault::at(place, message, "no rigid body").help(help))
+                }
+            });
+        }
+    }
+
     /// The joints, in a mesh that was checked.
     pub(super) fn joints(&self, mesh: &Mesh) -> Result<Vec<Joint>, Fault> {
         self.joints.iter().map(|joint| Ok(joint.of(self.ends(joint, mesh)?))).collect()
+    }
+
+    /// Pairs of nodes of the mesh that joints join, the lower one first.
+    pub(super) fn joined(&self, mesh: &Mesh) -> Vec<[u32; 2]> {
+        let ends = self.joints.iter().filter_map(|joint| self.ends(joint, mesh).ok());
+        let pairs = ends.filter_map(|ends| match ends {
+            [JointEnd::Node(a), JointEnd::Node(b)] => Some([a.min(b), a.max(b)]),
+            _ => None,
+        });
+        pairs.collect()
     }
 
     /// The rigid bodies.
@@ -172,6 +223,19 @@ impl Mechanism {
         Fault::at(place, message, label).help(format!("there is {}", listed(known())))
     }
 
+    /// Checks that a mechanism without elastic parts can move if joints drive it.
+    pub(super) fn check_drives(&self, body: &Body) -> Result<(), Fault> {
+        let Some(driven) = self.joints.iter().find(|joint| joint.drive.is_some()) else { return Ok(()) };
+        match body.mobility().degrees_of_freedom {
+            Some(0) => {
+                let message = format!("joint `{}` is driven, but the mechanism cannot move", driven.name);
+                let help = "`emmy check` without the drive says which constraints follow from others";
+                Err(Fault::at(&driven.place, message, "driven").help(help))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The fault of a body with an impossible rigid body or joint.
     pub(super) fn fault(&self, error: &emmy::Error) -> Option<Fault> {
         rigid::fault(error, &self.rigid).or_else(|| joint::fault(error, &self.joints))
@@ -208,6 +272,11 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
 /// Whether a load acts on rigid bodies by their names.
 pub(super) fn is_for_bodies(load: &Load) -> bool {
     matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. })
+}
+
+/// Whether a load is a moment on a rigid body.
+pub(super) fn is_moment(load: &Load) -> bool {
+    matches!(load.kind, LoadKind::Moment { .. })
 }
 
 /// Part of the kinetic energy that joints take out of the initial velocities and that is worth a note.

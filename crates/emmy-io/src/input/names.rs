@@ -29,6 +29,8 @@ impl Naming<'_> {
             Some(NamedGroup { or_body, ..NamedGroup::of_mesh(name, place, members) })
         };
         let regions = self.regions.iter().map(|region| named(&region.group, Members::Cells, false));
+        // The bodies of moments have their own check.
+        let of_group = |load: &&Placed<(Load, Members)>| !mechanism::is_moment(&load.value.0);
         let of_load = |load: &Placed<(Load, Members)>| {
             named(&load.group, load.value.1, mechanism::is_for_bodies(&load.value.0))
         };
@@ -37,7 +39,7 @@ impl Naming<'_> {
         // The centre of a rigid body is a group of one node.
         let at_nodes = supports.chain(initial).chain(self.nodal.groups());
         let at_nodes = at_nodes.map(|group| named(group, Members::Nodes, true));
-        let all = regions.chain(self.loads.iter().map(of_load)).chain(at_nodes).flatten();
+        let all = regions.chain(self.loads.iter().filter(of_group).map(of_load)).chain(at_nodes).flatten();
         let tied = self.ties.iter().flat_map(PlacedTie::groups);
         let tied = tied.map(|(name, place, members)| NamedGroup::of_mesh(name, place, members));
         all.chain(tied).chain(self.requested.into_iter().flat_map(Requested::groups).cloned()).collect()

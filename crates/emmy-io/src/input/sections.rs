@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use emmy::body::{BodyBuilder, InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
-use emmy::motion::{NewtonSettings, Solver};
+use emmy::motion::{NewtonSettings, Solver, StepPlan};
 use emmy::time::Scheme;
 
 use super::catalogue::ROOT_KIND;
@@ -104,12 +104,17 @@ impl Sections {
         let plan = time.as_ref().map(|time| match time.scheme {
             // The load fraction is no time.
             Scheme::Static => time.plan.clone(),
-            _ => support::plan_with_releases(&time.plan, &supports),
+            // Steps end where supports and joints are released.
+            _ => {
+                let joints = mechanism.joints.iter().filter_map(|joint| joint.until);
+                support::releases(&supports).chain(joints).fold(time.plan.clone(), StepPlan::with_end_at)
+            }
         });
         let supported = root.supported_groups();
         let output = root.one("output", |table, faults| {
             let (output, requested) = (faults.keep(settings::output(table)), quantities::read(table, faults));
             supported.iter().for_each(|groups| requested.check_reactions(groups, faults));
+            requested.check_joints(&mechanism.names_of_joints(), faults);
             let place = table.item("interval").map_or(table.place, |item| item.place());
             let plan = plan.clone().zip(output.as_ref());
             let plan = plan.map(|(plan, output)| settings::plan_with_frames(plan, output, place));
@@ -175,6 +180,7 @@ impl Sections {
         let mut faults = Faults::default();
         groups::check(mesh, &self.named_groups(), &self.mechanism.bodies(), &mut faults);
         self.mechanism.check(mesh, &mut faults);
+        self.mechanism.check_moments(&self.loads, mesh, &mut faults);
         faults.finish()?;
         let cells = groups::check_regions(mesh, &self.regions);
         let formulations = cells.and_then(|()| Formulations::new(mesh, &self.regions, &self.time));
@@ -188,8 +194,9 @@ impl Sections {
     fn checked_mesh(&self) -> Result<CheckedMesh, InputError> {
         let mut file = self.shape.mesh(&self.link_groups)?;
         let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
-        if !self.ties.is_empty() {
-            file.leave_out_joined(tie::joins(&file.mesh, &self.ties));
+        if !(self.ties.is_empty() && self.mechanism.joints.is_empty()) {
+            let (is_tied, joined) = (tie::joins(&file.mesh, &self.ties), self.mechanism.joined(&file.mesh));
+            file.leave_out_joined(|[a, b]| is_tied([a, b]) || joined.contains(&[a.min(b), a.max(b)]));
         }
         let mesh = &file.mesh;
         let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
@@ -281,7 +288,8 @@ impl Sections {
         if self.output.has_frames() {
             self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
         }
-        let quantities = self.requested.quantities(&body, &mut notes)?;
+        mechanism.check_drives(&body)?;
+        let quantities = self.requested.quantities(&body, |name| mechanism.place(name), &mut notes)?;
         let initial = values(self.initial);
         notes.extend(tie::notes_on_start(&body, &initial));
         notes.extend(super::mechanism::note_on_start(&body, &initial, self.time.plan.start(), self.units));

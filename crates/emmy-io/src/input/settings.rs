@@ -108,6 +108,8 @@ pub(super) static OUTPUT: Described = Described::new(|| {
         .default("1")
         .may("reactions", Kind::Words(0, Box::new(Kind::Text)), "", REACTIONS)
         .absent("every support's group")
+        .may("joints", Kind::Words(0, Box::new(Kind::Text)), "", JOINTS)
+        .absent("every joint")
         .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path or fields go into the history")
         .default("[]")
         .may("extremes", words("a field with a largest value", of_extremes()), "", EXTREMES)
@@ -126,6 +128,8 @@ const PRECISIONS: &str = "Precision of the fields in the frames; points and the 
 const FIELDS: &str = "Fields in the frames; `emmy list fields` explains them";
 const REACTIONS: &str =
     "Groups of supports whose reactions go into the history, as `GROUP_force_x` to `GROUP_moment_z`";
+const JOINTS: &str =
+    "Joints whose forces and coordinates go into the history, as `NAME_force_x`, `NAME_angle` and more";
 const EXTREMES: &str =
     "Fields whose largest value goes into the history in each step, as `max_FIELD`; of a vector its norm";
 const DEFAULT_FIELDS: &str = "[\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \

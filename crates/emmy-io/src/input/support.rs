@@ -3,7 +3,6 @@
 use emmy::body::{GroundSpring, Rotation, Support, TimeFunction};
 use emmy::internals::number::{short, short_vector};
 use emmy::mesh::Mesh;
-use emmy::motion::StepPlan;
 use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, vector, word};
@@ -229,10 +228,9 @@ fn symmetry_axis(mesh: &Mesh, support: &Placed<Support>) -> Result<(), Fault> {
     Err(Fault::at(place, error.to_string(), "no plane of symmetry"))
 }
 
-/// The plan with steps that end where supports are released.
-pub(super) fn plan_with_releases(plan: &StepPlan, supports: &[Placed<Support>]) -> StepPlan {
-    let times = supports.iter().filter_map(|support| support.value.until);
-    times.fold(plan.clone(), StepPlan::with_end_at)
+/// The times at which supports are released.
+pub(super) fn releases(supports: &[Placed<Support>]) -> impl Iterator<Item = f64> {
+    supports.iter().filter_map(|support| support.value.until)
 }
 
 /// The fault of a body with invalid supports.

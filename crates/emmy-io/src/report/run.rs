@@ -121,15 +121,34 @@ pub(super) fn shortened(mut input: String) -> String {
     input
 }
 
-/// Names and kinds of the joints.
+/// Names, kinds and places of the joints.
 fn joints(input: &toml::Table) -> Vec<Value> {
     let own = |(number, table): (usize, &toml::Table)| {
         let name = table.get("name").and_then(toml::Value::as_str);
         let name = name.map_or_else(|| format!("joint-{number}"), str::to_string);
-        let is_kind = |(key, value): (&String, &toml::Value)| value.get("between").map(|_| key.clone());
-        json!({ "name": name, "kind": table.iter().find_map(is_kind) })
+        let kind = table.iter().find(|(_, value)| value.get("between").is_some());
+        let places = kind.map(|(_, keys)| places(input, keys)).unwrap_or_default();
+        json!({ "name": name, "kind": kind.map(|(key, _)| key), "places": places })
     };
     (1..).zip(tables(input, "joint")).map(own).collect()
+}
+
+/// The places of a joint, each with what it moves with: the centre of a rigid body, the ground, or a node.
+fn places(input: &toml::Table, joint: &toml::Value) -> Vec<Value> {
+    let bodies = joint.get("between").and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
+    let place = |body: &toml::Value, at: &toml::Value| {
+        let rigid = tables(input, "rigid").into_iter().find(|own| own.get("name") == Some(body));
+        let is_ground = body.as_str() == Some("ground");
+        json!({ "at": at, "centre": rigid.and_then(|own| own.get("centre")), "ground": is_ground })
+    };
+    match (joint.get("at"), joint.get("points").and_then(toml::Value::as_array)) {
+        (Some(at), _) => {
+            let moved = bodies.iter().find(|body| body.as_str() != Some("ground"));
+            moved.map(|body| place(body, at)).into_iter().collect()
+        }
+        (None, Some(points)) => bodies.iter().zip(points).map(|(body, at)| place(body, at)).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// Names of the rigid bodies.

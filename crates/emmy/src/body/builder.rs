@@ -155,7 +155,7 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
-    /// [`crate::Error::Inertia`], [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a rigid body named as a
+    /// [`crate::Error::Inertia`], [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::GroupExists`] for a rigid body named as a
     /// group, [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless
     /// the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
     /// error of one rank.
@@ -304,7 +304,7 @@ impl Body {
         let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node))?;
+        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node), |_| true)?;
         let pattern = couplings(&mesh, &internal, &ties, &mechanism).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
@@ -318,6 +318,8 @@ impl Body {
         regions_and_masses.extend(mechanism.frames.iter().map(Frame::summary));
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
         let point_terms = &nodal;
+        let rigid: Vec<_> =
+            mechanism.frames.iter().map(|frame| (frame.name().to_string(), frame.nodes())).collect();
         let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {
             let site = Site {
                 mesh: &mesh,
@@ -331,6 +333,7 @@ impl Body {
                 other_masses: &other_masses(kind),
                 point_masses: &point_masses,
                 spread: &spread,
+                rigid: &rigid,
                 areas: &sizes.loads,
             };
             let drag = Some(Drag { rate: drag }).filter(|drag| drag.rate > 0.0);
@@ -339,8 +342,8 @@ impl Body {
                 .chain(forces_of(&point_terms.attractions, &site))
                 .chain(forces_of(&loads, &site))
                 .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)))
-                .chain(mechanism.forces(&pattern).into_iter().map(Ok))
-                .chain(further);
+                .chain(further)
+                .chain(mechanism.forces(&pattern).into_iter().map(Ok));
             all.collect::<Result<Vec<_>>>().map(Arc::new)
         };
         let others = acting_on(MassKind::Consistent)?;
@@ -381,9 +384,11 @@ impl Body {
         Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &nodal.springs)? })
     }
 
-    /// The body and its successors after each release of a support, which share its tables.
+    /// The body and its successors after each release of supports and joints, which share its tables.
     fn with_releases(self, supports: &[Support], springs: &[GroundSpring]) -> Result<Self> {
-        let mut times: Vec<f64> = supports.iter().filter_map(|support| support.until).collect();
+        let of_supports = supports.iter().filter_map(|support| support.until);
+        let mut times: Vec<f64> =
+            of_supports.chain(self.joints().iter().filter_map(|joint| joint.until)).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         let mut release = None;
@@ -398,10 +403,26 @@ impl Body {
                 &held.inactive,
                 n_before(&self.mechanism.frames, mesh),
             )?;
-            let body = Body { space: self.space.with_supports(held), release, ..self.clone() };
-            release = Some((time, Box::new(body)));
+            let (mechanism, forces) = self.without_joints(time)?;
+            let space = self.space.with_supports(held);
+            release = Some((time, Box::new(Body { space, mechanism, forces, release, ..self.clone() })));
         }
         Ok(Body { release, ..self })
+    }
+
+    /// Mechanism and forces without the joints that are released by a time.
+    fn without_joints(&self, time: f64) -> Result<(Arc<Mechanism>, Forces)> {
+        let Body { mechanism, forces, pattern, .. } = self;
+        let holds = |joint: &Joint| joint.until.is_none_or(|until| until > time);
+        if mechanism.joints.iter().all(holds) {
+            return Ok((mechanism.clone(), forces.clone()));
+        }
+        let (frames, joints) = (mechanism.frames.clone(), mechanism.joints.clone());
+        let ties = self.space.ties();
+        let rest = Mechanism::new(frames, joints, self.mesh(), |node| ties.leaders_of(node), holds)?;
+        let n_others = forces.others.len() - mechanism.forces(pattern).len();
+        let others = forces.others[..n_others].iter().cloned().chain(rest.forces(pattern)).collect();
+        Ok((Arc::new(rest), Forces { others: Arc::new(others), ..forces.clone() }))
     }
 }
 

@@ -51,8 +51,10 @@ impl Body {
                 .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
         });
         let of_joints = self.mechanism.time_functions();
-        let of_joints =
-            of_joints.filter_map(|(joint, law, arm)| Signal::of(law, SignalTarget::Joint(joint), None, arm));
+        let of_joints = of_joints.filter_map(|(joint, law, arm)| {
+            let until = self.mechanism.joints[joint].until;
+            Signal::of(law, SignalTarget::Joint(joint), until, arm)
+        });
         let mut known = HashSet::new();
         let is_new = |signal: &Signal| {
             signal.text.is_empty()

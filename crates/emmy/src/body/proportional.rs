@@ -4,8 +4,8 @@ use super::system::Body;
 
 impl Body {
     /// The body under the loads and given displacements of a time, before a jump there, all in proportion to a load
-    /// fraction from 0 to 1 that takes the place of time. Attractions act in full. Supports released by that time are
-    /// gone; none is released later.
+    /// fraction from 0 to 1 that takes the place of time. Attractions act in full. Supports and joints released by that
+    /// time are gone; none is released later.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -18,10 +18,7 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn in_proportion(&self, time: f64) -> Body {
-        let mut body = self;
-        while let Some((_, released)) = body.release().filter(|(until, _)| *until <= time) {
-            body = released;
-        }
+        let body = self.at(time);
         Body {
             forces: body.forces.in_proportion(time, body.n_dofs()),
             space: body.space.in_proportion(time),

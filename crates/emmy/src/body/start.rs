@@ -47,7 +47,8 @@ impl Body {
     ) -> Result<(Vec<f64>, Vec<f64>)> {
         let mut velocity = self.given_velocity(time, fields)?;
         if !self.constraints().is_empty() {
-            ConstrainedVelocity::new(self)?.project(self, [time, SHIFT], displacement, &mut velocity)?;
+            let due = self.at(time);
+            ConstrainedVelocity::new(due)?.project(due, [time, SHIFT], displacement, &mut velocity)?;
         }
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))

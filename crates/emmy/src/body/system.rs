@@ -43,14 +43,22 @@ pub struct Body {
     pub(super) lumped_mass: Vec<f64>,
     /// The body with loads and ground that act on the lumped mass, if that makes a difference.
     pub(super) lumped: Option<Box<Body>>,
-    /// When the first support is released, and the body afterwards.
+    /// When supports or joints are released first, and the body afterwards.
     pub(super) release: Option<(f64, Box<Body>)>,
 }
 
 impl Body {
-    /// When the next support is released, and the body afterwards.
+    /// When the next supports or joints are released, and the body afterwards.
     pub fn release(&self) -> Option<(f64, &Body)> {
         self.release.as_ref().map(|(time, body)| (*time, &**body))
+    }
+
+    /// The body without the supports and joints that are released by a time.
+    pub(super) fn at(&self, time: f64) -> &Body {
+        match self.release() {
+            Some((until, released)) if until <= time => released.at(time),
+            _ => self,
+        }
     }
 
     /// The mesh.

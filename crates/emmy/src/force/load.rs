@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::dead::DeadLoad;
 use super::field_load::FieldLoad;
 use super::interface::Force;
+use super::moment::Moment;
 use super::source::{ForceSource, Site};
 use super::surface_pressure::SurfacePressure;
 use crate::error::Result;
@@ -20,6 +21,7 @@ impl ForceSource for Load {
             LoadKind::NodalForce { group, force } => {
                 Arc::new(DeadLoad::nodal(number, self, group, *force, site)?)
             }
+            LoadKind::Moment { group, moment } => Arc::new(Moment::new(number, self, group, *moment, site)?),
             LoadKind::Acceleration { group, acceleration } => {
                 Arc::new(DeadLoad::acceleration(number, self, group.as_deref(), *acceleration, site)?)
             }

@@ -13,6 +13,7 @@ mod integral;
 mod interface;
 mod list;
 mod load;
+mod moment;
 pub(crate) mod pressures;
 pub(crate) mod projection;
 pub(crate) mod signal;

@@ -44,6 +44,8 @@ pub struct Site<'a> {
     pub point_masses: &'a [f64],
     /// The rest of it.
     pub spread: &'a Spread,
+    /// Nodes of the rigid bodies, by their names.
+    pub rigid: &'a [(String, Range<u32>)],
     /// Area on which each load acts by a total force, of all ranks \[length^2\].
     pub areas: &'a [f64],
 }

@@ -29,6 +29,8 @@ pub struct Joint {
     pub damping: f64,
     /// Torque about the axis, force along it, or force that opens the distance, on the first body, over time.
     pub motor: Option<TimeFunction>,
+    /// Time of release, from which on it exerts nothing; a step should end there.
+    pub until: Option<f64>,
 }
 
 /// A spring in the angle, the slide or the distance of a joint: the energy `stiffness (x - rest)^2 / 2`.
@@ -103,7 +105,8 @@ pub enum JointKind {
 impl Joint {
     /// A joint without a drive.
     pub fn new(name: impl Into<String>, kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Self {
-        Joint { name: name.into(), kind, between, at, drive: None, spring: None, damping: 0.0, motor: None }
+        let (drive, spring, motor, until) = (None, None, None, None);
+        Joint { name: name.into(), kind, between, at, drive, spring, damping: 0.0, motor, until }
     }
 
     /// The same joint with a spring.
@@ -129,6 +132,11 @@ impl Joint {
     /// The same joint with a given motion.
     pub fn driven(self, drive: TimeFunction) -> Self {
         Joint { drive: Some(drive), ..self }
+    }
+
+    /// The same joint, released at a time.
+    pub fn until(self, time: f64) -> Self {
+        Joint { until: Some(time), ..self }
     }
 }
 

@@ -34,6 +34,22 @@ impl Load {
         Load::new(LoadKind::Traction { group: group.into(), traction })
     }
 
+    /// A moment \[force length\] on a rigid body, in the axes of space.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let wheel = RigidBody::new("wheel", 2.0, [0.0; 3], [0.1, 0.1, 0.18]);
+    /// let turned = Load::moment("wheel", [0.0, 0.0, 0.36]);
+    /// let body = Body::builder(Mesh::without_cells()).rigid(wheel).load(turned).build()?;
+    /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?;
+    /// let record = motion.step(0.1)?;
+    /// assert!((record.angular_momentum[2] - 0.036).abs() < 1e-14); // M t
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn moment(body: impl Into<String>, moment: [f64; 3]) -> Self {
+        Load::new(LoadKind::Moment { group: body.into(), moment })
+    }
+
     /// A pressure \[force/length^2\] on a facet group that follows the motion.
     pub fn pressure(group: impl Into<String>, pressure: f64) -> Self {
         Load::new(LoadKind::Pressure { group: group.into(), pressure })
@@ -121,6 +137,13 @@ pub enum LoadKind {
         /// Force at each node.
         force: [f64; 3],
     },
+    /// Moment \[force length\] on a rigid body, in the axes of space: it keeps its direction while the body turns.
+    Moment {
+        /// Name of the rigid body.
+        group: String,
+        /// Moment.
+        moment: [f64; 3],
+    },
     /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses
     /// included, without a group.
     Acceleration {
@@ -186,6 +209,7 @@ impl LoadKind {
             | LoadKind::Pressure { .. }
             | LoadKind::Force { .. }
             | LoadKind::NodalForce { .. }
+            | LoadKind::Moment { .. }
             | LoadKind::Acceleration { .. } => None,
         }
     }

@@ -34,7 +34,7 @@ pub enum EventKind {
     Grown,
     /// The degree of the elements changes.
     Degree,
-    /// A support is released.
+    /// A support or a joint is released.
     Release,
     /// Newton's iteration ended at its rounding floor, for the first time.
     RoundingFloor,

@@ -80,7 +80,7 @@ pub struct Record {
     pub rounding: f64,
     /// Number of halvings of the step before it succeeded.
     pub cuts: usize,
-    /// Number of releases of supports at the start of the step.
+    /// Number of releases of supports and joints at the start of the step.
     pub releases: usize,
     /// Estimated error of the step, relative to the scales of [`super::Adaptivity`]; 0 without adaptive steps.
     pub local_error: f64,

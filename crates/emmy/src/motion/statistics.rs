@@ -69,7 +69,13 @@ pub struct LargestDisplacement {
 impl LargestDisplacement {
     fn update(&mut self, body: &Body, state: &State) {
         let of_mesh = &state.displacement[..body.mesh().n_dofs()];
-        let squares = of_mesh.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
+        let squares = of_mesh.as_chunks().0.iter().enumerate();
+        // The end of an axis of a rigid body is no place of it.
+        let squares =
+            squares.map(|(node, [x, y, z]): (usize, &[f64; 3])| match body.mechanism.is_end(node) {
+                true => 0.0,
+                false => x * x + y * y + z * z,
+            });
         let (node, square) = body.space.largest_node(squares);
         if square.sqrt() > self.value {
             let point = body.space.at_node(node, |node| body.mesh().points()[node]);
@@ -108,8 +114,12 @@ pub struct RunStatistics {
     pub degree_changes: usize,
     /// Degree of the last step; 0 before the first.
     pub last_degree: usize,
-    /// Supports that were released.
+    /// Times at which supports or joints were released.
     pub releases: usize,
+    /// Size up to which roundings of the positions in all steps may add up in a constraint, over the size of the
+    /// whole; `None` without constraints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constraint_rounding: Option<f64>,
     /// Largest residual of the energy balance of a step \[energy\].
     pub worst_energy_residual: Extreme,
     /// Largest residual of the linear momentum balance of a step \[mass length/time\].
@@ -193,6 +203,12 @@ impl RunStatistics {
         self.accumulated_local_error += record.local_error;
         record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));
         self.largest_displacement.update(body, state);
+        let constraints = body.constraints();
+        if !constraints.is_empty() {
+            let way = self.largest_displacement.value / constraints.size();
+            let rounding = f64::EPSILON * (1.0 + way) * self.steps as f64;
+            self.constraint_rounding = Some(rounding.max(self.constraint_rounding.unwrap_or(0.0)));
+        }
         self.add_scales(body, record);
         self.add_residuals(record);
     }

@@ -1,5 +1,7 @@
 //! A body in motion, and its single steps.
 
+use std::sync::Arc;
+
 use super::adaptive::{Control, degree_of};
 use super::mechanism::MechanismRecorder;
 use super::{
@@ -275,7 +277,7 @@ impl<'a> Motion<'a> {
         &self.state
     }
 
-    /// The body, without the supports that have been released.
+    /// The body, without the supports and joints that have been released.
     pub fn body(&self) -> &'a Body {
         self.body
     }
@@ -354,16 +356,23 @@ impl<'a> Motion<'a> {
         self.given.at_degree(degree)
     }
 
-    /// Continues with the body without the supports released by now; times closer together than `same_time` are equal.
-    /// The state does not change.
+    /// Continues with the body without the supports and joints released by now; times closer together than `same_time`
+    /// are equal. The state does not change; the energy of a spring that is released leaves as work.
     pub(super) fn release(&mut self, same_time: f64) -> Result<()> {
         while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
             self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
-            self.body = body;
+            let message = format!("{} released (until = {})", what_ends(self.body, body, time), short(time));
+            if !Arc::ptr_eq(&self.body.mechanism, &body.mechanism) {
+                let [before, after] =
+                    [self.body, body].map(|body| body.strain_state(&self.state.displacement).strain_energy);
+                self.record.strain_energy += after - before;
+                self.record.total_energy += after - before;
+                self.record.external_work += after - before;
+            }
             self.mechanism = MechanismRecorder::new(body)?;
+            self.body = body;
             self.releases += 1;
             self.released += 1;
-            let message = format!("a support was released (until = {})", short(time));
             self.note(EventKind::Release, self.state.step + 1, message);
         }
         Ok(())
@@ -396,7 +405,21 @@ pub(super) fn check_state(body: &Body, state: &State) -> Result<()> {
     Ok(())
 }
 
-/// The time of the next release of supports and the body afterwards, if the motion has reached it; times closer
+/// A sentence without its end on what is released at a time.
+fn what_ends(before: &Body, after: &Body, time: f64) -> String {
+    let joints = before.joints().iter().filter(|joint| joint.until == Some(time));
+    let names: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
+    let support = names.is_empty() || before.fixed() != after.fixed();
+    let joints = match names.as_slice() {
+        [] => None,
+        [name] => Some(format!("the joint {name} was")),
+        names => Some(format!("the joints {} were", names.join(", "))),
+    };
+    let all: Vec<String> = support.then(|| "a support was".to_string()).into_iter().chain(joints).collect();
+    all.join(" and ")
+}
+
+/// The time of the next release of supports and joints and the body afterwards, if the motion has reached it; times closer
 /// together than `same_time` are equal.
 pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
     body.release().filter(|(time, _)| now >= time - same_time)

@@ -41,7 +41,7 @@ pub struct TimeElementStepper<'a> {
     is_loaded: bool,
     reactions: Vec<Reaction>,
     joints: Vec<JointState>,
-    /// Velocities after kinks of the given motions of joints; `None` if they have none.
+    /// Velocities after kinks of the given motions of joints and at releases; `None` if there are none.
     allowed: Option<ConstrainedVelocity>,
     /// Origin of the displacement in the stage system.
     origin: [f64; 3],
@@ -311,11 +311,13 @@ impl<'a> TimeElementStepper<'a> {
     }
 
     /// Sets the velocity after a kink of the given motion of a joint in the step, at its end: the joints exert the
-    /// impulse `p^+ - p` with the work `(v + v^+)/2 . (p^+ - p)`. Without it, momenta would ring ever after.
+    /// impulse `p^+ - p` with the work `(v + v^+)/2 . (p^+ - p)`. Without it, momenta would ring ever after. At a
+    /// release, the same makes the velocity one that the joints allow: with the free motion, the part that they do not
+    /// allow would move the positions.
     fn add_kink(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         let Some(allowed) = &mut self.allowed else { return Ok(()) };
         let equations = &self.step.system.equations;
-        if !equations.constraint_step.has_kink() {
+        if !equations.constraint_step.has_kink(equations.body.constraints()) {
             return Ok(());
         }
         let (body, end) = (equations.body, equations.constraint_step.span().end);

@@ -40,6 +40,8 @@ pub(crate) struct Drive {
     /// Number of the joint.
     pub joint: usize,
     pub coordinate: Coordinate,
+    /// Time of release of the joint.
+    until: Option<f64>,
     /// `(dc_r/dt, ds/dt)`.
     rates: ([f64; 2], f64),
     /// Factor of the whole constraint.
@@ -59,9 +61,9 @@ pub(crate) enum Coordinate {
 }
 
 impl Drive {
-    /// The drive of a joint, by its number.
-    pub(crate) fn new(law: TimeFunction, joint: usize, coordinate: Coordinate) -> Self {
-        Drive { law, joint, coordinate, rates: ([0.0; 2], 0.0), scale: 1.0 }
+    /// The drive of a joint, by its number, up to the time of its release.
+    pub(crate) fn new(law: TimeFunction, joint: usize, coordinate: Coordinate, until: Option<f64>) -> Self {
+        Drive { law, joint, coordinate, until, rates: ([0.0; 2], 0.0), scale: 1.0 }
     }
 
     /// Whether it has a kink after a time and up to another one.
@@ -88,12 +90,15 @@ impl Constraint {
     }
 
     /// Sets pairs and value to those at a time, and rates to those on the side of a kink that the sign of `shift`
-    /// gives.
+    /// gives; at the release of the joint, on the side before it.
     ///
     /// # Errors
     /// [`crate::Error::NotFiniteAt`].
     pub(crate) fn set_time(&mut self, time: f64, shift: f64) -> Result<()> {
-        let Some(Drive { law, joint, coordinate, rates, scale }) = &mut self.drive else { return Ok(()) };
+        let Some(Drive { law, joint, coordinate, until, rates, scale }) = &mut self.drive else {
+            return Ok(());
+        };
+        let shift = if until.is_some_and(|until| time + shift > until) { -shift.abs() } else { shift };
         let (given, rate) = (law.value_before(time), law.rate_beside(time, shift));
         if let Some(value) = [given, rate].into_iter().find(|value| !value.is_finite()) {
             let found = NotFinite { time, value };

@@ -90,12 +90,13 @@ impl ConstraintStep {
         Ok(())
     }
 
-    /// Whether the rate of a given motion jumps in the step.
-    pub(crate) fn has_kink(&self) -> bool {
+    /// Whether the rate of a given motion jumps in the step, or a joint is released.
+    pub(crate) fn has_kink(&self, constraints: &Constraints) -> bool {
         let same = SAME_TIME * self.span.size;
         let [after, until] = [self.span.start, self.span.end].map(|time| time + same);
-        let drives = self.at.first().into_iter().flatten().filter_map(|row| row.drive.as_ref());
-        drives.into_iter().any(|drive| drive.has_kink(after, until))
+        let mut drives = self.at.first().into_iter().flatten().filter_map(|row| row.drive.as_ref());
+        let is_released = constraints.release().is_some_and(|time| after < time && time <= until);
+        is_released || drives.any(|drive| drive.has_kink(after, until))
     }
 
     /// The integrals of the basis at each point of the path of the step.

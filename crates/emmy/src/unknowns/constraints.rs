@@ -13,16 +13,24 @@ pub(crate) struct Constraints {
     /// Size of the body \[length\].
     size: f64,
     is_grounded: bool,
+    /// When some of them end: a joint is released.
+    release: Option<f64>,
 }
 
 impl Constraints {
-    /// Some constraints of a body of some size; `is_grounded`: whether one of them joins the body to the ground.
-    pub(crate) fn new(rows: impl Iterator<Item = Constraint>, size: f64, is_grounded: bool) -> Self {
+    /// Some constraints of a body of some size; `is_grounded`: whether one of them joins the body to the ground;
+    /// `release`: when the first of them end.
+    pub(crate) fn new(
+        rows: impl Iterator<Item = Constraint>,
+        size: f64,
+        is_grounded: bool,
+        release: Option<f64>,
+    ) -> Self {
         let rows: Vec<Constraint> = rows.map(Constraint::normalised).collect();
         let mut nodes: Vec<u32> = rows.iter().flat_map(Constraint::nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Constraints { rows, nodes, size, is_grounded }
+        Constraints { rows, nodes, size, is_grounded, release }
     }
 
     /// Number of constraints.
@@ -44,10 +52,16 @@ impl Constraints {
         self.is_grounded
     }
 
-    /// Whether the rate of some given motion jumps at some time.
+    /// Whether velocities must be made those that are allowed at some time: the rate of a given motion jumps, or a
+    /// joint is released.
     pub(crate) fn have_kinks(&self) -> bool {
-        let drives = self.rows.iter().filter_map(|row| row.drive.as_ref());
-        drives.into_iter().any(|drive| drive.has_kink(f64::NEG_INFINITY, f64::INFINITY))
+        let mut drives = self.rows.iter().filter_map(|row| row.drive.as_ref());
+        self.release.is_some() || drives.any(|drive| drive.has_kink(f64::NEG_INFINITY, f64::INFINITY))
+    }
+
+    /// When some of them end.
+    pub(crate) fn release(&self) -> Option<f64> {
+        self.release
     }
 
     /// Size of the body \[length\].

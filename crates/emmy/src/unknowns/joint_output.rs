@@ -27,6 +27,9 @@ pub struct JointState {
     /// The angle of the first body about the axis of the second, counted on over full turns \[rad\], its slide along
     /// the axis, or the distance of the points \[length\]; 0 of other joints.
     pub coordinate: f64,
+    /// Slide of a cylindrical joint along the axis of its second body \[length\]; 0 of other joints.
+    #[serde(default)]
+    pub slide: f64,
 }
 
 /// The output of a joint, from constraints and positions.
@@ -40,6 +43,7 @@ pub(crate) struct JointOutput {
     /// The point of the first body.
     point: Affine,
     measure: Option<Measure>,
+    slide: Option<Measure>,
     law: Option<Arc<JointLaw>>,
 }
 
@@ -48,19 +52,24 @@ impl JointOutput {
     pub(crate) fn new(
         points: [Affine; 2],
         rows: Range<usize>,
-        measure: Option<Measure>,
+        [measure, slide]: [Option<Measure>; 2],
         law: Option<Arc<JointLaw>>,
     ) -> Self {
         let [point, other] = points;
         let (side, sign) = if point.nodes.is_empty() { (&other, -1.0) } else { (&point, 1.0) };
         let mut nodes = side.nodes.clone();
         nodes.sort_unstable();
-        JointOutput { rows, nodes, sign, point, measure, law }
+        JointOutput { rows, nodes, sign, point, measure, slide, law }
     }
 
     /// Its spring, damper and motor.
     pub(crate) fn law(&self) -> Option<&Arc<JointLaw>> {
         self.law.as_ref()
+    }
+
+    /// Numbers of its constraints.
+    pub(crate) fn rows(&self) -> Range<usize> {
+        self.rows.clone()
     }
 
     /// Number of its constraints.
@@ -124,14 +133,15 @@ impl JointOutput {
         sum
     }
 
-    /// The coordinate at some displacements, an angle within half a turn of the last one.
-    pub(crate) fn coordinate(&self, last: f64, u: &dyn Fn(usize) -> f64) -> f64 {
-        let Some(measure) = &self.measure else { return 0.0 };
+    /// Sets the coordinates at some displacements, an angle within half a turn of the last one.
+    pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, state: &mut JointState) {
+        state.slide = self.slide.as_ref().map_or(0.0, |slide| slide.value(u));
+        let Some(measure) = &self.measure else { return };
         let value = measure.value(u);
-        match measure.coordinate() {
-            Coordinate::Angle => value + TURN * ((last - value) / TURN).round(),
+        state.coordinate = match measure.coordinate() {
+            Coordinate::Angle => value + TURN * ((state.coordinate - value) / TURN).round(),
             Coordinate::Slide | Coordinate::Distance(_) => value,
-        }
+        };
     }
 }
 

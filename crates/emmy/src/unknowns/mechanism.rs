@@ -1,15 +1,17 @@
 //! The rigid bodies and joints of a body.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::attachments::Attachments;
+use super::constraint::Constraint;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
 use super::frame::{Frame, RigidMotion};
 use super::joint::JointParts;
 use super::joint_force::{self, JointLaw};
 use super::joint_output::{JointOutput, JointState};
-use super::range::Range;
+use super::rank::Rank;
 use crate::error::{Error, Result};
 use crate::force::{Force, StepInput};
 use crate::input::{Joint, JointEnd, JointKind, TimeFunction};
@@ -48,14 +50,18 @@ pub struct Mobility {
     pub n_constraints: usize,
     /// Number of those that follow from the others where the mechanism is drawn.
     pub n_redundant: usize,
-    /// Degrees of freedom where the mechanism is drawn; `None` if joints have nodes of elastic parts, which deform.
+    /// Degrees of freedom where the mechanism is drawn, given motions included; `None` if joints have nodes of elastic
+    /// parts, which deform.
     pub degrees_of_freedom: Option<usize>,
-    /// Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
+    /// Number of these that have a given motion.
+    pub n_driven: usize,
+    /// Names of the joints whose constraints, some of them at least, follow from those of the joints before them, or
+    /// whose given motion follows from the constraints of all.
     pub redundant: Vec<String>,
 }
 
 impl Mechanism {
-    /// The mechanism of some rigid bodies, whose nodes are in the mesh, and joints.
+    /// The mechanism of some rigid bodies, whose nodes are in the mesh, and joints, of which some hold.
     ///
     /// # Errors
     /// [`Error::Joint`].
@@ -64,26 +70,41 @@ impl Mechanism {
         joints: Vec<Joint>,
         mesh: &Mesh,
         leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+        holds: impl Fn(&Joint) -> bool,
     ) -> Result<Self> {
         let attachments = Attachments { mesh, frames: &frames };
         let (mut rows, mut outputs) = (Vec::new(), Vec::new());
         for (number, joint) in joints.iter().enumerate() {
-            let JointParts { constraints, points, measure } = JointParts::new(joint, number, &attachments)?;
+            let JointParts { constraints, points, measure, slide } =
+                JointParts::new(joint, number, &attachments)?;
             let points = points.map(|point| point.on_leaders(leaders));
             if points[0].nodes.iter().any(|node| points[1].nodes.contains(node)) {
                 let reason = "its two points are tied to each other".to_string();
                 return Err(Error::Joint { joint: joint.name.clone(), reason });
             }
+            if let Some(time) = joint.until.filter(|time| !time.is_finite()) {
+                return Err(Error::NotFinite { what: "time of a release".into(), value: time });
+            }
             let begin = rows.len();
-            rows.extend(constraints.into_iter().map(|row| row.on_leaders(leaders)));
-            let measure = measure.map(|measure| measure.on_leaders(leaders));
-            let law = JointLaw::new(joint, number, measure.as_ref())?.map(Arc::new);
-            outputs.push(JointOutput::new(points, begin..rows.len(), measure, law));
+            let constraints = constraints.into_iter().filter(|_| holds(joint));
+            rows.extend(constraints.map(|row| row.on_leaders(leaders)));
+            let [measure, slide] = [measure, slide].map(|own| own.map(|measure| measure.on_leaders(leaders)));
+            let law = JointLaw::new(joint, number, measure.as_ref())?.filter(|_| holds(joint)).map(Arc::new);
+            outputs.push(JointOutput::new(points, begin..rows.len(), [measure, slide], law));
         }
         rows.extend(frames.iter().flat_map(Frame::constraints));
-        let is_grounded = joints.iter().any(|joint| joint.between.contains(&JointEnd::Ground));
-        let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded);
+        let held = || joints.iter().filter(|joint| holds(joint));
+        let is_grounded = held().any(|joint| joint.between.contains(&JointEnd::Ground));
+        let release = held().filter_map(|joint| joint.until).min_by(f64::total_cmp);
+        let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded, release);
         Ok(Mechanism { frames, joints, constraints, outputs })
+    }
+
+    /// Whether a node is the end of an axis of a rigid body.
+    pub(crate) fn is_end(&self, node: usize) -> bool {
+        let after = self.frames.partition_point(|frame| frame.nodes().start as usize <= node);
+        let own = after.checked_sub(1).map(|own| self.frames[own].nodes());
+        own.is_some_and(|nodes| nodes.start as usize != node && nodes.end as usize > node)
     }
 
     /// Whether it has neither rigid bodies nor joints.
@@ -132,20 +153,21 @@ impl Mechanism {
         }
     }
 
-    /// The functions of time of the joints, each with the number of its joint and the displacement per unit, 0 of a
-    /// motor.
+    /// The functions of time of the joints that hold, each with the number of its joint and the displacement per unit,
+    /// 0 of a motor.
     pub(crate) fn time_functions(&self) -> impl Iterator<Item = (usize, &TimeFunction, f64)> {
-        self.joints.iter().enumerate().flat_map(|(number, joint)| {
+        self.joints.iter().zip(&self.outputs).enumerate().flat_map(|(number, (joint, output))| {
             let arm = if joint.kind.coordinate() == Some("angle") { self.constraints.size() } else { 1.0 };
-            let drive = joint.drive.iter().map(move |law| (number, law, arm));
-            drive.chain(joint.motor.iter().map(move |law| (number, law, 0.0)))
+            let drive = joint.drive.iter().filter(|_| output.n_rows() > 0);
+            let motor = joint.motor.iter().filter(|_| output.law().is_some());
+            drive.map(move |law| (number, law, arm)).chain(motor.map(move |law| (number, law, 0.0)))
         })
     }
 
     /// Sets the coordinates of the joints at some displacements, angles within half a turn of those that are set.
     pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, states: &mut [JointState]) {
         let joints = self.outputs.iter().zip(states);
-        joints.for_each(|(output, state)| state.coordinate = output.coordinate(state.coordinate, u));
+        joints.for_each(|(output, state)| output.set_coordinates(u, state));
     }
 
     /// Position and motion of the rigid bodies.
@@ -162,16 +184,32 @@ impl Mechanism {
     pub(crate) fn mobility(&self, is_held: &[bool]) -> Mobility {
         let rows = self.constraints.rows();
         let n_of_joints = self.n_constraints();
-        // The constraints of the frames come first: those of joints follow from them, not the other way round.
-        let rank = |n_joints: usize| {
-            let n_rows: usize = self.outputs[..n_joints].iter().map(JointOutput::n_rows).sum();
-            let own = rows[n_of_joints..].iter().chain(&rows[..n_rows]);
-            Range::new(&self.constraints).set(&self.constraints, own, is_held, &|_| 0.0)
+        let mut rank = Rank::default();
+        let mut add = |row: &Constraint| {
+            let mut gradient = BTreeMap::new();
+            row.for_each_gradient(&|_| 0.0, &mut |dof, value| {
+                if !is_held[dof] {
+                    *gradient.entry(dof).or_insert(0.0) += value;
+                }
+            });
+            rank.add(gradient)
         };
-        let ranks: Vec<usize> = (0..=self.joints.len()).map(rank).collect();
-        let joints = self.joints.iter().zip(&self.outputs).zip(ranks.windows(2));
-        let redundant = joints.filter(|((_, output), ranks)| ranks[1] - ranks[0] < output.n_rows());
-        let [of_frames, all] = [ranks[0], *ranks.last().unwrap_or(&0)];
+        // The constraints of the frames come first: those of joints follow from them, not the other way round. Given
+        // motions come last.
+        let n_of_frames = rows[n_of_joints..].iter().filter(|row| add(row)).count();
+        let mut n_dependent = vec![0; self.joints.len()];
+        let mut n_new = [0; 2];
+        for (pass, is_driven) in [false, true].into_iter().enumerate() {
+            for (output, n_dependent) in self.outputs.iter().zip(&mut n_dependent) {
+                for row in rows[output.rows()].iter().filter(|row| row.drive.is_some() == is_driven) {
+                    let is_new = add(row);
+                    n_new[pass] += usize::from(is_new);
+                    *n_dependent += usize::from(!is_new);
+                }
+            }
+        }
+        let redundant = self.joints.iter().zip(&n_dependent).filter(|(_, n)| **n > 0);
+        let [n_free, n_driven] = n_new;
         let is_elastic =
             self.joints.iter().any(|joint| joint.between.iter().any(|end| matches!(end, JointEnd::Node(_))));
         let free = |frame: &Frame| {
@@ -182,9 +220,10 @@ impl Mechanism {
             n_bodies: self.frames.len(),
             n_joints: self.joints.len(),
             n_constraints: n_of_joints,
-            n_redundant: n_of_joints - (all - of_frames),
-            degrees_of_freedom: (!is_elastic).then(|| dofs - all),
-            redundant: redundant.map(|((joint, _), _)| joint.name.clone()).collect(),
+            n_redundant: n_dependent.iter().sum(),
+            degrees_of_freedom: (!is_elastic).then(|| dofs - n_of_frames - n_free),
+            n_driven,
+            redundant: redundant.map(|(joint, _)| joint.name.clone()).collect(),
         }
     }
 }

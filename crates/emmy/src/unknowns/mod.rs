@@ -18,6 +18,7 @@ mod joint_force;
 mod joint_output;
 mod mechanism;
 mod range;
+mod rank;
 
 pub(crate) use blocks::Blocks;
 pub(crate) use constraint_equations::Derivatives;

@@ -239,3 +239,98 @@ fn a_door_swings_on_a_flying_frame_as_elsewhere() {
         assert!(corrections < 800, "k = {k}: {corrections}");
     }
 }
+
+/// A constant moment about a principal axis: the angle is M t^2 / (2 J), the angular momentum M t.
+#[test]
+fn a_moment_about_a_principal_axis_turns_a_body_as_a_motor_does() {
+    let wheel = || RigidBody::new("wheel", 2.0, [0.3, 0.1, -0.2], [0.1, 0.12, 0.18]);
+    let turned = |load: Load| Body::builder(Mesh::without_cells()).rigid(wheel()).load(load).build().unwrap();
+    let body = turned(Load::moment("wheel", [0.0, 0.0, 0.36]));
+    let resultant = body.load_resultants()[0];
+    assert!(
+        distance(resultant.torque, [0.0, 0.0, 0.36]) < 1e-16 && distance(resultant.force, [0.0; 3]) < 1e-16
+    );
+    let angle = |k: usize, h: f64| {
+        let (_, records) = run(&body, at(DGM, k), &spin([0.0; 3]), h, 2.0);
+        for record in &records {
+            let momentum = [0.0, 0.0, 0.36 * record.time];
+            assert!(distance(record.angular_momentum, momentum) < 1e-12, "k = {k}: {record:?}");
+            assert!(distance(record.linear_momentum, [0.0; 3]) < 1e-13);
+            assert!(record.energy_residual.abs() < 1e-12 && record.angular_momentum_residual < 1e-12);
+            assert!((record.total_energy - record.external_work).abs() < 1e-12, "k = {k}: {record:?}");
+            assert!(
+                record.constraint_residual < 1e-14 && record.newton_iterations < 8,
+                "k = {k}: {record:?}"
+            );
+        }
+        let axis = records.last().unwrap().rigid_bodies[0].axes[0];
+        axis[1].atan2(axis[0])
+    };
+    // 4 rad, less a turn.
+    let exact = 4.0 - 2.0 * std::f64::consts::PI;
+    for (k, h) in [(1, 0.05), (2, 0.1), (3, 0.2)] {
+        let errors = [h, 0.5 * h].map(|h| (angle(k, h) - exact).abs());
+        let order = (errors[0] / errors[1]).log2();
+        assert!((order - 2.0 * k as f64).abs() < 0.15 && errors[1] < 2e-3, "k = {k}: {errors:?}, {order}");
+    }
+    assert!((angle(4, 0.05) - exact).abs() < 1e-12, "{:e}", angle(4, 0.05) - exact);
+    // A history: L is its integral.
+    let history = TimeFunction::smooth("t^3", |t| [t * t * t, 3.0 * t * t, 6.0 * t]);
+    let body = turned(Load::moment("wheel", [0.2, -0.1, 0.3]).with_time_function(history));
+    for k in 1..=3 {
+        let (_, records) = run(&body, at(DGM, k), &spin([0.3, -0.2, 0.1]), 0.1, 2.0);
+        let start = [0.3 * 0.1, -0.2 * 0.12, 0.1 * 0.18];
+        for record in &records {
+            let growth = record.time.powi(4) / 4.0;
+            let momentum = [0, 1, 2].map(|d| start[d] + growth * [0.2, -0.1, 0.3][d]);
+            assert!(distance(record.angular_momentum, momentum) < 1e-12, "k = {k}: {record:?}");
+            assert!(record.energy_residual.abs() < 1e-12, "k = {k}: {record:?}");
+        }
+    }
+}
+
+/// A large moment on a tumbling symmetric top on its tip: the angular momentum about the tip is that of gravity and of
+/// the moment; without gravity L = L0 + M t about the centre of a free one.
+#[test]
+fn a_heavy_moment_on_a_top_keeps_the_balances() {
+    let moment = [3.0, -2.0, 4.0];
+    let free = RigidBody::new("top", 1.0, [0.0; 3], [0.3, 0.3, 0.5]);
+    let body =
+        Body::builder(Mesh::without_cells()).rigid(free).load(Load::moment("top", moment)).build().unwrap();
+    for k in 1..=3 {
+        let (_, records) = run(&body, at(DGM, k), &spin([1.0, 2.0, 20.0]), 0.05, 2.0);
+        for record in &records {
+            let momentum = [0, 1, 2].map(|d| [0.3, 0.6, 10.0][d] + record.time * moment[d]);
+            assert!(distance(record.angular_momentum, momentum) < 1e-12, "k = {k}: {record:?}");
+            assert!(record.energy_residual.abs() < 1e-11, "k = {k}: {record:?}");
+        }
+        let (first, last) = (&records[0], records.last().unwrap());
+        let energy = 0.5 * (0.3 + 1.2 + 200.0);
+        assert!((last.total_energy - last.external_work - energy).abs() < 1e-11, "k = {k}: {last:?}");
+        assert!(last.newton_iterations <= first.newton_iterations + 4, "k = {k}: {last:?}");
+    }
+    let axis = [0.0, -(0.6f64.sin()), 0.6f64.cos()];
+    let inertia =
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.2 * axis[i] * axis[j] + if i == j { 0.3 } else { 0.0 }));
+    let top = RigidBody { inertia: Some(inertia), ..RigidBody::point("top", 1.0, axis) };
+    let tip = joint(JointKind::Spherical, [rigid("top"), JointEnd::Ground], [0.0; 3]);
+    let builder = Body::builder(Mesh::without_cells()).rigid(top).joint(tip);
+    let body = builder.load(Load::acceleration(GRAVITY)).load(Load::moment("top", moment)).build().unwrap();
+    let (_, records) = run(&body, at(DGM, 2), &spin(axis.map(|a| 20.0 * a)), 0.01, 1.0);
+    for record in &records {
+        assert!(
+            record.energy_residual.abs() < 1e-12 && record.angular_momentum_residual < 1e-12,
+            "{record:?}"
+        );
+        assert!(record.linear_momentum_residual < 1e-12 && record.constraint_residual < 1e-14, "{record:?}");
+    }
+}
+
+#[test]
+fn moments_need_directions() {
+    let ball = RigidBody::point("ball", 1.0, [0.0; 3]);
+    let refused = |builder: emmy::body::BodyBuilder| builder.build().unwrap_err().to_string();
+    let builder =
+        Body::builder(Mesh::without_cells()).rigid(ball).load(Load::moment("ball", [0.0, 0.0, 1.0]));
+    assert_eq!(refused(builder), "a moment acts on a rigid body with an inertia, and \"ball\" is none");
+}

@@ -13,6 +13,7 @@ mod equilibrium;
 mod fields;
 mod functions_at_once;
 mod incompatible;
+mod joint_releases;
 mod joints;
 mod linear_oscillator;
 mod links;

@@ -86,6 +86,31 @@ fn four_bars(n: usize) -> (Body, InitialVelocity) {
     (body, shear)
 }
 
+/// A chain of a hundred bodies on hinges; the first hinge is driven, and the last body meets the first by a rod.
+#[test]
+fn a_hundred_hinged_bodies_are_counted() {
+    let turns = TimeFunction::smooth("t", |t| [t, 1.0, 0.0]);
+    let mut builder = Body::builder(Mesh::without_cells());
+    let names: Vec<String> = (0..100).map(|i| format!("link-{i}")).collect();
+    for (i, name) in names.iter().enumerate() {
+        let x = i as f64;
+        let other = if i == 0 { JointEnd::Ground } else { rigid(&names[i - 1]) };
+        let axis = [0.3 * x.sin(), 0.2 * x.cos(), 1.0];
+        let own = hinge(&format!("hinge-{i}"), [rigid(name), other], [x, 0.1 * x.cos(), 0.0], axis);
+        builder = builder.rigid(RigidBody::new(name, 1.0, [x + 0.5, 0.0, 0.1], [0.1, 0.2, 0.2]));
+        builder = builder.joint(if i == 0 { own.driven(turns.clone()) } else { own });
+    }
+    let kind = JointKind::Distance { to: [0.5, 0.0, 0.0] };
+    let rod = Joint::new("rod", kind, [rigid("link-99"), rigid("link-0")], [99.5, 0.3, 0.0]);
+    let body = builder.joint(rod).build().unwrap();
+    let start = std::time::Instant::now();
+    let mobility = body.mobility();
+    let time = start.elapsed().as_secs_f64();
+    assert_eq!((mobility.n_constraints, mobility.n_redundant), (502, 0));
+    assert_eq!((mobility.degrees_of_freedom, mobility.n_driven), (Some(99), 1));
+    assert!(time < 1.0, "{time} s");
+}
+
 #[test]
 fn four_bars_move_as_their_cranks() {
     let exact = [[-0.195_020_302, -0.980_799_206, 0.0], [0.057_815_796, 0.998_327_268, 0.0]];

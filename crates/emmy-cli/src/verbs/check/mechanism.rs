@@ -34,7 +34,13 @@ impl Report {
         let joints = counted(mobility.n_joints, "joint", "joints");
         let constraints = counted(mobility.n_constraints, "constraint", "constraints");
         let free = mobility.degrees_of_freedom.map_or("elastic parts are joined".to_string(), |n| {
-            counted(n, "degree of freedom", "degrees of freedom")
+            let all = counted(n, "degree of freedom", "degrees of freedom");
+            match mobility.n_driven {
+                0 => all,
+                1 if n == 1 => format!("{all}, which is driven"),
+                1 => format!("{all}, of which 1 is driven"),
+                driven => format!("{all}, of which {driven} are driven"),
+            }
         });
         self.line("mechanism", &format!("{bodies}, {joints} with {constraints}; {free}"));
         if mobility.n_redundant > 0 {
@@ -88,6 +94,9 @@ impl Report {
             self.line("", &format!("{change}: {}", summary(drive, self.units, dimension)));
         }
         self.forces(joint);
+        if let Some(time) = joint.until {
+            self.line("", &format!("released at t = {}", self.units.number(time, "time")));
+        }
     }
 
     /// Spring, damping and motor of a joint.

@@ -304,6 +304,7 @@ impl Report {
             LoadKind::AccelerationField { group, .. } => {
                 ("acceleration field", group.as_deref().unwrap_or(all_masses))
             }
+            LoadKind::Moment { group, .. } => ("moment", group.as_str()),
             LoadKind::NodalForce { group, .. } if is_body(group) => ("force", group.as_str()),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),

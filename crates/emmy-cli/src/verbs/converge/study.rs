@@ -30,7 +30,8 @@ pub(super) fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Fa
         Some(size) if reference_scheme != problem.scheme => at_most(size, length, "the window")?,
         Some(size) => below(size, smallest)?,
     };
-    let releases = problem.supports.iter().filter_map(|support| support.until).collect();
+    let of_joints = problem.joints.iter().filter_map(|joint| joint.until);
+    let releases = problem.supports.iter().filter_map(|support| support.until).chain(of_joints).collect();
     let study = Study {
         scheme: problem.scheme,
         from,

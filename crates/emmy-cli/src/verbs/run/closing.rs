@@ -149,9 +149,10 @@ impl Closing<'_> {
         if let Some(worst) = self.results.worst_constraint() {
             message!(
                 self.host,
-                "worst constraint:  {:.2e} of the size of the mechanism, at {}",
+                "worst constraint:  {:.2e} of the size of the mechanism, at {}; rounding up to {:.1e}",
                 worst.largest,
-                moment(self.problem, worst.largest_time)
+                moment(self.problem, worst.largest_time),
+                self.results.statistics().constraint_rounding.unwrap_or(0.0)
             );
         }
     }

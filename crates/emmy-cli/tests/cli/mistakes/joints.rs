@@ -116,7 +116,15 @@ fn joints() -> Vec<Mistake> {
         door("joint-of-another-length", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = 2.5 }").unseen(),
         door("joint-of-no-length", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = 0 }"),
         door("joint-of-a-length-of-a-wrong-kind", ROD, "points = [[1, 0, 3], [1, 0, 2]], length = true }"),
-        door("joint-that-is-released", HINGE, &format!("{HINGE}\nuntil = 3.0")),
+        door("joint-that-is-released-before", HINGE, &format!("{HINGE}\nuntil = -3.0")),
+        door("moment-on-a-point-mass", "[time]", "[[load]]\ngroup = \"lamp\"\nmoment = [0, 0, 1]\n\n[time]").unseen(),
+        door("moment-on-no-body", "[time]", "[[load]]\ngroup = \"dor\"\nmoment = [0, 0, 1]\n\n[time]").unseen(),
+        changed(
+            "moment-on-elastic-cells",
+            "[[support]]",
+            "[[load]]\ngroup = \"y-max\"\nmoment = [0, 0, 1]\n\n[[support]]",
+        )
+        .unseen(),
         door("joint-with-another-scheme", "\"DGM\"", "\"Bathe\"").unseen(),
         door("joint-with-a-scheme-of-explicit-steps", "\"DGM\"", "\"central-differences\"").unseen(),
     ]
@@ -129,6 +137,13 @@ fn drives() -> Vec<Mistake> {
     };
     vec![
         drive("drive-off-its-start", "angle = \"0.2 + t\"").unseen(),
+        door(
+            "drive-of-a-mechanism-that-cannot-move",
+            "distance = { between = [\"lamp\", \"door\"], points = [[1, 0, 3], [1, 0, 2]] }",
+            "spherical = { between = [\"lamp\", \"ground\"], at = [1, 0, 3] }\n\n[[joint]]\nname = \"bolt\"\nfixed = { between = [\"door\", \"ground\"], at = [0, 0, 1] }",
+        )
+        .and(HINGE, &format!("{HINGE}\nangle = \"t\""))
+        .unseen(),
         drive("drive-that-jumps", "angle = [[0, 0], [1, 0], [1, 1]]").unseen(),
         drive("drive-of-another-joint", "slide = \"t\"").unseen(),
         drive("drive-of-a-number", "angle = 2.0"),
@@ -177,6 +192,13 @@ fn names() -> Vec<Mistake> {
             "probe-with-the-name-of-a-body",
             "directory = \"out\"",
             "directory = \"out\"\nprobes = [{ name = \"lamp\", point = [1, 0, 3] }]",
+        )
+        .unseen(),
+        door("output-of-an-unknown-joint", "directory = \"out\"", "directory = \"out\"\njoints = [\"hing\"]")
+            .unseen(),
+        on_box(
+            "joint-with-the-columns-of-a-support",
+            "name = \"y-min\"\nspherical = { between = [\"y-max\", \"hub\"], at = [0, 2, 0] }",
         )
         .unseen(),
         door("velocity-of-an-unknown-body", "[time]", "[initial]\ngroup = \"dor\"\n\n[time]").unseen(),

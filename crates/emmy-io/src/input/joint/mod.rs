@@ -122,6 +122,8 @@ pub(in crate::input) static JOINT: Described = Described::new(|| {
             "Force of a prismatic joint on the first body along the axis, or of a line that lengthens it, over time",
         )
         .absent("none")
+        .may("until", POSITIVE, "time", "Time of release, from which on it exerts nothing")
+        .absent("never")
         .exactly_one(&ROWS.map(|row| row.name))
 });
 
@@ -189,6 +191,7 @@ pub(in crate::input) struct PlacedJoint {
     pub(in crate::input) at: [f64; 3],
     pub(in crate::input) drive: Option<TimeFunction>,
     pub(in crate::input) forces: Forces,
+    pub(in crate::input) until: Option<f64>,
     /// Names of the bodies.
     pub(in crate::input) between: [(String, Place); 2],
     /// Place of the table.
@@ -219,7 +222,8 @@ pub(in crate::input) fn read(
     let between = [first, second].map(|item| (item.name(), item.place().clone()));
     let place = table.place.clone();
     let name_place = given.map_or(&place, |item| item.place()).clone();
-    Some(PlacedJoint { name, kind, at, drive, forces, between, place, name_place })
+    let until = table.may("until");
+    Some(PlacedJoint { name, kind, at, drive, forces, until, between, place, name_place })
 }
 
 fn direction(item: &Item<'_>) -> Result<[f64; 3], Fault> {
@@ -304,7 +308,8 @@ impl PlacedJoint {
     pub(in crate::input) fn of(&self, between: [JointEnd; 2]) -> Joint {
         let joint = Joint::new(self.name.clone(), self.kind, between, self.at);
         let Forces { spring, damping, motor } = &self.forces;
-        Joint { drive: self.drive.clone(), spring: *spring, damping: *damping, motor: motor.clone(), ..joint }
+        let (drive, motor) = (self.drive.clone(), motor.clone());
+        Joint { drive, spring: *spring, damping: *damping, motor, until: self.until, ..joint }
     }
 }
 

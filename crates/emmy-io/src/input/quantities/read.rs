@@ -81,6 +81,8 @@ pub(in crate::input) static VALUE: Described = Described::new(|| {
 pub(in crate::input) struct Requested {
     /// `None`: every support's group.
     pub(super) reactions: Option<Vec<(String, Place)>>,
+    /// `None`: every joint.
+    pub(super) joints: Option<Vec<(String, Place)>>,
     pub(super) probes: Vec<(Probe, Place)>,
     pub(super) extremes: Vec<(FieldName, Place)>,
     pub(super) values: Vec<(GroupValue, Place)>,
@@ -113,6 +115,20 @@ impl Requested {
             });
         }
     }
+
+    /// Checks that the joints with columns are some of those of the body.
+    pub(in crate::input) fn check_joints(&self, joints: &[&str], faults: &mut Faults) {
+        for (name, place) in self.joints.iter().flatten().filter(|(name, _)| !joints.contains(&name.as_str()))
+        {
+            let known = || joints.iter().copied();
+            let label = did_you_mean(name, known()).unwrap_or("not there".into());
+            let fault = Fault::at(place, format!("there is no joint `{name}`"), label);
+            faults.push(match joints {
+                [] => fault.help("there are no joints"),
+                _ => fault.help(format!("joints: {}", listed(known()))),
+            });
+        }
+    }
 }
 
 /// Reads the quantities in `[output]`.
@@ -127,7 +143,8 @@ pub(in crate::input) fn read(table: &Table<'_>, faults: &mut Faults) -> Requeste
     });
     Requested {
         groups: groups.concat(),
-        reactions: table.may("reactions").map(reactions),
+        reactions: table.may("reactions").map(names),
+        joints: table.may("joints").map(names),
         probes: named(table.must("probes"), probe, |probe| &probe.name, "probes", faults),
         extremes: extremes.into_iter().map(|item| (field(item), item.place().clone())).collect(),
         values: named(table.may("values").unwrap_or_default(), value, |value| &value.name, "values", faults),
@@ -139,8 +156,8 @@ pub(in crate::input) fn field(word: Item<'_>) -> FieldName {
     word.one_of(FieldName::ALL.map(|field| (field.name(), field)))
 }
 
-/// Groups with their places.
-fn reactions(items: Vec<Item<'_>>) -> Vec<(String, Place)> {
+/// Names with their places.
+fn names(items: Vec<Item<'_>>) -> Vec<(String, Place)> {
     items.into_iter().map(|item| (item.name(), item.place().clone())).collect()
 }
 

@@ -13,11 +13,12 @@ use crate::input::placed::Members as MemberKind;
 use crate::input::suggest::listed;
 
 impl Requested {
-    /// The quantities of a body, with notes on probes whose node is not at the requested point. On a team a call of all
-    /// ranks, with the same outcome.
+    /// The quantities of a body, with notes on probes whose node is not at the requested point; `place` finds the name
+    /// of a joint or a rigid body. On a team a call of all ranks, with the same outcome.
     pub(in crate::input) fn quantities(
         mut self,
         body: &Body,
+        place: impl Fn(&str) -> Option<Place>,
         notes: &mut Vec<String>,
     ) -> Result<Quantities, InputError> {
         let mut faults = Faults::default();
@@ -34,8 +35,10 @@ impl Requested {
         let supported: Vec<String> = body.supported_groups().map(str::to_string).collect();
         faults.finish()?;
         let reactions = self.reactions(supported);
-        let mechanism = MechanismColumns::of(body);
-        self.check_columns(&reactions, &mechanism)?;
+        let joints =
+            self.joints.as_ref().map(|all| all.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
+        let mechanism = MechanismColumns::of(body, joints.as_deref());
+        self.check_columns(&reactions, &mechanism, place)?;
         Ok(Quantities {
             reactions,
             names_reactions: self.reactions.is_some(),
@@ -84,6 +87,7 @@ impl Requested {
         &self,
         reactions: &[(String, usize)],
         mechanism: &MechanismColumns,
+        place: impl Fn(&str) -> Option<Place>,
     ) -> Result<(), Fault> {
         let mut taken: Vec<String> = fixed_names().map(str::to_string).collect();
         let names =
@@ -92,7 +96,11 @@ impl Requested {
         for (owner, ColumnInfo { name, .. }) in mechanism.owned() {
             if let (Some(owner), true) = (owner, taken.contains(&name)) {
                 let message = format!("`{owner}` would have a column `{name}`, which is there already");
-                return Err(Fault::new(message).help("give this joint or rigid body another name"));
+                let fault = match place(owner) {
+                    Some(place) => Fault::at(&place, message, "taken"),
+                    None => Fault::new(message),
+                };
+                return Err(fault.help("give this joint or rigid body another name"));
             }
             taken.push(name);
         }
@@ -287,6 +295,7 @@ mod tests {
         };
         Requested {
             reactions: None,
+            joints: None,
             probes: vec![probe("corner", [1.0, 2.0, 1.0]), probe("middle", [0.75, 1.25, 0.25])],
             extremes: vec![(FieldName::Velocity, place())],
             values: vec![value("energy", "body", Measure::Total), value("mean", group, Measure::Mean)],
@@ -296,7 +305,8 @@ mod tests {
 
     fn found(requested: Requested, body: &Body) -> Result<(Quantities, Vec<String>), String> {
         let mut notes = Vec::new();
-        let quantities = requested.quantities(body, &mut notes).map_err(|fault| format!("{fault:?}"))?;
+        let quantities =
+            requested.quantities(body, |_| None, &mut notes).map_err(|fault| format!("{fault:?}"))?;
         Ok((quantities, notes))
     }
 

@@ -9,7 +9,7 @@ pub(super) fn add(ends: &Ends<'_>, number: usize, law: &TimeFunction, parts: &mu
         return Err(ends.fault(format!("a {word} joint has no angle, slide or distance to give")));
     };
     let coordinate = measure.coordinate();
-    let drive = Some(Drive::new(law.clone(), number, coordinate));
+    let drive = Some(Drive::new(law.clone(), number, coordinate, ends.joint.until));
     match (coordinate, parts.constraints.last_mut()) {
         (Coordinate::Distance(_), Some(own)) => own.drive = drive,
         (Coordinate::Distance(_), None) => {

@@ -29,6 +29,8 @@ pub(crate) struct JointParts {
     pub points: [Affine; 2],
     /// The coordinate that it leaves, if it has one.
     pub measure: Option<Measure>,
+    /// The slide of a cylindrical joint, its second one.
+    pub slide: Option<Measure>,
 }
 
 impl JointParts {
@@ -58,8 +60,8 @@ impl JointParts {
             _ => joint.at,
         };
         let points = [ends.point(0, joint.at)?, ends.point(1, to)?];
-        let measure = ends.measure()?;
-        let mut parts = JointParts { constraints, points, measure };
+        let (measure, slide) = (ends.measure()?, ends.second_measure()?);
+        let mut parts = JointParts { constraints, points, measure, slide };
         if let Some(law) = &joint.drive {
             drive::add(&ends, number, law, &mut parts)?;
         }
@@ -111,6 +113,12 @@ impl Ends<'_> {
             }
             _ => None,
         })
+    }
+
+    /// The slide of a cylindrical joint.
+    fn second_measure(&self) -> Result<Option<Measure>> {
+        let JointKind::Cylindrical { axis } = self.joint.kind else { return Ok(None) };
+        Ok(Some(Measure::slide(self.offset()?, self.vector(1, self.unit(axis)?)?)))
     }
 
     /// Points in common.

@@ -102,9 +102,15 @@ function residuals(run) {
 function constraints(run) {
   const [opening, rate] = ["constraint_residual", "hidden_constraint"].map(run.column);
   if (!opening) return [];
-  const choice = (name, unit, values, colour) => ({ name, unit, lines: [{ label: name, values: sizes(values, 1), colour }] });
+  const choice = (name, unit, values, colour, others = []) =>
+    ({ name, unit, lines: [{ label: name, values: sizes(values, 1), colour }, ...others] });
+  // Roundings of the steps add up at most like their number.
+  const { constraint_rounding: most, steps } = run.summary ?? {};
+  const rounding = most > 0 && steps > 0
+    ? [{ label: "rounding", values: Array.from(opening, (_, i) => (i === 0 ? null : (most * i) / steps)), colour: "--c2", dash: [2, 3] }]
+    : [];
   return [ofRun(run, { title: "Constraints", log: true, height: 150, choices: [
-    choice("opening", "largest one of a joint, as a part of the size of the whole", opening, "--ink"),
+    choice("opening", "largest one of a joint, as a part of the size of the whole", opening, "--ink", rounding),
     choice("rate", inUnit("of the largest opening", unitOf(run, "hidden_constraint")), rate, "--c2")] })];
 }
 

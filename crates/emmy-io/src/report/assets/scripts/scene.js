@@ -22,6 +22,7 @@ class Scene {
     this.outline = this.lines({ position: this.position }, sharp);
     this.ghost = this.lines({ position: { size: 3, data: new Float32Array(reference) } }, frames.links.length ? this.joined(sharp, frames.links) : sharp);
     this.addLinks();
+    this.addJoints(frames.run?.joints ?? []);
     this.addArrow();
   }
 
@@ -85,6 +86,45 @@ class Scene {
     [this.ends, this.others, this.endValues].forEach((attribute) => { attribute.needsUpdate = true; });
   }
 
+  // Rings at the joints. A place of a rigid body is linear in its centre and the ends of its axes, which links join.
+  addJoints(joints) {
+    const places = joints.flatMap((joint) => joint.places ?? []);
+    this.marks = places.map((place) => this.mark(place));
+    this.markAt = { size: 3, data: new Float32Array(3 * places.length), usage: this.gl.DYNAMIC_DRAW };
+    if (!places.length) return;
+    this.markInk = { value: [0, 0, 0, 1] };
+    const uniforms = { ink: this.markInk, width: { value: 19 * this.renderer.dpr } };
+    this.mesh(RINGS, { position: this.markAt }, new Uint32Array(places.keys()), this.gl.POINTS, uniforms);
+  }
+
+  // Nodes with weights, or a fixed place.
+  mark({ at, centre, ground }) {
+    if (ground) return { at };
+    const { points, links, n } = this.frames;
+    const of = (node) => [0, 1, 2].map((axis) => points[3 * node + axis]);
+    const distance = (node, place) => Math.hypot(...of(node).map((x, axis) => x - place[axis]));
+    let own = 0;
+    for (let node = 1; node < n; node++) if (distance(node, centre ?? at) < distance(own, centre ?? at)) own = node;
+    const terms = [];
+    for (let i = 0; centre && i < links.length; i++) {
+      if (links[i] !== own) continue;
+      const arm = of(links[i ^ 1]).map((x, axis) => x - points[3 * own + axis]);
+      const along = arm.reduce((sum, x, axis) => sum + x * (at[axis] - centre[axis]), 0);
+      terms.push([links[i ^ 1], along / arm.reduce((sum, x) => sum + x * x, 0)]);
+    }
+    return { terms: [[own, 1 - terms.reduce((sum, [, weight]) => sum + weight, 0)], ...terms] };
+  }
+
+  setJoints() {
+    const at = this.position.data;
+    this.marks.forEach(({ at: fixed, terms }, i) => {
+      for (let axis = 0; axis < 3; axis++) {
+        this.markAt.data[3 * i + axis] = fixed ? fixed[axis] : terms.reduce((sum, [node, weight]) => sum + weight * at[3 * node + axis], 0);
+      }
+    });
+    this.markAt.needsUpdate = true;
+  }
+
   // The arrow is drawn twice: faintly through the body, and fully where it is in sight.
   addArrow() {
     const { position, head } = arrowTriangles();
@@ -102,6 +142,7 @@ class Scene {
     if (this.cellEdges) this.cellEdges.program.uniforms.ink.value = [...edge, 0.28];
     if (this.outline) this.outline.program.uniforms.ink.value = [...edge, 0.75];
     if (this.ghost) this.ghost.program.uniforms.ink.value = [...hex(style("--ghost")), 0.55];
+    if (this.markInk) this.markInk.value = [...hex(style("--c2")), 1];
     const ink = hex(style("--c1"));
     this.arrowInk[0].value = [...ink, 1];
     this.arrowInk[1].value = [...ink, 0.3];
@@ -127,6 +168,7 @@ class Scene {
     this.value.data.set(values);
     this.position.needsUpdate = this.value.needsUpdate = true;
     this.setLinks();
+    this.setJoints();
     return low.map((a, i) => (a + high[i]) / 2);
   }
 

@@ -92,6 +92,28 @@ const NODES = {
     }`,
 };
 
+// Rings of a size on the screen, in front of what they mark.
+const RINGS = {
+  vertex: `#version 300 es
+    in vec3 position;
+    uniform mat4 modelViewMatrix, projectionMatrix;
+    uniform float width;
+    void main() {
+      gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+      gl_Position.z -= 0.02 * gl_Position.w;
+      gl_PointSize = width;
+    }`,
+  fragment: `#version 300 es
+    precision highp float;
+    uniform vec4 ink;
+    out vec4 colour;
+    void main() {
+      float r = length(2.0 * gl_PointCoord - 1.0);
+      if (r > 1.0 || r < 0.55) discard;
+      colour = ink;
+    }`,
+};
+
 // An arrow along z: x and y in its radius, z 0 or 1 along the shaft, `head` 0 or 1 along the head.
 const ARROW = {
   vertex: `#version 300 es
