@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::attachments::Attachments;
+use super::carrier::Carrier;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
 use super::frame::{Frame, RigidMotion};
@@ -22,6 +23,10 @@ pub(crate) struct Mechanism {
     pub frames: Vec<Frame>,
     pub joints: Vec<Joint>,
     pub constraints: Constraints,
+    /// Of the directions of rigid bodies without mass.
+    pub carriers: Vec<Carrier>,
+    /// Whether joints or groups of rigid bodies have nodes of elastic parts.
+    is_elastic: bool,
     outputs: Vec<JointOutput>,
 }
 
@@ -47,7 +52,8 @@ pub struct Mobility {
     pub n_constraints: usize,
     /// Number of those that follow from the others where the mechanism is drawn.
     pub n_redundant: usize,
-    /// Degrees of freedom where the mechanism is drawn; `None` if joints have nodes of elastic parts, which deform.
+    /// Degrees of freedom where the mechanism is drawn; `None` if joints or rigid bodies have nodes of elastic parts,
+    /// which deform.
     pub degrees_of_freedom: Option<usize>,
     /// Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
     pub redundant: Vec<String>,
@@ -82,7 +88,43 @@ impl Mechanism {
         rows.extend(frames.iter().flat_map(Frame::constraints));
         let is_grounded = joints.iter().any(|joint| joint.between.contains(&JointEnd::Ground));
         let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded);
-        Ok(Mechanism { frames, joints, constraints, outputs })
+        let moves = |node: u32| frames.iter().any(|frame| frame.moves(&[node], leaders));
+        let has_elastic_node = |joint: &Joint| {
+            joint.between.iter().any(|end| matches!(end, JointEnd::Node(node) if !moves(*node)))
+        };
+        // Where a rigid body has nodes of a mesh, elastic parts have some, too, unless all cells move as one.
+        let is_in_part = |nodes: &[u32]| {
+            nodes.iter().any(|&node| moves(node)) && !frames.iter().any(|frame| frame.moves(nodes, leaders))
+        };
+        let is_elastic = joints.iter().any(has_elastic_node)
+            || frames.iter().any(Frame::has_members) && mesh.cells().any(|cell| is_in_part(cell.nodes));
+        Ok(Mechanism { frames, joints, constraints, carriers: Vec::new(), is_elastic, outputs })
+    }
+
+    /// Whether a rigid body moves all nodes of a cell.
+    pub(crate) fn moves<'t>(
+        &self,
+        nodes: &[u32],
+        leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+    ) -> bool {
+        self.frames.iter().any(|frame| frame.moves(nodes, leaders))
+    }
+
+    /// Finds the directions of rigid bodies that a mass of each coupling leaves without mass. Returns the mass with
+    /// their carriers, `None` if there are none.
+    ///
+    /// # Errors
+    /// As [`Carrier::of`].
+    pub(crate) fn carry(&mut self, pattern: &Pattern, mass: &[f64]) -> Result<Option<Vec<f64>>> {
+        for frame in &self.frames {
+            self.carriers.extend(Carrier::of(frame, pattern, mass)?);
+        }
+        if self.carriers.is_empty() {
+            return Ok(None);
+        }
+        let mut carried = mass.to_vec();
+        self.carriers.iter().for_each(|carrier| carrier.add_to(pattern, &mut carried));
+        Ok(Some(carried))
     }
 
     /// Whether it has neither rigid bodies nor joints.
@@ -157,8 +199,6 @@ impl Mechanism {
         let joints = self.joints.iter().zip(&self.outputs).zip(ranks.windows(2));
         let redundant = joints.filter(|((_, output), ranks)| ranks[1] - ranks[0] < output.n_rows());
         let [of_frames, all] = [ranks[0], *ranks.last().unwrap_or(&0)];
-        let is_elastic =
-            self.joints.iter().any(|joint| joint.between.iter().any(|end| matches!(end, JointEnd::Node(_))));
         let free = |frame: &Frame| {
             frame
                 .nodes()
@@ -172,7 +212,7 @@ impl Mechanism {
             n_joints: self.joints.len(),
             n_constraints: n_of_joints,
             n_redundant: n_of_joints - (all - of_frames),
-            degrees_of_freedom: (!is_elastic).then(|| dofs - all),
+            degrees_of_freedom: (!self.is_elastic).then(|| dofs - all),
             redundant: redundant.map(|((joint, _), _)| joint.name.clone()).collect(),
         }
     }
