@@ -373,7 +373,7 @@ impl Body {
         for mass in &nodal.masses {
             regions_and_masses.push(points::summary(&mesh, mass, n_own)?);
         }
-        regions_and_masses.extend(mechanism.frames.iter().filter_map(Frame::summary));
+        regions_and_masses.extend(mechanism.frames.iter().map(Frame::summary));
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
         let point_terms = &nodal;
         let acting_on = |kind: MassKind| -> Result<Arc<Vec<Arc<dyn Force>>>> {

@@ -213,12 +213,11 @@ impl Frame {
         }
     }
 
-    /// Mass, centre and inertia, without the mass that cells have; `None` if it has none of its own.
-    pub(crate) fn summary(&self) -> Option<RegionSummary> {
+    /// Mass, centre and inertia; of a group what is added to the masses of its nodes.
+    pub(crate) fn summary(&self) -> RegionSummary {
         let RigidBody { name, mass, inertia, .. } = self.body.clone();
         let point = RegionSummary::of_point(mass, self.centre);
-        let own = RegionSummary { group: Some(name), inertia: inertia.unwrap_or(point.inertia), ..point };
-        (mass > 0.0).then_some(own)
+        RegionSummary { group: Some(name), inertia: inertia.unwrap_or(point.inertia), ..point }
     }
 
     /// Position and motion at displacements and velocities of the nodes.
