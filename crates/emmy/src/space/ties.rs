@@ -122,16 +122,17 @@ impl Ties {
         let mut summaries: Vec<TieSummary> = ties.iter().map(TieSummary::new).collect();
         let (mut followers, mut begin, mut leaders) = (Vec::new(), vec![0], Vec::new());
         for (node, own) in all {
-            let mut X = [0.0; 3];
-            for &(leader, weight) in &own {
-                (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
-            }
+            // Nodes of rigid bodies are where they are.
             if let Some(&number) = number_of.get(&node) {
+                let mut X = [0.0; 3];
+                for &(leader, weight) in &own {
+                    (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
+                }
                 let summary = &mut summaries[number];
                 summary.n_followers += 1;
                 summary.largest_shift = summary.largest_shift.max(distance(X, mesh.points()[node as usize]));
+                mesh.move_node(node as usize, X);
             }
-            mesh.move_node(node as usize, X);
             followers.push(node);
             leaders.extend(own);
             begin.push(leaders.len());

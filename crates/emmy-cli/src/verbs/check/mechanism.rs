@@ -24,7 +24,13 @@ impl Report {
     }
 
     /// A rigid body with nodes of the mesh; `added`: the mass in addition.
-    pub(super) fn rigid_group(&mut self, body: &Body, [name, group]: [&str; 2], added: &RegionSummary) {
+    pub(super) fn rigid_group(
+        &mut self,
+        body: &Body,
+        [name, group]: [&str; 2],
+        added: &RegionSummary,
+        is_point: bool,
+    ) {
         let members = body.mesh().group_nodes(group).unwrap_or_default();
         let nodes = counted(members.len(), "node", "nodes");
         let centre = self.units.vector(added.centre, "length");
@@ -32,7 +38,9 @@ impl Report {
         if added.mass > 0.0 {
             let mass = self.units.number(added.mass, "mass");
             self.line("", &format!("mass {mass} at the centre in addition"));
-            self.inertia(added);
+            if !is_point {
+                self.inertia(added);
+            }
         }
     }
 

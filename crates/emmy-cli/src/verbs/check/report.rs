@@ -105,7 +105,7 @@ impl Report {
         let (rigid, spread) = masses.split_at(n_rigid);
         for (own, summary) in problem.rigid.iter().zip(rigid) {
             match &own.group {
-                Some(group) => self.rigid_group(body, [&own.name, group], summary),
+                Some(group) => self.rigid_group(body, [&own.name, group], summary, own.inertia.is_none()),
                 None => self.rigid_body(["rigid", &own.name], summary, own.inertia.is_none()),
             }
         }
