@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 16] = [
+pub(super) const TEMPLATES: [Template; 17] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),

@@ -75,16 +75,18 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
         return Err(name.fault(message, "another name"));
     }
     let (group, inertia) = (table.group(), table.item("inertia"));
-    for key in ["mass", "centre"] {
-        let is_needed = group.is_none() || key == "mass" && inertia.is_some();
-        if is_needed && table.item(key).is_none() {
-            let message = format!("`{key}` is missing in [[rigid]]");
-            let fault = Fault::at(&table.place, message, format!("needs `{key}`"));
-            return Err(match inertia {
-                Some(inertia) if group.is_some() => fault.label(inertia.place(), "of a mass in addition"),
-                _ => fault.help("or `group`, nodes of the mesh that move as one"),
-            });
-        }
+    let is_missing =
+        |key: &&str| table.item(key).is_none() && (group.is_none() || inertia.is_some() && *key == "mass");
+    let missing: Vec<String> =
+        ["mass", "centre"].iter().filter(|key| is_missing(key)).map(|key| format!("`{key}`")).collect();
+    if !missing.is_empty() {
+        let are = if missing.len() == 1 { "is" } else { "are" };
+        let message = format!("{} {are} missing in [[rigid]]", missing.join(" and "));
+        let fault = Fault::at(&table.place, message, format!("needs {}", missing.join(" and ")));
+        return Err(match (&group, inertia) {
+            (Some(_), Some(inertia)) => fault.label(inertia.place(), "that of a mass in addition"),
+            _ => fault.help("or a `group` of the mesh, which moves as one"),
+        });
     }
     let body = RigidBody {
         name: text,
