@@ -6,7 +6,7 @@
 //! the exact derivative of the equations of the joint nodes takes it off again. It is in no momentum and no energy.
 
 use super::frame::{Frame, without_directions};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::sparse::{Pattern, null_space_within};
 
 /// A mass in a direction of a frame without mass.
@@ -33,16 +33,18 @@ impl Carrier {
         let entry = |a: &u32, b: &u32| mass[pattern.coupling(*a as usize, *b as usize)];
         let own: Vec<f64> = nodes.iter().flat_map(|a| nodes.iter().map(move |b| entry(a, b))).collect();
         let largest = own.iter().fold(0.0f64, |most, m| most.max(m.abs()));
+        if largest == 0.0 {
+            let reason = "its nodes have no mass".to_string();
+            return Err(Error::Rigid { body: frame.name().to_string(), reason });
+        }
         let scaled: Vec<f64> = own.iter().map(|m| m / largest).collect();
-        let directions = if largest > 0.0 { null_space_within(&scaled, LEAST)? } else { Vec::new() };
-        match &directions[..] {
-            _ if largest == 0.0 => Err(without_directions(frame.body())),
-            [] => Ok(None),
+        match &null_space_within(&scaled, LEAST)?[..] {
             [n] => {
                 let weights = n.iter().map(|n| largest.sqrt() * n).collect();
                 Ok(Some(Carrier { nodes, weights }))
             }
-            _ => Err(without_directions(frame.body())),
+            [_, _, ..] if frame.has_members() => Err(without_directions(frame.body())),
+            _ => Ok(None),
         }
     }
 
