@@ -117,7 +117,7 @@ impl Frame {
         }
         let square: f64 = points().map(|X| distance(X, centre).powi(2)).sum();
         let size = (square / members.len() as f64).sqrt();
-        if !(size > 0.0) {
+        if size == 0.0 {
             return Err(without_directions(&body));
         }
         Ok(Frame { body, centre, first, size, members })

@@ -33,7 +33,7 @@ fn started<'b>(body: &'b Body, scheme: Scheme, fields: &[InitialVelocity]) -> Mo
     Motion::starting(body, scheme, NewtonSettings::default(), state).unwrap()
 }
 
-/// A box from a corner, of hexahedra, with the nodes at some x as a group, and the cells from an x on as another.
+/// A box of hexahedra from a corner.
 struct Part {
     corner: [f64; 3],
     size: [f64; 3],
@@ -93,50 +93,41 @@ fn beam() -> Mesh {
 /// A group of cells has mass, centre and inertia of its region, and moves as the body with these numbers.
 #[test]
 fn a_rigid_region_moves_as_the_body_of_its_mass() {
-    {
-        let kind = "hex8";
-        let mesh = mesh::block([1.0, 0.6, 0.4], [3, 2, 1]).unwrap();
-        let with_cells =
-            Body::builder(mesh).region(rubber(5.0)).rigid(RigidBody::group("brick", "body")).build().unwrap();
-        let own = &with_cells.regions()[0];
-        let inertia = [0, 1, 2].map(|d| own.inertia[d][d]);
-        let alone = RigidBody::new("brick", own.mass, own.centre, inertia);
-        let alone = Body::builder(Mesh::without_cells()).rigid(alone).build().unwrap();
-        let exact = [[0.6, 0.4], [1.0, 0.4], [1.0, 0.6]].map(|[a, b]: [f64; 2]| 1.2 * (a * a + b * b) / 12.0);
-        assert!(distance(inertia, exact) < 1e-13 && (own.mass - 1.2).abs() < 1e-13, "{own:?}");
-        let flies = InitialVelocity { velocity: [0.3, -0.2, 0.1], ..spin([2.0, -1.0, 1.5]) };
-        for k in 1..=3 {
-            let mut motions =
-                [&with_cells, &alone].map(|body| started(body, at(DGM, k), std::slice::from_ref(&flies)));
-            for step in 0..=20 {
-                let [meshed, alone] = motions.each_ref().map(Motion::record);
-                let what = format!("{kind}, k = {k}, step {step}");
-                assert!(
-                    (meshed.kinetic_energy - alone.kinetic_energy).abs() < 1e-13,
-                    "{what}: {meshed:?} {alone:?}"
-                );
-                assert!(distance(meshed.angular_momentum, alone.angular_momentum) < 1e-12, "{what}");
-                assert!(distance(meshed.linear_momentum, alone.linear_momentum) < 1e-13, "{what}");
-                let [own, other] = [meshed, alone].map(|record| record.rigid_bodies[0]);
-                assert!(distance(own.position, other.position) < 1e-12, "{what}: {own:?} {other:?}");
-                (0..3).for_each(|i| assert!(distance(own.axes[i], other.axes[i]) < 1e-12, "{what}"));
-                assert!(
-                    meshed.strain_energy == 0.0 && meshed.constraint_residual < 1e-14,
-                    "{what}: {meshed:?}"
-                );
-                motions.iter_mut().for_each(|motion| _ = motion.step(0.1).unwrap());
-            }
-            // The nodes of the mesh are those of a rigid body.
-            let (state, own) = (motions[0].state(), motions[0].record().rigid_bodies[0]);
-            let centre = with_cells.rigid_bodies().next().unwrap().centre.unwrap();
-            for (node, X) in with_cells.mesh().points().iter().enumerate() {
-                let place = |d: usize| (0..3).map(|i| own.axes[i][d] * (X[i] - centre[i])).sum::<f64>();
-                let expected = [0, 1, 2].map(|d| own.position[d] + place(d));
-                assert!(
-                    distance(state.position(&with_cells, node), expected) < 1e-13,
-                    "{kind}, k = {k}: {node}"
-                );
-            }
+    let mesh = mesh::block([1.0, 0.6, 0.4], [3, 2, 1]).unwrap();
+    let with_cells =
+        Body::builder(mesh).region(rubber(5.0)).rigid(RigidBody::group("brick", "body")).build().unwrap();
+    let own = &with_cells.regions()[0];
+    let inertia = [0, 1, 2].map(|d| own.inertia[d][d]);
+    let alone = RigidBody::new("brick", own.mass, own.centre, inertia);
+    let alone = Body::builder(Mesh::without_cells()).rigid(alone).build().unwrap();
+    let exact = [[0.6, 0.4], [1.0, 0.4], [1.0, 0.6]].map(|[a, b]: [f64; 2]| 1.2 * (a * a + b * b) / 12.0);
+    assert!(distance(inertia, exact) < 1e-13 && (own.mass - 1.2).abs() < 1e-13, "{own:?}");
+    let flies = InitialVelocity { velocity: [0.3, -0.2, 0.1], ..spin([2.0, -1.0, 1.5]) };
+    for k in 1..=3 {
+        let mut motions =
+            [&with_cells, &alone].map(|body| started(body, at(DGM, k), std::slice::from_ref(&flies)));
+        for step in 0..=20 {
+            let [meshed, alone] = motions.each_ref().map(Motion::record);
+            let what = format!("k = {k}, step {step}");
+            assert!(
+                (meshed.kinetic_energy - alone.kinetic_energy).abs() < 1e-13,
+                "{what}: {meshed:?} {alone:?}"
+            );
+            assert!(distance(meshed.angular_momentum, alone.angular_momentum) < 1e-12, "{what}");
+            assert!(distance(meshed.linear_momentum, alone.linear_momentum) < 1e-13, "{what}");
+            let [own, other] = [meshed, alone].map(|record| record.rigid_bodies[0]);
+            assert!(distance(own.position, other.position) < 1e-12, "{what}: {own:?} {other:?}");
+            (0..3).for_each(|i| assert!(distance(own.axes[i], other.axes[i]) < 1e-12, "{what}"));
+            assert!(meshed.strain_energy == 0.0 && meshed.constraint_residual < 1e-14, "{what}: {meshed:?}");
+            motions.iter_mut().for_each(|motion| _ = motion.step(0.1).unwrap());
+        }
+        // The nodes of the mesh are those of a rigid body.
+        let (state, own) = (motions[0].state(), motions[0].record().rigid_bodies[0]);
+        let centre = with_cells.rigid_bodies().next().unwrap().centre.unwrap();
+        for (node, X) in with_cells.mesh().points().iter().enumerate() {
+            let place = |d: usize| (0..3).map(|i| own.axes[i][d] * (X[i] - centre[i])).sum::<f64>();
+            let expected = [0, 1, 2].map(|d| own.position[d] + place(d));
+            assert!(distance(state.position(&with_cells, node), expected) < 1e-13, "k = {k}: {node}");
         }
     }
 }
