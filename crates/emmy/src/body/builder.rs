@@ -115,9 +115,9 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a rigid body: a group of the mesh, or one without cells. Its name becomes a group of the mesh: the node of its centre, at which
-    /// supports, masses and forces act. A node for each of three axes follows; initial velocities of the group move
-    /// all.
+    /// Adds a rigid body: a group of the mesh, or one without cells. Its name becomes a group of the mesh: the node of
+    /// its centre, at which supports, masses and forces act. A node for each of three axes follows; initial velocities
+    /// of the group move all.
     pub fn rigid(mut self, body: RigidBody) -> Self {
         self.rigid.push(body);
         self
@@ -155,10 +155,10 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
-    /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a rigid body named as a
-    /// group, [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless
-    /// the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
-    /// error of one rank.
+    /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::GroupExists`] for a
+    /// rigid body named as a group, [`crate::Error::NoMass`] for a node without mass that is free to move,
+    /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`],
+    /// and [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;

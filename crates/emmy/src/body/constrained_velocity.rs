@@ -13,8 +13,8 @@ use crate::unknowns::ConstraintStep;
 /// v - M^-1 G^T nu,    (G M^-1 G^T) nu = G v + dPhi/dt
 /// ```
 ///
-/// With carriers S = n n^T in the factors, M^-1 is (M + S)^-1, and the force `n y` that takes a carrier off again is one
-/// more multiplier, `y = n . (change of v)`: G has the row -n, and the matrix -1 on the diagonal.
+/// With carriers S = n n^T in the factors, M^-1 is (M + S)^-1, and the force `n y` that takes a carrier off again is
+/// one more multiplier, `y = n . (change of v)`: G has the row -n, and the matrix -1 on the diagonal.
 #[derive(Debug)]
 pub(crate) struct ConstrainedVelocity {
     solver: MassSolver,

@@ -299,8 +299,8 @@ fn second_moments(J: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 /// Distance of a joint from a point mass, over the coordinates, that is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass, which one
-/// may have.
+/// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass, which
+/// one may have.
 const LEAST_MOMENT: f64 = 1e-9;
 
 #[cfg(test)]
