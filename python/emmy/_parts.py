@@ -210,18 +210,22 @@ class Tie(Table):
 
 
 class Rigid(Table):
-    """A rigid body without cells, or a point mass.
+    """A rigid body by its mass, a point mass, or a group of the mesh that moves as one.
 
     Parameters
     ----------
     name : str
         Its name in joints, columns, and as a group of one node, its centre, for loads, supports and initial velocities.
-    mass : float
-        Mass.
-    centre : vector
-        Centre of mass.
+    group : str, optional
+        Group of facets, nodes or cells that move with it, with their masses.
+    mass : float, optional
+        Mass; with `group` in addition to that of the nodes, and then not needed.
+    centre : vector, optional
+        Centre of mass; with `group` that of what is added and of the frame, by default the centre of mass of the cells
+        of the group, of a face the mean of its nodes.
     inertia : vector or array (3, 3), optional
-        Inertia about the centre: principal moments along x, y and z, or a symmetric matrix; a point mass without.
+        Inertia about the centre: principal moments along x, y and z, or a symmetric matrix; without it and without a
+        group it is a point mass.
 
     Raises
     ------
@@ -232,12 +236,15 @@ class Rigid(Table):
     --------
     >>> emmy.Rigid("hub", mass=5.0, centre=(0, 0, 0), inertia=(1.2, 1.0, 1.5))
     Rigid(name='hub', mass=5.0, centre=(0, 0, 0), inertia=(1.2, 1.0, 1.5))
+    >>> emmy.Rigid("root", group="root-face")
+    Rigid(name='root', group='root-face')
     """
 
     _section = "rigid"
     name: str = field(kw_only=False)
-    mass: float
-    centre: Vector
+    group: str | None = None
+    mass: float | None = None
+    centre: Vector | None = None
     inertia: Vector | Sequence[Vector] | NDArray[Any] | None = None
 
 

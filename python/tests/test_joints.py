@@ -105,6 +105,24 @@ def test_an_elastic_block_on_a_link():
     assert grid.n_points == 9 and grid.n_cells == 1
 
 
+def test_faces_of_a_mesh_are_rigid_bodies():
+    mesh = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
+    rubber = emmy.Region(emmy.NeoHooke(lambda_=1000.0, mu=500.0), density=2.0)
+    plate = emmy.Rigid("plate", group="y-max", mass=0.5)
+    hinge = emmy.Joint.revolute("hinge", between=("plate", "ground"), at=(0.5, 2, 0.5), axis=(1, 0, 0))
+    body = emmy.Body(mesh, rubber, rigid=plate, joints=hinge, loads=GRAVITY)
+    assert body.mobility.degrees_of_freedom is None and body.n_nodes == 12 + 4
+    motion = emmy.Motion(body, degree=2, steps=(0.2, 0.05))
+    history = motion.run()
+    np.testing.assert_allclose(history["plate_z"], 0.5, atol=1e-14)
+    energy = history["total_energy"] - history["external_work"]
+    np.testing.assert_allclose(energy, energy[0], atol=1e-12)
+    # The nodes of the face keep their distances.
+    face = np.flatnonzero(mesh.points[:, 1] == 2.0)
+    sides = [np.linalg.norm(points[face][:, None] - points[face], axis=2) for points in (mesh.points, motion.positions)]
+    np.testing.assert_allclose(sides[0], sides[1], atol=1e-13)
+
+
 def test_kinds_of_joints_have_their_keys():
     tables = emmy.schema()["properties"]["joint"]["properties"]
     kinds = {key for key, table in tables.items() if "between" in table.get("properties", {})}

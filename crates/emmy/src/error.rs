@@ -268,14 +268,22 @@ pub enum Error {
     },
     /// An inertia tensor that is not symmetric, or that no body has.
     #[error(
-        "the inertia {inertia:?} of the rigid body \"{body}\" must be symmetric, and each principal moment less than the \
-         sum of the others; of a flat body or a rod it is equal: give it a little thickness"
+        "the inertia {inertia:?} of the rigid body \"{body}\" must be symmetric, and each principal moment at most the \
+         sum of the others; the least of a rod is zero: give it a little thickness"
     )]
     Inertia {
         /// Name of the body.
         body: String,
         /// Its inertia.
         inertia: [[f64; 3]; 3],
+    },
+    /// An impossible rigid body.
+    #[error("rigid body \"{body}\": {reason}")]
+    Rigid {
+        /// Its name.
+        body: String,
+        /// Reason.
+        reason: String,
     },
     /// An impossible joint.
     #[error("joint \"{joint}\": {reason}")]

@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 16] = [
+pub(super) const TEMPLATES: [Template; 17] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -55,6 +55,7 @@ pub(super) const TEMPLATES: [Template; 16] = [
     template!("soft-tissue"),
     template!("heavy-top"),
     template!("four-bar"),
+    template!("slider-crank"),
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.

@@ -303,6 +303,36 @@ fn heavy_top() {
     momenta.iter().for_each(|&momentum| close(momentum, 8.253356149096783, 1e-12));
 }
 
+/// The slider of a rigid rod is where the angle of the crank tells; the bending of a flexible one falls with its
+/// stiffness. The drive does the work of the energy.
+#[test]
+fn slider_crank() {
+    let exact = |t: f64| {
+        let angle = t * t;
+        -1.0 + angle.cos() + (16.0 - angle.sin().powi(2)).sqrt()
+    };
+    let mut bent = Vec::new();
+    for stiffness in [1.0, 100.0, 10_000.0] {
+        let place = Place::new();
+        place.succeed(&["new", "slider-crank"]);
+        let set = |name: &str, value: f64| format!("region.material.neo-hooke.{name}={}", value * stiffness);
+        let [lambda, mu] = [set("lambda", 4000.0), set("mu", 2000.0)];
+        place.succeed(&["run", "slider-crank.toml", "--quiet", "--set", &lambda, "--set", &mu]);
+        let history = place.history("slider-crank");
+        let places = history["time"].iter().zip(&history["slider_x"]);
+        bent.push(places.map(|(&t, x)| (x - exact(t)).abs()).fold(0.0, f64::max));
+        for name in ["slider_y", "slider_z"] {
+            history[name].iter().for_each(|y| assert!((y - 0.25).abs() < 1e-14, "{name}: {y}"));
+        }
+        for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+            assert!((energy - work).abs() < 1e-11, "{energy} {work}");
+        }
+    }
+    close(bent[0], 0.120, 0.01);
+    close(bent[1], 5.55e-4, 0.01);
+    close(bent[2], 5.53e-6, 0.01);
+}
+
 /// Exact solution of the parallel motion; the couplers do not turn.
 #[test]
 fn four_bar() {

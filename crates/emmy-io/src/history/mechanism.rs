@@ -56,9 +56,8 @@ impl MechanismColumns {
             has_drive: joint.drive.is_some() || joint.has_force(),
         });
         let joints: Vec<OfJoint> = joints.collect();
-        let bodies = body
-            .rigid_bodies()
-            .map(|body| OfBody { name: body.name.clone(), has_axes: body.inertia.is_some() });
+        let bodies =
+            body.rigid_bodies().map(|body| OfBody { name: body.name.clone(), has_axes: body.has_axes() });
         let bodies: Vec<OfBody> = bodies.collect();
         let has_constraints = !body.joints().is_empty() || bodies.iter().any(|body| body.has_axes);
         MechanismColumns { joints, has_constraints, bodies }

@@ -24,7 +24,12 @@ pub(super) static ROOT: Described = Described::new(|| {
     .may("load", tables(0, &load::LOAD), "", "Loads on the body; none, one or more")
     .may("support", tables(0, &support::SUPPORT), "", "Nodes that are held or driven; none, one or more")
     .may("tie", tables(0, &tie::TIE), "", "Nodes that follow other parts of the body; none, one or more")
-    .may("rigid", tables(0, &rigid::RIGID), "", "Rigid bodies without cells; none, one or more")
+    .may(
+        "rigid",
+        tables(0, &rigid::RIGID),
+        "",
+        "Rigid bodies, without cells or groups of the mesh; none, one or more",
+    )
     .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
     .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
     .absent("at rest")
@@ -50,15 +55,12 @@ pub(super) static ROOT: Described = Described::new(|| {
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
 /// Keys that are planned: their table, the key, the fault and advice.
-const PLANNED: [(&str, &str, &str, &str); 2] = [
-    (
-        "the input",
-        "coupling",
-        "Emmy has no couplings yet",
-        "`[[joint]]` joins nodes of a mesh with rigid bodies, the ground and each other",
-    ),
-    ("[[rigid]]", "group", "Emmy has no rigid groups of a mesh yet", "give mass, centre and inertia"),
-];
+const PLANNED: [(&str, &str, &str, &str); 1] = [(
+    "the input",
+    "coupling",
+    "Emmy has no couplings yet",
+    "a rigid one is `[[rigid]]` with this `group`; `[[joint]]` joins nodes with bodies, the ground and each other",
+)];
 
 /// The fault of a key of a table that is planned, and advice.
 pub(super) fn planned(section: &Section, key: &str) -> Option<(&'static str, &'static str)> {

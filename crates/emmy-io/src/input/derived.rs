@@ -119,9 +119,10 @@ impl Places {
     ) -> Self {
         let regions = regions.iter().map(|region| (region.place.clone(), region.value.density > 0.0));
         let [points, spread] = nodal.places_of_masses();
-        let masses = points.into_iter().chain(mechanism.places()).chain(spread);
+        let [points, spread] = [points, spread].map(|places| places.into_iter().map(|place| (place, true)));
+        let masses = points.chain(mechanism.places()).chain(spread);
         Places {
-            masses: regions.chain(masses.map(|place| (place.clone(), true))).collect(),
+            masses: regions.chain(masses.map(|(place, has_mass)| (place.clone(), has_mass))).collect(),
             loads: loads.iter().map(|load| load.place.clone()).collect(),
             initial: initial.first().map(|field| field.place.clone()),
         }

@@ -6,6 +6,7 @@ use emmy::body::{InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Faults, Place};
+use super::mechanism::Mechanism;
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 use super::suggest::{did_you_mean, listed};
@@ -102,9 +103,10 @@ pub(super) fn near(mesh: &Mesh, name: &str, members: Members) -> Option<String> 
 }
 
 /// Where the nodes of a group are taken, and the kinds of its members in the order in which they are.
-const NODES: [(&str, [&str; 3]); 7] = [
+const NODES: [(&str, [&str; 3]); 8] = [
     ("support", ["facets", "nodes", "cells"]),
     ("tie", ["facets", "nodes", "cells"]),
+    ("rigid body", ["facets", "nodes", "cells"]),
     ("force at each node", ["facets", "nodes", "cells"]),
     ("mass or spring", ["facets", "nodes", "cells"]),
     ("spread mass", ["facets", "cells", "nodes"]),
@@ -118,16 +120,18 @@ pub(super) fn notes<'a>(
     loads: &'a [Placed<(Load, Members)>],
     supports: &'a [Placed<Support>],
     ties: &'a [PlacedTie],
+    mechanism: &'a Mechanism,
     initial: &'a [Placed<InitialVelocity>],
     nodal: &'a PlacedNodal,
 ) -> Vec<String> {
-    let [support, tie, force, mass, spread, velocity, attraction] = NODES;
+    let [support, tie, rigid, force, mass, spread, velocity, attraction] = NODES;
     let nodal_forces = loads.iter().filter(|load| load.value.1 == Members::Nodes);
     let mut named: Vec<(&str, &'a str, [&str; 3])> = Vec::new();
     let name = |group: &'a Option<(String, Place)>| group.as_ref().map(|(name, _)| name.as_str());
     let of = |(what, order): (&'static str, _)| move |name| (what, name, order);
     named.extend(supports.iter().filter_map(|support| name(&support.group)).map(of(support)));
     named.extend(ties.iter().flat_map(PlacedTie::names).map(of(tie)));
+    named.extend(mechanism.names_of_groups().map(of(rigid)));
     named.extend(nodal_forces.filter_map(|load| name(&load.group)).map(of(force)));
     named.extend(nodal.at_nodes().filter_map(name).map(of(mass)));
     named.extend(nodal.spread().filter_map(name).map(of(spread)));

@@ -6,6 +6,7 @@ use emmy::mesh::Mesh;
 use emmy::time::Scheme;
 
 use super::fault::{Fault, Faults, Place};
+use super::groups::NamedGroup;
 use super::joint::{self, PlacedJoint};
 use super::placed::{Members, Placed};
 use super::rigid::{self, GROUND, PlacedRigid};
@@ -42,9 +43,19 @@ impl Mechanism {
         bodies.chain(joints).find(|(own, _)| *own == name).map(|(_, place)| place.clone())
     }
 
-    /// Places of the rigid bodies.
-    pub(super) fn places(&self) -> impl Iterator<Item = &Place> {
-        self.rigid.iter().map(|own| &own.place)
+    /// Places of the rigid bodies, and whether they have a mass of their own.
+    pub(super) fn places(&self) -> impl Iterator<Item = (&Place, bool)> {
+        self.rigid.iter().map(|own| (&own.place, own.body.mass > 0.0))
+    }
+
+    /// The groups of the mesh that are rigid bodies.
+    pub(super) fn groups(&self) -> impl Iterator<Item = NamedGroup> {
+        self.rigid.iter().filter_map(PlacedRigid::group)
+    }
+
+    /// Names of these groups.
+    pub(super) fn names_of_groups(&self) -> impl Iterator<Item = &str> {
+        self.rigid.iter().filter_map(|own| own.body.group.as_deref())
     }
 
     /// Whether a joint may move bodies from the start: by a drive, a motor, or a spring that is not as drawn.
@@ -198,7 +209,7 @@ impl Mechanism {
             Fault::at(place, message, "without a direction")
         };
         match own {
-            Some(own) if needs_direction && own.body.inertia.is_none() => {
+            Some(own) if needs_direction && !own.body.has_axes() => {
                 let help =
                     "give it an `inertia`; spherical and distance joints take points, inline ones first";
                 Err(without("a point mass").help(help))
@@ -206,7 +217,7 @@ impl Mechanism {
             Some(_) => Ok(JointEnd::Rigid(name.clone())),
             None if mesh.groups().kinds(name).is_empty() => Err(self.unknown(name, place, mesh)),
             None if needs_direction => {
-                let help = "spherical and distance joints take nodes, inline ones first; two spherical joints hinge an edge";
+                let help = "make it a body: [[rigid]] with this `group`; spherical and distance joints take nodes, inline ones first";
                 Err(without("a group of an elastic body").help(help))
             }
             None => node(joint, end, mesh).map(JointEnd::Node),

@@ -4,7 +4,7 @@ use emmy::body::{InitialVelocity, Load, Region, Support};
 
 use super::fault::Place;
 use super::groups::NamedGroup;
-use super::mechanism;
+use super::mechanism::{self, Mechanism};
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 use super::quantities::Requested;
@@ -17,6 +17,7 @@ pub(super) struct Naming<'a> {
     pub(super) supports: &'a [Placed<Support>],
     pub(super) ties: &'a [PlacedTie],
     pub(super) initial: &'a [Placed<InitialVelocity>],
+    pub(super) mechanism: &'a Mechanism,
     pub(super) nodal: &'a PlacedNodal,
     pub(super) requested: Option<&'a Requested>,
 }
@@ -42,6 +43,10 @@ impl Naming<'_> {
         let all = regions.chain(self.loads.iter().filter(of_group).map(of_load)).chain(at_nodes).flatten();
         let tied = self.ties.iter().flat_map(PlacedTie::groups);
         let tied = tied.map(|(name, place, members)| NamedGroup::of_mesh(name, place, members));
-        all.chain(tied).chain(self.requested.into_iter().flat_map(Requested::groups).cloned()).collect()
+        let rigid = self.mechanism.groups();
+        all.chain(tied)
+            .chain(rigid)
+            .chain(self.requested.into_iter().flat_map(Requested::groups).cloned())
+            .collect()
     }
 }

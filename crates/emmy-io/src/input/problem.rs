@@ -58,7 +58,7 @@ pub struct Problem {
     pub supports: Vec<Support>,
     /// Masses besides those of the cells, springs to the ground, attraction to points.
     pub nodal: PointTerms,
-    /// Rigid bodies without cells.
+    /// Rigid bodies.
     pub rigid: Vec<RigidBody>,
     /// Joints.
     pub joints: Vec<Joint>,

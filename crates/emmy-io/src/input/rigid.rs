@@ -1,4 +1,4 @@
-//! `[[rigid]]`: rigid bodies without cells, and point masses.
+//! `[[rigid]]`: rigid bodies by their mass, centre and inertia, point masses, and groups of a mesh that move as one.
 
 use emmy::body::RigidBody;
 use emmy::internals::material::Bounds;
@@ -6,6 +6,8 @@ use emmy::internals::number::short;
 
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector};
 use super::fault::{Fault, Place};
+use super::groups::NamedGroup;
+use super::placed::Members;
 use super::table::{Item, Read, Table};
 
 /// The name of the ground in joints.
@@ -14,22 +16,34 @@ pub(super) const GROUND: &str = "ground";
 /// `[[rigid]]`.
 pub(super) static RIGID: Described = Described::new(|| {
     let moments = exactly(3, Kind::Number(Bounds::Above(0.0)));
-    Section::new("[[rigid]]", "A rigid body without cells, or a point mass")
-        .must(
-            "name",
-            Kind::Column(&TAKEN),
-            "",
-            "Its name in joints and as a group, of one node, its centre: letters, digits, `_` and `-`",
-        )
-        .must("mass", POSITIVE, "mass", "Its mass")
-        .must("centre", vector(), "length", "Its centre of mass")
-        .may(
-            "inertia",
-            either(moments, exactly(3, vector())),
-            "mass·length²",
-            "Its inertia about the centre: principal moments along x, y and z, or a symmetric matrix",
-        )
-        .absent("a point mass, which has no directions")
+    Section::new(
+        "[[rigid]]",
+        "A rigid body by its mass, a point mass, or a group of the mesh that moves as one",
+    )
+    .must(
+        "name",
+        Kind::Column(&TAKEN),
+        "",
+        "Its name in joints and as a group, of one node, its centre: letters, digits, `_` and `-`",
+    )
+    .may("group", Kind::Text, "", "Group of facets, nodes or cells that move with it, with their masses")
+    .absent("a body without a mesh, by `mass`, `centre` and `inertia`")
+    .may("mass", POSITIVE, "mass", "Its mass; with `group` in addition to that of the nodes")
+    .absent("with `group`: none in addition")
+    .may(
+        "centre",
+        vector(),
+        "length",
+        "Its centre of mass; with `group` that of what is added, and of the frame",
+    )
+    .absent("with `group`: the centre of mass of its cells, of a face the mean of its nodes")
+    .may(
+        "inertia",
+        either(moments, exactly(3, vector())),
+        "mass·length²",
+        "Its inertia about the centre: principal moments along x, y and z, or a symmetric matrix",
+    )
+    .absent("a point mass, which has no directions without a `group`")
 });
 
 /// A rigid body with the places of its table, its name and its inertia.
@@ -40,6 +54,16 @@ pub(super) struct PlacedRigid {
     pub(super) name: Place,
     /// Place of the inertia; of a point mass that of the table.
     inertia: Place,
+    /// Its group with the place of the name.
+    group: Option<(String, Place)>,
+}
+
+impl PlacedRigid {
+    /// Its group.
+    pub(super) fn group(&self) -> Option<NamedGroup> {
+        let (name, place) = self.group.clone()?;
+        Some(NamedGroup::of_mesh(name, place, Members::Nodes))
+    }
 }
 
 /// Reads one rigid body.
@@ -50,15 +74,30 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
         let message = format!("`{GROUND}` is what joints call the ground; give the rigid body another name");
         return Err(name.fault(message, "another name"));
     }
-    let (mass, centre) = (table.must("mass"), table.must("centre"));
-    let inertia = table.item("inertia");
-    let body = match inertia.map(inertia_of).transpose()? {
-        Some(inertia) => RigidBody { name: text, mass, centre, inertia: Some(inertia) },
-        None => RigidBody::point(text, mass, centre),
+    let (group, inertia) = (table.group(), table.item("inertia"));
+    let is_missing =
+        |key: &&str| table.item(key).is_none() && (group.is_none() || inertia.is_some() && *key == "mass");
+    let missing: Vec<String> =
+        ["mass", "centre"].iter().filter(|key| is_missing(key)).map(|key| format!("`{key}`")).collect();
+    if !missing.is_empty() {
+        let are = if missing.len() == 1 { "is" } else { "are" };
+        let message = format!("{} {are} missing in [[rigid]]", missing.join(" and "));
+        let fault = Fault::at(&table.place, message, format!("needs {}", missing.join(" and ")));
+        return Err(match (&group, inertia) {
+            (Some(_), Some(inertia)) => fault.label(inertia.place(), "that of a mass in addition"),
+            _ => fault.help("or a `group` of the mesh, which moves as one"),
+        });
+    }
+    let body = RigidBody {
+        name: text,
+        group: group.as_ref().map(|(name, _)| name.clone()),
+        mass: table.may("mass").unwrap_or(0.0),
+        centre: table.may("centre"),
+        inertia: inertia.map(inertia_of).transpose()?,
     };
     let place = table.place.clone();
     let inertia = inertia.map_or(&place, |item| item.place()).clone();
-    Ok(PlacedRigid { body, name: name.place().clone(), inertia, place })
+    Ok(PlacedRigid { body, name: name.place().clone(), inertia, group, place })
 }
 
 /// The inertia tensor.
@@ -74,7 +113,7 @@ fn inertia_of(item: Item<'_>) -> Result<[[f64; 3]; 3], Fault> {
         if largest > a + b {
             let [largest, a, b] = [largest, a, b].map(short);
             let message = format!("no body has these moments of inertia: {largest} exceeds {a} + {b}");
-            return Err(item.fault(message, "each must be less than the sum of the others"));
+            return Err(item.fault(message, "each is at most the sum of the others"));
         }
         return Ok([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]);
     }
@@ -96,9 +135,12 @@ fn inertia_of(item: Item<'_>) -> Result<[[f64; 3]; 3], Fault> {
     }
 }
 
-/// The fault of a body with an impossible inertia.
+/// The fault of a body with an impossible inertia or group.
 pub(super) fn fault(error: &emmy::Error, placed: &[PlacedRigid]) -> Option<Fault> {
-    let emmy::Error::Inertia { body, .. } = error else { return None };
+    let (emmy::Error::Inertia { body, .. } | emmy::Error::Rigid { body, .. }) = error else { return None };
     let own = placed.iter().find(|own| own.body.name == *body)?;
-    Some(Fault::at(&own.inertia, error.to_string(), "this inertia"))
+    Some(match (error, &own.group) {
+        (emmy::Error::Rigid { .. }, Some((_, place))) => Fault::at(place, error.to_string(), "this group"),
+        _ => Fault::at(&own.inertia, error.to_string(), "this inertia"),
+    })
 }

@@ -126,6 +126,7 @@ impl Sections {
             loads: &loads,
             supports: &supports,
             ties: &ties,
+            mechanism: &mechanism,
             initial: &initial,
             nodal: &nodal,
             requested,
@@ -171,8 +172,9 @@ impl Sections {
 
     /// The groups that the input names.
     fn named_groups(&self) -> Vec<NamedGroup> {
-        let Sections { regions, loads, supports, ties, initial, nodal, requested, .. } = self;
-        Naming { regions, loads, supports, ties, initial, nodal, requested: Some(requested) }.groups()
+        let Sections { regions, loads, supports, ties, mechanism, initial, nodal, requested, .. } = self;
+        Naming { regions, loads, supports, ties, mechanism, initial, nodal, requested: Some(requested) }
+            .groups()
     }
 
     /// Checks that the mesh has the groups and cells that the input names.
@@ -204,7 +206,7 @@ impl Sections {
         file.notes.extend(plausible::note_on_size(mesh, self.units));
         file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
         let Sections { loads, supports, ties, initial, nodal, .. } = self;
-        file.notes.extend(groups::notes(mesh, loads, supports, ties, initial, nodal));
+        file.notes.extend(groups::notes(mesh, loads, supports, ties, &self.mechanism, initial, nodal));
         Ok(CheckedMesh { file, formulations })
     }
 

@@ -124,20 +124,30 @@ pub fn shift_of_followers(body: &Body, tie: &TieSummary) -> Option<f64> {
 
 /// Notes on tied nodes whose initial velocity is not that of the nodes that they follow.
 pub(super) fn notes_on_start(body: &Body, initial: &[InitialVelocity]) -> Vec<String> {
-    let note = |field: &InitialVelocity| {
+    let notes = |field: &InitialVelocity| -> Option<[Option<String>; 2]> {
         let group = field.group.as_ref()?;
         let nodes = body.mesh().volume_nodes(group).ok()?;
         let is_apart = |node: &&u32| {
             let mut leaders = body.leaders_of(**node).into_iter().flatten();
             leaders.any(|(leader, _)| nodes.binary_search(leader).is_err())
         };
-        let n = nodes.iter().filter(is_apart).count();
-        let what = if n == 1 { "node starts" } else { "nodes start" };
-        (n > 0).then(|| {
+        let (rigid, tied): (Vec<u32>, Vec<u32>) =
+            nodes.iter().filter(is_apart).partition(|node| body.rigid_body_of(**node).is_some());
+        let what = |n: usize| if n == 1 { "node starts" } else { "nodes start" };
+        let of_tied = (!tied.is_empty()).then(|| {
+            let (n, what) = (tied.len(), what(tied.len()));
             format!("initial velocity of `{group}`: {n} tied {what} with the velocity of the nodes followed instead")
-        })
+        });
+        let of_rigid = rigid.first().map(|node| {
+            let (n, what) = (rigid.len(), what(rigid.len()));
+            let name = body.rigid_body_of(*node).unwrap_or_default();
+            format!(
+                "initial velocity of `{group}`: {n} {what} with the velocity of a rigid body instead; give one to `{name}`"
+            )
+        });
+        Some([of_tied, of_rigid])
     };
-    initial.iter().filter_map(note).collect()
+    initial.iter().filter_map(notes).flatten().flatten().collect()
 }
 
 /// Notes on followers that were moved.

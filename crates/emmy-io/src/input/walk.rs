@@ -372,7 +372,9 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         Rule::Input(keys) => {
             // A body has cells with materials, or rigid bodies, or both.
             let [mesh, region, rigid] = ["mesh", "region", "rigid"].map(is_there);
-            let is_needed = !rigid || mesh || region;
+            let bodies = table.item("rigid").map(|item| item.items()).unwrap_or_default();
+            let has_group = bodies.iter().filter_map(Item::table).any(|own| own.item("group").is_some());
+            let is_needed = !rigid || mesh || region || has_group;
             let absent = [("mesh", mesh), ("region", region)].into_iter().filter(|(_, there)| !there);
             absent.filter(|_| is_needed).for_each(|(key, _)| faults.push(missing(key)));
             if are_known && !keys.iter().any(|key| is_there(key)) {

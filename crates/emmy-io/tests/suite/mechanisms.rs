@@ -109,3 +109,65 @@ fn rigid_bodies_are_in_the_frames() {
         mesh.cells().filter(|cell| cell.kind == CellKind::Line2).map(|cell| cell.nodes.to_vec()).collect();
     assert_eq!(lines, [[12, 13], [12, 14], [12, 15]]);
 }
+
+/// A face of an elastic block is a rigid plate on a hinge, with a mass in addition.
+const PLATE: &str = "\
+    mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }\n\
+    region = [{ density = 2, material.neo-hooke = { lambda = 1000, mu = 500 } }]\n\
+    rigid = [{ name = 'plate', group = 'y-max', mass = 0.5 }]\n\
+    joint = [{ name = 'hinge', revolute = { between = ['plate', 'ground'], at = [0.5, 2, 0.5], axis = [1, 0, 0] } }]\n\
+    load = [{ acceleration = [0, 0, -9.81] }, { group = 'plate', force = [0, 0, 1] }]\n\
+    initial = [{ group = 'body', velocity = [1, 0, 0] }]\n\
+    time = { scheme = 'DGM', degree = 2, steps = [{ until = 0.2, size = 0.05 }] }\n";
+
+#[test]
+fn faces_of_a_mesh_are_rigid_bodies() {
+    let temp = tempfile::tempdir().unwrap();
+    let file = temp.path().join("plate.toml");
+    std::fs::write(&file, PLATE).unwrap();
+    let read = |set: &[&str]| {
+        let (output, set) = (Some(temp.path().join("out")), set.iter().map(ToString::to_string).collect());
+        input::read(&file, &Overrides { output, set, ..Default::default() })
+            .map_err(|error| error.to_string())
+    };
+    let problem = read(&[]).unwrap();
+    // The masses of cells count once: region and what is added.
+    let masses: Vec<f64> = problem.body.regions().iter().map(|region| region.mass).collect();
+    assert_eq!(masses, [4.0, 0.5]);
+    assert!((problem.body.lumped_mass().iter().sum::<f64>() - 4.5).abs() < 1e-14);
+    let centre = problem.body.rigid_bodies().next().unwrap().centre;
+    assert_eq!(centre, Some([0.5, 2.0, 0.5]));
+    let note = "initial velocity of `body`: 4 nodes start with the velocity of a rigid body instead; give one to `plate`";
+    assert!(problem.notes.iter().any(|own| own == note), "{:?}", problem.notes);
+    let mut motion = problem.motion(&mut []).unwrap();
+    let mut results = Results::create(&problem).unwrap();
+    motion.march(&problem.plan, &mut [&mut results]).unwrap();
+    assert!(results.finish(&problem, &motion, Status::Done, None).error.is_none());
+    let history = History::read(&temp.path().join("out/history.csv")).unwrap();
+    let column = |name: &str| history.column(name).unwrap_or_else(|| panic!("no {name}"));
+    for name in ["hinge_force_z", "hinge_angle", "plate_z", "plate_spin_x"] {
+        assert!(column(name)[1..].iter().all(|number| number.is_finite()), "{name}");
+    }
+    assert!(column("plate_z").iter().all(|z| (z - 0.5).abs() < 1e-14) && column("plate_spin_x")[4] != 0.0);
+    for (set, words) in [
+        ("rigid.0.group='y-mx'", "no group `y-mx` of nodes, facets or cells"),
+        ("rigid.0.name='y-max'", "the mesh has a group `y-max`, too"),
+        ("rigid.0.inertia=[0.1, 0.1, 0.3]", "no body has these moments of inertia: 0.3 exceeds 0.1 + 0.1"),
+        (
+            "support=[{ group = 'y-max', fix = ['x'] }]",
+            "belongs to the rigid body \"plate\"; hold the body instead",
+        ),
+        ("time.scheme='Newmark'", "the scheme Newmark has no joints, which need a time element"),
+        (
+            "tie=[{ follower = 'y-max', leader = 'y-min', kind = 'nodes', tolerance = 9 }]",
+            "swap follower and leader",
+        ),
+    ] {
+        let error = read(&[set]).err().unwrap_or_else(|| panic!("{set}"));
+        assert!(error.contains(words), "{set}: {error}");
+    }
+    // A hinge needs a direction, which a face has once it is rigid.
+    let error = read(&["joint.0.revolute.between=['y-max', 'ground']"]).err().unwrap();
+    assert!(error.contains("`y-max` is a group of an elastic body and has no direction"), "{error}");
+    assert!(error.contains("make it a body: [[rigid]] with this `group`"), "{error}");
+}

@@ -9,7 +9,7 @@ use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
 use crate::input::{GroundSpring, Joint, Load, PointTerms, Region, RigidBody, Support, Tie};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
-use crate::space::geometry::MassKind;
+use crate::space::geometry::{MassKind, for_each_volume_point};
 use crate::space::{InternalNodes, Space, Supports, Ties};
 
 use crate::sparse::Pattern;
@@ -115,9 +115,9 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a rigid body without cells. Its name becomes a group of the mesh: the node of its centre, at which
-    /// supports, masses and forces act. A node for each of three axes follows; initial velocities of the group move
-    /// all.
+    /// Adds a rigid body: a group of the mesh, or one without cells. Its name becomes a group of the mesh: the node of
+    /// its centre, at which supports, masses and forces act. A node for each of three axes follows; initial velocities
+    /// of the group move all.
     pub fn rigid(mut self, body: RigidBody) -> Self {
         self.rigid.push(body);
         self
@@ -155,10 +155,10 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
-    /// [`crate::Error::Inertia`], [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::GroupExists`] for a rigid body named as a
-    /// group, [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless
-    /// the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
-    /// error of one rank.
+    /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::Moment`],
+    /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node without mass
+    /// that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team
+    /// [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
@@ -166,8 +166,16 @@ impl BodyBuilder {
         if ranks.size() > 1 && (is_mechanism || !self.ties.is_empty()) {
             return Err(Error::NotOnTeam { what: "a body with ties, rigid bodies or joints".to_string() });
         }
-        let ties = Ties::new(&mut self.mesh, &self.ties)?;
         let frames = self.frames()?;
+        let groups = frames.iter().filter(|frame| frame.has_members());
+        let followers = groups.map(|frame| frame.followers(&self.mesh)).collect();
+        let ties = Ties::new(&mut self.mesh, &self.ties, followers)?;
+        for frame in &frames {
+            if frame.nodes().any(|node| ties.leaders_of(node).is_some()) {
+                let reason = "a tie makes it follow others; join it to them instead".to_string();
+                return Err(Error::Rigid { body: frame.name().to_string(), reason });
+            }
+        }
         let ranks = self.ranks.clone();
         let sizes = GroupSizes::new(&self);
         let own = match (self.rank, ranks.rank()) {
@@ -183,9 +191,18 @@ impl BodyBuilder {
 impl BodyBuilder {
     /// Adds the nodes of the rigid bodies to the mesh.
     fn frames(&mut self) -> Result<Vec<Frame>> {
-        let BodyBuilder { mesh, rigid, .. } = self;
+        let BodyBuilder { mesh, rigid, regions, .. } = self;
         let frame = |body: &RigidBody| {
-            let frame = Frame::new(body, mesh.n_nodes() as u32)?;
+            let first = mesh.n_nodes() as u32;
+            let frame = match &body.group {
+                None => Frame::new(body, first)?,
+                Some(group) => {
+                    let members = mesh.group_nodes(group)?;
+                    check_members(mesh, body, &members)?;
+                    let centre = centre_of_cells(mesh, regions, &members)?;
+                    Frame::of_group(body, first, mesh, members, centre)?
+                }
+            };
             mesh.add_nodes(&body.name, frame.points())?;
             Ok(frame)
         };
@@ -196,6 +213,37 @@ impl BodyBuilder {
         }
         Ok(frames)
     }
+}
+
+/// Checks that the nodes of a rigid body can move as one.
+fn check_members(mesh: &Mesh, body: &RigidBody, members: &[u32]) -> Result<()> {
+    let fail = |reason: &str| Err(Error::Rigid { body: body.name.clone(), reason: reason.to_string() });
+    let is_member = |node: &u32| members.binary_search(node).is_ok();
+    if members.is_empty() {
+        return fail("its group is empty");
+    }
+    let is_plane = |cell: &Cell<'_>| cell.kind.dimension() == 2 && cell.nodes.iter().any(is_member);
+    if mesh.cells().any(|cell| is_plane(&cell)) {
+        return fail(
+            "cells in plane strain cannot be rigid; give mass, centre and inertia instead, and joints",
+        );
+    }
+    Ok(())
+}
+
+/// Centre of mass of the cells all of whose nodes are some of a rigid body; `None` if there are none.
+fn centre_of_cells(mesh: &Mesh, regions: &[Region], members: &[u32]) -> Result<Option<[f64; 3]>> {
+    let is_inside =
+        |cell: &u32| mesh.cell(*cell as usize).nodes.iter().all(|node| members.binary_search(node).is_ok());
+    let density = RegionOfCell::new(mesh, regions)?.densities(mesh, regions);
+    let origin = mesh.points()[members[0] as usize];
+    let (mut mass, mut first) = (0.0, [0.0; 3]);
+    for_each_volume_point(mesh, (0..mesh.n_cells() as u32).filter(is_inside), |cell, _, point| {
+        let weight = density[cell] * point.weight;
+        mass += weight;
+        (0..3).for_each(|d| first[d] += weight * (point.position[d] - origin[d]));
+    });
+    Ok((mass > 0.0).then(|| [0, 1, 2].map(|d| origin[d] + first[d] / mass)))
 }
 
 /// Sizes of groups on all ranks, which divide what is given for a whole group. Zeros where a group or a region is
@@ -301,10 +349,20 @@ impl Body {
         let mut lumped_mass = masses(MassKind::Lumped);
         let counts = |cell: u32| ranks.counts()[cell as usize];
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
-        let has_local = cells::check(&mesh, &regions, of_cell.indices())?;
+        let is_rigid = |cell: u32| {
+            let nodes = mesh.cell(cell as usize).nodes;
+            frames.iter().any(|frame| frame.moves(nodes, |node| ties.leaders_of(node)))
+        };
+        if let Some(&cell) = internal.cells().iter().find(|cell| is_rigid(**cell)) {
+            let formulation = "incompatible modes".to_string();
+            let reason =
+                format!("it is part of a rigid body, which has no {formulation}: give it another region");
+            return Err(Error::Formulation { cell: cell as usize, reason });
+        }
+        let has_local = cells::check(&mesh, &regions, of_cell.indices(), is_rigid)?;
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
-        let mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node), |_| true)?;
+        let mut mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node), |_| true)?;
         let pattern = couplings(&mesh, &internal, &ties, &mechanism).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
@@ -360,11 +418,14 @@ impl Body {
         spread.add_to(&mesh, &section, &pattern, &mut mass);
         ties.fold_mass(&pattern, &mut mass);
         mechanism.frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass));
+        let mass = Arc::new(mass);
+        let carried_mass = mechanism.carry(&pattern, &mass)?.map_or(mass.clone(), Arc::new);
         let body = Body {
             forces: Forces { cells: Arc::new(OnceLock::new()), others },
             release: None,
             viscous_time: 0.0,
-            mass: Arc::new(mass),
+            mass,
+            carried_mass,
             lumped_mass,
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
@@ -417,9 +478,8 @@ impl Body {
         if mechanism.joints.iter().all(holds) {
             return Ok((mechanism.clone(), forces.clone()));
         }
-        let (frames, joints) = (mechanism.frames.clone(), mechanism.joints.clone());
         let ties = self.space.ties();
-        let rest = Mechanism::new(frames, joints, self.mesh(), |node| ties.leaders_of(node), holds)?;
+        let rest = mechanism.with_joints(self.mesh(), |node| ties.leaders_of(node), holds)?;
         let n_others = forces.others.len() - mechanism.forces(pattern).len();
         let others = forces.others[..n_others].iter().cloned().chain(rest.forces(pattern)).collect();
         Ok((Arc::new(rest), Forces { others: Arc::new(others), ..forces.clone() }))

@@ -3,6 +3,7 @@
 use super::mass::MassSolver;
 use super::system::Body;
 use crate::error::{Error, Result};
+use crate::nodal;
 use crate::sparse::eliminate;
 use crate::unknowns::ConstraintStep;
 
@@ -11,6 +12,9 @@ use crate::unknowns::ConstraintStep;
 /// ```math
 /// v - M^-1 G^T nu,    (G M^-1 G^T) nu = G v + dPhi/dt
 /// ```
+///
+/// With carriers S = n n^T in the factors, M^-1 is (M + S)^-1, and the force `n y` that takes a carrier off again is
+/// one more multiplier, `y = n . (change of v)`: G has the row -n, and the matrix -1 on the diagonal.
 #[derive(Debug)]
 pub(crate) struct ConstrainedVelocity {
     solver: MassSolver,
@@ -42,7 +46,7 @@ impl ConstrainedVelocity {
             solver: MassSolver::new(body)?,
             inverse_mass: vec![0.0; dofs.len() * dofs.len()],
             times: ConstraintStep::new(constraints, 0),
-            gradients: vec![0.0; constraints.len() * dofs.len()],
+            gradients: vec![0.0; (constraints.len() + 3 * body.mechanism.carriers.len()) * dofs.len()],
             dofs,
             momentum: vec![0.0; body.n_dofs()],
             change: vec![0.0; body.n_dofs()],
@@ -102,14 +106,23 @@ impl ConstrainedVelocity {
         if constraints.is_empty() {
             return Ok((0.0, Vec::new()));
         }
-        let (m, n) = (constraints.len(), self.dofs.len());
+        let (n_constraints, n) = (constraints.len(), self.dofs.len());
+        let m = n_constraints + 3 * body.mechanism.carriers.len();
         self.times.set_time((constraints, body.space.inactive()), time, &|dof| u[dof])?;
-        constraints.set_gradients((&self.times, 0), &|dof| u[dof], &mut self.gradients);
+        let (of_constraints, of_carriers) = self.gradients.split_at_mut(n_constraints * n);
+        constraints.set_gradients((&self.times, 0), &|dof| u[dof], of_constraints);
+        of_carriers.fill(0.0);
+        let carriers = body.mechanism.carriers.iter().flat_map(|carrier| (0..3).map(move |d| (carrier, d)));
+        for (row, (carrier, d)) in of_carriers.chunks_exact_mut(n).zip(carriers) {
+            for (node, weight) in carrier.weights() {
+                row[constraints.local_dof(nodal::dof(node as usize, d))] = -weight;
+            }
+        }
         let rate = |c: usize| {
             let row = self.times.row(constraints, 0, c);
             row.rate(&|dof| u[dof], &|dof| v[dof]) + row.rate_of_time(&|dof| u[dof])
         };
-        let mut nu: Vec<f64> = (0..m).map(rate).collect();
+        let mut nu: Vec<f64> = (0..n_constraints).map(rate).collect();
         let largest = nu.iter().fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
         let fastest = self.dofs.iter().fold(0.0, |most: f64, &dof| most.max(v[dof].abs()));
         let scale = TOLERANCE * largest + ROUNDING * fastest;
@@ -118,6 +131,7 @@ impl ConstrainedVelocity {
         if all.iter().zip(&nu).any(|(rate, inside)| (rate - inside).abs() > scale) {
             return Err(Error::NoMotion { time: time[0] });
         }
+        nu.resize(m, 0.0);
         let mut products = vec![0.0; m * n];
         for (product, gradient) in products.chunks_exact_mut(n).zip(self.gradients.chunks_exact(n)) {
             for (g, row) in gradient.iter().zip(self.inverse_mass.chunks_exact(n)).filter(|(g, _)| **g != 0.0)
@@ -130,10 +144,14 @@ impl ConstrainedVelocity {
             pairs.map(|(p, g)| p * g).sum()
         };
         let mut matrix: Vec<f64> = (0..m * m).map(|at| entry((at / m, at % m))).collect();
-        self.times.project_columns(&mut matrix, m);
+        // Carriers are last, and not in the range of the constraints.
+        (n_constraints..m).for_each(|at| matrix[at * m + at] -= 1.0);
+        self.times.project_columns(&mut matrix[..n_constraints * m], m);
         let range = self.times.range();
         if range.is_redundant() {
-            (0..m * m).for_each(|at| matrix[at] += range.complement(at / m, at % m));
+            let pairs =
+                (0..n_constraints).flat_map(|row| (0..n_constraints).map(move |column| (row, column)));
+            pairs.for_each(|(row, column)| matrix[row * m + column] += range.complement(row, column));
         }
         if !eliminate(&mut matrix, &mut nu, 1) {
             return Err(Error::NoMotion { time: time[0] });

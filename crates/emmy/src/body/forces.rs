@@ -92,6 +92,11 @@ impl Body {
         let counts = |cell: u32| self.ranks().counts()[cell as usize];
         let of_cells = |chosen: &dyn Fn(u32) -> bool| {
             let (mesh, internal) = (self.mesh(), self.space.internal());
+            // Cells of rigid bodies are not strained.
+            let chosen = |cell: u32| {
+                let nodes = mesh.cell(cell as usize).nodes;
+                chosen(cell) && !self.mechanism.moves(nodes, |node| self.leaders_of(node))
+            };
             let forces = cells::forces(mesh, &self.made_of, &self.region_of_cell, internal, chosen);
             // The builder has checked all else.
             forces.unwrap_or_else(|error| panic!("{error}"))

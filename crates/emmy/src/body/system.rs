@@ -39,6 +39,8 @@ pub struct Body {
     /// Computed on first use.
     pub(super) node_order: Arc<OnceLock<Result<Vec<usize>>>>,
     pub(super) mass: Arc<Vec<f64>>,
+    /// The same with the carriers of massless directions.
+    pub(super) carried_mass: Arc<Vec<f64>>,
     pub(super) viscous_time: f64,
     pub(super) lumped_mass: Vec<f64>,
     /// The body with loads and ground that act on the lumped mass, if that makes a difference.
@@ -97,7 +99,7 @@ impl Body {
         self.space.ties().summaries()
     }
 
-    /// The rigid bodies without cells.
+    /// The rigid bodies; those of a group with their centre.
     pub fn rigid_bodies(&self) -> impl ExactSizeIterator<Item = &RigidBody> {
         self.mechanism.frames.iter().map(Frame::body)
     }
@@ -120,6 +122,16 @@ impl Body {
     /// How many ways the mechanism of rigid bodies and joints can move where it is drawn.
     pub fn mobility(&self) -> Mobility {
         self.mechanism.mobility(self.space.inactive())
+    }
+
+    /// Number of the nodes that follow others, by ties or in a rigid body.
+    pub fn n_followers(&self) -> usize {
+        self.space.ties().followers().len()
+    }
+
+    /// The rigid body that a node of the mesh belongs to.
+    pub fn rigid_body_of(&self, node: u32) -> Option<&str> {
+        self.space.ties().body_of(node)
     }
 
     /// The nodes that a tied node follows, with their weights.
@@ -192,6 +204,12 @@ impl Body {
     /// Consistent mass matrix M_AB, one number per coupling of the pattern \[mass\].
     pub fn mass(&self) -> &[f64] {
         &self.mass
+    }
+
+    /// The consistent mass for factorisations: positive definite, with carriers in the directions of rigid bodies that
+    /// have no mass.
+    pub(crate) fn carried_mass(&self) -> &[f64] {
+        &self.carried_mass
     }
 
     /// Lumped mass, one number per node \[mass\].

@@ -15,22 +15,30 @@ use crate::space::{CellTable, InternalNodes};
 use crate::tensor::{LANES, det};
 
 /// Checks all that the forces of the cells need, but makes none: formulations, Jacobians, room for the geometry.
-/// Returns whether some cells have pressures.
+/// Returns whether some cells have pressures; cells of rigid bodies have no forces.
 ///
 /// # Errors
 /// [`Error::Formulation`], [`Error::InvertedCell`], [`Error::OutOfMemory`].
-pub(crate) fn check(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32]) -> Result<bool> {
+pub(crate) fn check(
+    mesh: &Mesh,
+    regions: &[Region],
+    region_of_cell: &[u32],
+    is_rigid: impl Fn(u32) -> bool,
+) -> Result<bool> {
     let mut has_pressures = false;
     let mut n_points = 0;
     let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
-    let mut seen = vec![[false; CellKind::ALL.len()]; regions.len()];
+    // Whether cells of each region and kind have pressures, once it is known.
+    let mut seen = vec![[None; CellKind::ALL.len()]; regions.len()];
     for ((index, cell), &region) in mesh.cells().enumerate().zip(region_of_cell) {
         let kind = cell.kind;
-        if !std::mem::replace(&mut seen[region as usize][kind as usize], true) {
+        let seen = &mut seen[region as usize][kind as usize];
+        if seen.is_none() {
             let region = &regions[region as usize];
             let split = region.material.split(region.formulation, kind);
-            has_pressures |= split.map_err(|reason| Error::Formulation { cell: index, reason })?.is_some();
+            *seen = Some(split.map_err(|reason| Error::Formulation { cell: index, reason })?.is_some());
         }
+        has_pressures |= !has_pressures && *seen == Some(true) && !is_rigid(index as u32);
         let table = tables[kind as usize].get_or_insert_with(|| {
             ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes())
         });

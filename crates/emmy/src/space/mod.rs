@@ -21,7 +21,7 @@ pub use reactions::Reaction;
 pub use reductions::sum;
 pub(crate) use supports::Supports;
 pub use ties::TieSummary;
-pub(crate) use ties::Ties;
+pub(crate) use ties::{RigidFollowers, Ties};
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;

@@ -109,7 +109,13 @@ impl Supports {
             };
             if let Some(node) = mesh.group_nodes(group)?.into_iter().find(is_free) {
                 let point = short_vector(mesh.points()[node as usize]);
-                let reason = format!("its node at {point} is tied to others; hold these instead");
+                let reason = match ties.body_of(node) {
+                    Some(body) => format!(
+                        "its node at {point} belongs to the rigid body \"{body}\"; hold the body instead, as by a \
+                         fixed joint to the ground"
+                    ),
+                    None => format!("its node at {point} is tied to others; hold these instead"),
+                };
                 return Err(Error::Support { group: group.clone(), reason });
             }
         }

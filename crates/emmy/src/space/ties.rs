@@ -27,6 +27,17 @@ pub(crate) struct Ties {
     begin: Vec<usize>,
     leaders: Vec<(u32, f64)>,
     summaries: Vec<TieSummary>,
+    /// Rigid bodies with the nodes that follow them, ascending.
+    bodies: Vec<(String, Vec<u32>)>,
+}
+
+/// Nodes that follow a rigid body, ascending.
+#[derive(Debug)]
+pub(crate) struct RigidFollowers {
+    /// Name of the body.
+    pub body: String,
+    /// The nodes with their leaders.
+    pub nodes: Vec<(u32, Vec<(u32, f64)>)>,
 }
 
 /// Numbers of a tie.
@@ -65,12 +76,32 @@ impl Ties {
     /// Finds the leaders of all followers, and moves the followers to the points that they follow.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`]; [`Error::Tie`] for a follower too far from its leader, of two ties, or that leads back.
-    pub(crate) fn new(mesh: &mut Mesh, ties: &[Tie]) -> Result<Self> {
+    /// [`Error::UnknownGroup`]; [`Error::Tie`] for a follower too far from its leader, of two ties or a tie and a rigid
+    /// body, or that leads back; [`Error::Rigid`] for a follower of two rigid bodies.
+    pub(crate) fn new(mesh: &mut Mesh, ties: &[Tie], rigid: Vec<RigidFollowers>) -> Result<Self> {
         let mut all = Leaders::new();
         let mut number_of = BTreeMap::new();
+        let mut bodies: Vec<(String, Vec<u32>)> = Vec::new();
+        for RigidFollowers { body, nodes } in rigid {
+            if let Some((node, _)) = nodes.iter().find(|(node, _)| all.contains_key(node)) {
+                let (at, other) = (place(mesh, *node), body_of(&bodies, *node).unwrap_or_default());
+                let reason =
+                    format!("its node at {at} belongs to \"{other}\", too; make them one body, or join them");
+                return Err(Error::Rigid { body, reason });
+            }
+            bodies.push((body, nodes.iter().map(|(node, _)| *node).collect()));
+            all.extend(nodes);
+        }
         for (number, tie) in ties.iter().enumerate() {
             for (node, nearest) in of_tie(mesh, number, tie)? {
+                if let Some(body) = body_of(&bodies, node) {
+                    let at = place(mesh, node);
+                    let reason = format!(
+                        "its node at {at} belongs to the rigid body \"{body}\" and follows that; swap follower and \
+                         leader"
+                    );
+                    return Err(fault(number, tie, reason));
+                }
                 if let Some(other) = number_of.insert(node, number) {
                     let other: &Tie = &ties[other];
                     let reason = format!(
@@ -83,7 +114,7 @@ impl Ties {
                 all.insert(node, nearest.weights);
             }
         }
-        compose(&mut all, ties.len()).map_err(|node| {
+        compose(&mut all, ties.len() + bodies.len().min(1)).map_err(|node| {
             let number = number_of[&node];
             let reason = format!("its node at {} leads and follows in a circle", place(mesh, node));
             fault(number, &ties[number], reason)
@@ -91,19 +122,22 @@ impl Ties {
         let mut summaries: Vec<TieSummary> = ties.iter().map(TieSummary::new).collect();
         let (mut followers, mut begin, mut leaders) = (Vec::new(), vec![0], Vec::new());
         for (node, own) in all {
-            let mut X = [0.0; 3];
-            for &(leader, weight) in &own {
-                (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
+            // Nodes of rigid bodies are where they are.
+            if let Some(&number) = number_of.get(&node) {
+                let mut X = [0.0; 3];
+                for &(leader, weight) in &own {
+                    (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
+                }
+                let summary = &mut summaries[number];
+                summary.n_followers += 1;
+                summary.largest_shift = summary.largest_shift.max(distance(X, mesh.points()[node as usize]));
+                mesh.move_node(node as usize, X);
             }
-            let summary = &mut summaries[number_of[&node]];
-            summary.n_followers += 1;
-            summary.largest_shift = summary.largest_shift.max(distance(X, mesh.points()[node as usize]));
-            mesh.move_node(node as usize, X);
             followers.push(node);
             leaders.extend(own);
             begin.push(leaders.len());
         }
-        Ok(Ties { followers, begin, leaders, summaries })
+        Ok(Ties { followers, begin, leaders, summaries, bodies })
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -118,6 +152,11 @@ impl Ties {
     /// Followers, ascending.
     pub(crate) fn followers(&self) -> &[u32] {
         &self.followers
+    }
+
+    /// Name of the rigid body that a node of the mesh belongs to.
+    pub(crate) fn body_of(&self, node: u32) -> Option<&str> {
+        body_of(&self.bodies, node)
     }
 
     /// Degrees of freedom of the followers.
@@ -288,6 +327,11 @@ fn shortest_edges(mesh: &Mesh, nodes: &[u32]) -> BTreeMap<u32, f64> {
         }
     }
     shortest
+}
+
+fn body_of(bodies: &[(String, Vec<u32>)], node: u32) -> Option<&str> {
+    let own = bodies.iter().find(|(_, nodes)| nodes.binary_search(&node).is_ok());
+    own.map(|(name, _)| name.as_str())
 }
 
 /// Replaces leaders that follow themselves by their leaders; the error is a node that leads itself.

@@ -120,11 +120,19 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
 /// # Errors
 /// [`Error::Linear`] if the iteration does not converge.
 pub fn null_space(matrix: &[f64]) -> Result<Vec<Vec<f64>>> {
+    null_space_within(matrix, NULL)
+}
+
+/// The same with the modulus below which eigenvalues count as zero.
+///
+/// # Errors
+/// As [`null_space`].
+pub fn null_space_within(matrix: &[f64], least: f64) -> Result<Vec<Vec<f64>>> {
     let n = matrix.len().isqrt();
     let A = Mat::from_fn(n, n, |i, j| matrix[i * n + j]);
     let failed = |_| Error::Linear { reason: "eigenvalues of a symmetric matrix".into() };
     let eigen = A.self_adjoint_eigen(Side::Lower).map_err(failed)?;
-    let is_null = |&m: &usize| eigen.S()[m].abs() < NULL;
+    let is_null = |&m: &usize| eigen.S()[m].abs() < least;
     Ok((0..n).filter(is_null).map(|m| (0..n).map(|i| eigen.U()[(i, m)]).collect()).collect())
 }
 

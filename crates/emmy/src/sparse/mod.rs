@@ -37,7 +37,8 @@ pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
 pub(crate) use dense::largest_eigenvalue;
 pub use dense::{
-    Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space, split,
+    Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space,
+    null_space_within, split,
 };
 pub(crate) use direct::{Direct, DirectPair};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};

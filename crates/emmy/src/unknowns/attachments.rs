@@ -28,7 +28,7 @@ impl Attachments<'_> {
                 let frame = self.frame(name)?;
                 let found = frame.point(point);
                 found.ok_or_else(|| {
-                    let centre = short_vector(frame.body().centre);
+                    let centre = short_vector(frame.centre());
                     format!("\"{name}\" is a point at {centre}; give an inertia, or place the joint there")
                 })
             }

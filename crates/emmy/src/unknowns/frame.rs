@@ -25,7 +25,9 @@ use super::constraint::Constraint;
 use crate::error::{Error, Result};
 use crate::input::RigidBody;
 use crate::mass::RegionSummary;
+use crate::mesh::{Mesh, distance};
 use crate::nodal;
+use crate::space::RigidFollowers;
 use crate::sparse::Pattern;
 use crate::tensor::{cross, dot3, eigen};
 
@@ -33,10 +35,14 @@ use crate::tensor::{cross, dot3, eigen};
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     body: RigidBody,
+    /// Position of P_0.
+    centre: [f64; 3],
     /// Node of the centre; those of the axes follow.
     first: u32,
-    /// s, the radius of gyration; 0 of a point mass.
+    /// s, the radius of gyration of the mass, or without it of the nodes of a group; 0 of a point mass.
     size: f64,
+    /// Nodes of the group, ascending.
+    members: Vec<u32>,
 }
 
 /// Position and motion of a rigid body.
@@ -53,26 +59,68 @@ pub struct RigidMotion {
 }
 
 impl Frame {
-    /// The frame of a rigid body whose nodes begin with a number.
+    /// The frame of a rigid body whose nodes begin with a number, without a group.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a mass; [`Error::Inertia`] for moments that no body has.
+    /// [`Error::NotPositive`] for a mass; [`Error::Inertia`] for moments that no body has; [`Error::Rigid`] without a
+    /// centre.
     pub(crate) fn new(body: &RigidBody, first: u32) -> Result<Self> {
         let RigidBody { name, mass, inertia, .. } = body;
         if !(*mass > 0.0 && mass.is_finite()) {
             let what = format!("mass of the rigid body \"{name}\"");
             return Err(Error::NotPositive { what, value: *mass });
         }
-        let Some(J) = inertia else { return Ok(Frame { body: body.clone(), first, size: 0.0 }) };
+        let Some(centre) = body.centre else {
+            let reason = "it needs a centre, or a group".to_string();
+            return Err(Error::Rigid { body: name.clone(), reason });
+        };
+        let point = Frame { body: body.clone(), centre, first, size: 0.0, members: Vec::new() };
+        let Some(J) = inertia else { return Ok(point) };
         let trace = J[0][0] + J[1][1] + J[2][2];
         let E = second_moments(J);
         let (moments, _) = eigen(&[E[0][0], E[1][1], E[2][2], E[0][1], E[1][2], E[0][2]]);
-        let least = moments.into_iter().fold(f64::INFINITY, f64::min);
+        let mut moments = moments;
+        moments.sort_by(f64::total_cmp);
         let is_symmetric = (0..3).all(|i| (0..3).all(|j| J[i][j] == J[j][i] && J[i][j].is_finite()));
-        if !(is_symmetric && least > LEAST_MOMENT * trace) {
+        // A flat body has a moment of zero.
+        let has_moments = moments[0] > -LEAST_MOMENT * trace && moments[1] > LEAST_MOMENT * trace;
+        if !(is_symmetric && has_moments) {
             return Err(Error::Inertia { body: name.clone(), inertia: *J });
         }
-        Ok(Frame { body: body.clone(), first, size: (0.5 * trace / mass).sqrt() })
+        Ok(Frame { size: (0.5 * trace / mass).sqrt(), ..point })
+    }
+
+    /// The frame of a rigid body with the nodes of a group; `centre`: that of the mass of its cells, if it has any.
+    ///
+    /// # Errors
+    /// As [`Frame::new`]; [`Error::Rigid`] for nodes that have no directions.
+    pub(crate) fn of_group(
+        body: &RigidBody,
+        first: u32,
+        mesh: &Mesh,
+        members: Vec<u32>,
+        centre: Option<[f64; 3]>,
+    ) -> Result<Self> {
+        let points = || members.iter().map(|&node| mesh.points()[node as usize]);
+        let mean = || {
+            points()
+                .fold([0.0; 3], |sum, X| [0, 1, 2].map(|d| sum[d] + X[d]))
+                .map(|x| x / members.len() as f64)
+        };
+        let centre = body.centre.or(centre).unwrap_or_else(mean);
+        let body = RigidBody { centre: Some(centre), ..body.clone() };
+        if body.mass != 0.0 || body.inertia.is_some() {
+            let own = Frame::new(&body, first)?;
+            if own.size > 0.0 {
+                return Ok(Frame { members, ..own });
+            }
+        }
+        let square: f64 = points().map(|X| distance(X, centre).powi(2)).sum();
+        let size = (square / members.len() as f64).sqrt();
+        if size == 0.0 {
+            return Err(without_directions(&body));
+        }
+        Ok(Frame { body, centre, first, size, members })
     }
 
     /// Its name.
@@ -80,20 +128,50 @@ impl Frame {
         &self.body.name
     }
 
-    /// Its data.
+    /// Position of its centre in the reference configuration.
+    pub(crate) fn centre(&self) -> [f64; 3] {
+        self.centre
+    }
+
+    /// Its data; those of a group with its centre.
     pub(crate) fn body(&self) -> &RigidBody {
         &self.body
     }
 
     /// Numbers of its nodes: the centre, and the ends of three axes if it has directions.
     pub(crate) fn nodes(&self) -> Range<u32> {
-        self.first..self.first + if self.body.inertia.is_some() { 4 } else { 1 }
+        self.first..self.first + if self.body.has_axes() { 4 } else { 1 }
+    }
+
+    /// Whether it has a group.
+    pub(crate) fn has_members(&self) -> bool {
+        !self.members.is_empty()
+    }
+
+    /// The nodes of its group with their weights.
+    pub(crate) fn followers(&self, mesh: &Mesh) -> RigidFollowers {
+        let follower = |&node: &u32| {
+            let Affine { nodes, weights, .. } = self.point(mesh.points()[node as usize])?;
+            Some((node, nodes.into_iter().zip(weights).collect()))
+        };
+        RigidFollowers {
+            body: self.body.name.clone(),
+            nodes: self.members.iter().filter_map(follower).collect(),
+        }
+    }
+
+    /// Whether it moves all of some nodes, those of a cell: then the cell is not strained.
+    pub(crate) fn moves<'t>(&self, nodes: &[u32], leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]>) -> bool {
+        let own = self.nodes();
+        let is_own =
+            |node: u32| leaders(node).is_some_and(|all| all.iter().all(|(leader, _)| own.contains(leader)));
+        !self.members.is_empty() && nodes.iter().all(|&node| is_own(node))
     }
 
     /// Reference positions of its nodes.
     pub(crate) fn points(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.nodes().map(|node| {
-            let mut point = self.body.centre;
+            let mut point = self.centre;
             if let Some(axis) = (node - self.first).checked_sub(1) {
                 point[axis as usize] += self.size;
             }
@@ -135,10 +213,10 @@ impl Frame {
         }
     }
 
-    /// Mass, centre and inertia.
+    /// Mass, centre and inertia; of a group what is added to the masses of its nodes.
     pub(crate) fn summary(&self) -> RegionSummary {
-        let RigidBody { name, mass, centre, inertia } = self.body.clone();
-        let point = RegionSummary::of_point(mass, centre);
+        let RigidBody { name, mass, inertia, .. } = self.body.clone();
+        let point = RegionSummary::of_point(mass, self.centre);
         RegionSummary { group: Some(name), inertia: inertia.unwrap_or(point.inertia), ..point }
     }
 
@@ -148,9 +226,9 @@ impl Frame {
             [0, 1, 2].map(|d| vectors(nodal::dof(self.first as usize + node, d)))
         };
         let centre = at(u, 0);
-        let position = [0, 1, 2].map(|d| self.body.centre[d] + centre[d]);
+        let position = [0, 1, 2].map(|d| self.centre[d] + centre[d]);
         let velocity = at(v, 0);
-        if self.body.inertia.is_none() {
+        if !self.body.has_axes() {
             return RigidMotion { position, velocity, ..RigidMotion::default() };
         }
         let (mut axes, mut spin) = ([[0.0; 3]; 3], [0.0; 3]);
@@ -166,7 +244,9 @@ impl Frame {
 
     /// A direction that turns with the body; `None` of a point mass.
     pub(crate) fn vector(&self, direction: [f64; 3]) -> Option<Affine> {
-        self.body.inertia?;
+        if !self.body.has_axes() {
+            return None;
+        }
         let c = direction.map(|d| d / self.size);
         let weights = vec![-(c[0] + c[1] + c[2]), c[0], c[1], c[2]];
         Some(Affine { nodes: self.nodes().collect(), weights, reference: direction })
@@ -174,7 +254,7 @@ impl Frame {
 
     /// A point of the body; of a point mass `None` but for the centre.
     pub(crate) fn point(&self, point: [f64; 3]) -> Option<Affine> {
-        let arm = [0, 1, 2].map(|d| point[d] - self.body.centre[d]);
+        let arm = [0, 1, 2].map(|d| point[d] - self.centre[d]);
         let mut affine = self.vector(arm).or_else(|| {
             let is_centre = arm.map(f64::abs) <= point.map(|x| ROUNDING * x.abs());
             is_centre.then(|| Affine { nodes: vec![self.first], weights: vec![0.0], reference: point })
@@ -200,6 +280,16 @@ impl Frame {
     }
 }
 
+/// The fault of nodes that leave a direction without a mass and without a constraint.
+pub(super) fn without_directions(body: &RigidBody) -> Error {
+    let group = body.group.as_deref().unwrap_or_default();
+    let reason = format!(
+        "the nodes of \"{group}\" lie on a line, about which nothing holds the body; add a node off it, or give mass, \
+         centre and inertia"
+    );
+    Error::Rigid { body: body.name.clone(), reason }
+}
+
 /// E, the second moments of the mass of a body with an inertia.
 fn second_moments(J: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let half = 0.5 * (J[0][0] + J[1][1] + J[2][2]);
@@ -209,7 +299,8 @@ fn second_moments(J: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 /// Distance of a joint from a point mass, over the coordinates, that is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass.
+/// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass, which
+/// one may have.
 const LEAST_MOMENT: f64 = 1e-9;
 
 #[cfg(test)]
@@ -218,14 +309,15 @@ mod tests {
 
     #[test]
     fn masses_have_the_kinetic_energy_of_a_rigid_body() {
-        let mut body = RigidBody::new("top", 2.0, [0.3, -0.2, 1.0], [0.4, 0.5, 0.7]);
+        let centre = [0.3, -0.2, 1.0];
+        let mut body = RigidBody::new("top", 2.0, centre, [0.4, 0.5, 0.7]);
         let mut inertia = body.inertia.unwrap();
         (inertia[0][1], inertia[1][0]) = (0.05, 0.05);
         body.inertia = Some(inertia);
         let frame = Frame::new(&body, 0).unwrap();
         let (spin, drift) = ([0.3, -1.1, 0.7], [0.5, 0.1, -0.4]);
         let velocity = |X: [f64; 3]| {
-            let r = [0, 1, 2].map(|d| X[d] - body.centre[d]);
+            let r = [0, 1, 2].map(|d| X[d] - centre[d]);
             let turned = cross(spin, r);
             [0, 1, 2].map(|d| drift[d] + turned[d])
         };

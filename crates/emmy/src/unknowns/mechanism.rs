@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::attachments::Attachments;
+use super::carrier::Carrier;
 use super::constraint::Constraint;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
@@ -25,6 +26,10 @@ pub(crate) struct Mechanism {
     pub frames: Vec<Frame>,
     pub joints: Vec<Joint>,
     pub constraints: Constraints,
+    /// Of the directions of rigid bodies without mass.
+    pub carriers: Vec<Carrier>,
+    /// Whether joints or groups of rigid bodies have nodes of elastic parts.
+    is_elastic: bool,
     outputs: Vec<JointOutput>,
 }
 
@@ -50,8 +55,8 @@ pub struct Mobility {
     pub n_constraints: usize,
     /// Number of those that follow from the others where the mechanism is drawn.
     pub n_redundant: usize,
-    /// Degrees of freedom where the mechanism is drawn, given motions included; `None` if joints have nodes of elastic
-    /// parts, which deform.
+    /// Degrees of freedom where the mechanism is drawn, given motions included; `None` if joints or rigid bodies have
+    /// nodes of elastic parts, which deform.
     pub degrees_of_freedom: Option<usize>,
     /// Number of these that have a given motion.
     pub n_driven: usize,
@@ -97,7 +102,57 @@ impl Mechanism {
         let is_grounded = held().any(|joint| joint.between.contains(&JointEnd::Ground));
         let release = held().filter_map(|joint| joint.until).min_by(f64::total_cmp);
         let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded, release);
-        Ok(Mechanism { frames, joints, constraints, outputs })
+        let moves = |node: u32| frames.iter().any(|frame| frame.moves(&[node], leaders));
+        let has_elastic_node = |joint: &Joint| {
+            joint.between.iter().any(|end| matches!(end, JointEnd::Node(node) if !moves(*node)))
+        };
+        // Where a rigid body has nodes of a mesh, elastic parts have some, too, unless all cells move as one.
+        let is_in_part = |nodes: &[u32]| {
+            nodes.iter().any(|&node| moves(node)) && !frames.iter().any(|frame| frame.moves(nodes, leaders))
+        };
+        let is_elastic = joints.iter().any(has_elastic_node)
+            || frames.iter().any(Frame::has_members) && mesh.cells().any(|cell| is_in_part(cell.nodes));
+        Ok(Mechanism { frames, joints, constraints, carriers: Vec::new(), is_elastic, outputs })
+    }
+
+    /// Whether a rigid body moves all nodes of a cell.
+    pub(crate) fn moves<'t>(
+        &self,
+        nodes: &[u32],
+        leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+    ) -> bool {
+        self.frames.iter().any(|frame| frame.moves(nodes, leaders))
+    }
+
+    /// Finds the directions of rigid bodies that a mass of each coupling leaves without mass. Returns the mass with
+    /// their carriers, `None` if there are none.
+    ///
+    /// # Errors
+    /// As [`Carrier::of`].
+    pub(crate) fn carry(&mut self, pattern: &Pattern, mass: &[f64]) -> Result<Option<Vec<f64>>> {
+        for frame in &self.frames {
+            self.carriers.extend(Carrier::of(frame, pattern, mass)?);
+        }
+        if self.carriers.is_empty() {
+            return Ok(None);
+        }
+        let mut carried = mass.to_vec();
+        self.carriers.iter().for_each(|carrier| carrier.add_to(pattern, &mut carried));
+        Ok(Some(carried))
+    }
+
+    /// The same with some of its joints.
+    ///
+    /// # Errors
+    /// As [`Mechanism::new`].
+    pub(crate) fn with_joints<'t>(
+        &self,
+        mesh: &Mesh,
+        leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+        holds: impl Fn(&Joint) -> bool,
+    ) -> Result<Self> {
+        let rest = Mechanism::new(self.frames.clone(), self.joints.clone(), mesh, leaders, holds)?;
+        Ok(Mechanism { carriers: self.carriers.clone(), ..rest })
     }
 
     /// Whether a node is the end of an axis of a rigid body.
@@ -112,15 +167,14 @@ impl Mechanism {
         self.frames.is_empty() && self.joints.is_empty()
     }
 
-    /// Degrees of freedom among n of a body, but those of rigid bodies.
+    /// Degrees of freedom among n of a body, but those of rigid bodies without nodes of a mesh.
     pub(crate) fn dofs_of_others(&self, n: usize) -> Vec<std::ops::Range<usize>> {
-        let of_frame = |frame: &Frame| frame.nodes().len() * 3;
-        let starts = self.frames.iter().map(|frame| nodal::dof(frame.nodes().start as usize, 0));
-        let mut begin = 0;
-        let mut others: Vec<_> = starts
-            .zip(&self.frames)
-            .map(|(start, frame)| std::mem::replace(&mut begin, start + of_frame(frame))..start)
-            .collect();
+        let (mut others, mut begin) = (Vec::new(), 0);
+        for nodes in self.frames.iter().filter(|frame| !frame.has_members()).map(Frame::nodes) {
+            let [start, end] = [nodes.start, nodes.end].map(|node| nodal::dof(node as usize, 0));
+            others.push(begin..start);
+            begin = end;
+        }
         others.push(begin..n);
         others.retain(|range| !range.is_empty());
         others
@@ -210,8 +264,6 @@ impl Mechanism {
         }
         let redundant = self.joints.iter().zip(&n_dependent).filter(|(_, n)| **n > 0);
         let [n_free, n_driven] = n_new;
-        let is_elastic =
-            self.joints.iter().any(|joint| joint.between.iter().any(|end| matches!(end, JointEnd::Node(_))));
         let free = |frame: &Frame| {
             frame.nodes().flat_map(|node| nodal::dofs(node as usize)).filter(|&dof| !is_held[dof]).count()
         };
@@ -221,7 +273,7 @@ impl Mechanism {
             n_joints: self.joints.len(),
             n_constraints: n_of_joints,
             n_redundant: n_dependent.iter().sum(),
-            degrees_of_freedom: (!is_elastic).then(|| dofs - n_of_frames - n_free),
+            degrees_of_freedom: (!self.is_elastic).then(|| dofs - n_of_frames - n_free),
             n_driven,
             redundant: redundant.map(|(joint, _)| joint.name.clone()).collect(),
         }

@@ -8,6 +8,7 @@
 mod affine;
 mod attachments;
 mod blocks;
+mod carrier;
 mod constraint;
 mod constraint_equations;
 mod constraint_step;

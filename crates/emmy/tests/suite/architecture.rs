@@ -132,6 +132,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "constraint_step",
             "constraint_equations",
             "frame",
+            "carrier",
             "attachments",
             "joint",
             "joint_force",

@@ -33,6 +33,7 @@ mod quadratic_cells;
 mod reactions;
 mod reference_cases;
 mod resumed_motions;
+mod rigid_groups;
 mod rigid_links;
 mod shared;
 mod small_modes;

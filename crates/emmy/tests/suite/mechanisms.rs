@@ -53,8 +53,9 @@ const SLENDER: [f64; 2] = [1.0 / 12.0, 1e-3];
 fn position(body: &Body, record: &Record, name: &str, X: [f64; 3]) -> [f64; 3] {
     let number = body.rigid_bodies().position(|own| own.name == name).unwrap();
     let (own, motion) = (body.rigid_bodies().nth(number).unwrap(), record.rigid_bodies[number]);
+    let centre = own.centre.unwrap();
     [0, 1, 2]
-        .map(|d| motion.position[d] + (0..3).map(|i| motion.axes[i][d] * (X[i] - own.centre[i])).sum::<f64>())
+        .map(|d| motion.position[d] + (0..3).map(|i| motion.axes[i][d] * (X[i] - centre[i])).sum::<f64>())
 }
 
 /// Four-bars side by side (IFToMM A02): cranks on the ground, couplers between their tops, which start at a velocity.

@@ -23,6 +23,27 @@ impl Report {
         }
     }
 
+    /// A rigid body with nodes of the mesh; `added`: the mass in addition.
+    pub(super) fn rigid_group(
+        &mut self,
+        body: &Body,
+        [name, group]: [&str; 2],
+        added: &RegionSummary,
+        is_point: bool,
+    ) {
+        let members = body.mesh().group_nodes(group).unwrap_or_default();
+        let nodes = counted(members.len(), "node", "nodes");
+        let centre = self.units.vector(added.centre, "length");
+        self.line("rigid", &format!("{name}: {nodes} of `{group}` with their masses, centre {centre}"));
+        if added.mass > 0.0 {
+            let mass = self.units.number(added.mass, "mass");
+            self.line("", &format!("mass {mass} at the centre in addition"));
+            if !is_point {
+                self.inertia(added);
+            }
+        }
+    }
+
     /// Joints, and how many ways the bodies can move.
     pub(super) fn mechanism(&mut self, problem: &Problem) {
         problem.joints.iter().for_each(|joint| self.joint(joint, &problem.body));

@@ -85,7 +85,7 @@ impl Report {
         let all = body.n_dofs();
         let free = body.n_free_dofs();
         let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
-        let tied = 3 * body.ties().iter().map(|tie| tie.n_followers).sum::<usize>();
+        let tied = 3 * body.n_followers();
         let of_ties = if tied > 0 { format!(", {tied} tied") } else { String::new() };
         let held = all - free - tied;
         self.line("dofs", &format!("{all} degrees of freedom, {held} {given}{of_ties}, {free} free"));
@@ -104,7 +104,10 @@ impl Report {
         let (points, masses) = masses.split_at(problem.nodal.masses.len());
         let (rigid, spread) = masses.split_at(n_rigid);
         for (own, summary) in problem.rigid.iter().zip(rigid) {
-            self.rigid_body(["rigid", &own.name], summary, own.inertia.is_none());
+            match &own.group {
+                Some(group) => self.rigid_group(body, [&own.name, group], summary, own.inertia.is_none()),
+                None => self.rigid_body(["rigid", &own.name], summary, own.inertia.is_none()),
+            }
         }
         for (index, masses) in points.iter().chain(spread).enumerate() {
             self.mass(&name(masses), masses);

@@ -48,6 +48,10 @@ fn on_box(name: &str, joint: &str) -> Mistake {
     changed(name, "[[support]]", &format!("{rigid}\n[[joint]]\n{joint}\n\n[[support]]"))
 }
 
+/// A joint of the rigid body on the box, and the mass of the body.
+const HUB: &str = "spherical = { between = [\"hub\", \"ground\"], at = [0, 2, 0] }";
+const MASS: &str = "mass = 1.0\ncentre = [0, 2, 0]\ninertia = [1, 1, 1]";
+
 pub(super) fn all() -> Vec<Mistake> {
     [bodies(), joints(), drives(), forces(), names(), meshes()].into_iter().flatten().collect()
 }
@@ -55,8 +59,16 @@ pub(super) fn all() -> Vec<Mistake> {
 fn bodies() -> Vec<Mistake> {
     vec![
         door("rigid-without-a-name", "name = \"door\"\n", ""),
-        door("rigid-without-mass-and-centre", "mass = 20.0\ncentre = [0.5, 0.0, 1.0]\n", ""),
-        door("rigid-of-a-group", "mass = 20.0\n", "mass = 20.0\ngroup = \"panel\"\n"),
+        door("rigid-without-mass-and-centre", "mass = 20.0\ncentre = [0.5, 0.0, 1.0]\n", "").unseen(),
+        door("rigid-of-a-group", "mass = 20.0\n", "mass = 20.0\ngroup = \"panel\"\n").unseen(),
+        on_box("rigid-of-a-misspelt-group", HUB).and(MASS, "group = \"y-mx\"").unseen(),
+        on_box("rigid-of-a-held-group", HUB).and(MASS, "group = \"y-min\"").unseen(),
+        on_box("rigid-of-a-group-and-an-inertia", HUB)
+            .and("mass = 1.0\ncentre = [0, 2, 0]\n", "group = \"y-max\"\n")
+            .unseen(),
+        on_box("rigid-of-two-groups-that-share-nodes", HUB)
+            .and(MASS, "group = \"y-max\"\n\n[[rigid]]\nname = \"other\"\ngroup = \"x-max\"")
+            .unseen(),
         door("rigid-of-no-inertia", INERTIA, "inertia = [0.9, 0.3, 0.4]").unseen(),
         door(
             "rigid-of-no-inertia-by-a-matrix",

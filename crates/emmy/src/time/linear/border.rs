@@ -7,10 +7,13 @@
 //! ```math
 //! z = P^-1 (-R),    x_B + F (Q x_B + G^T dLambda) = z_B,    J x_B = -C,    dx = z - P^-1 (Q x_B + G^T dLambda)
 //! ```
+//!
+//! Q takes off what carriers add to the mass in P, `m_ij S`.
 
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::force::StepInput;
+use crate::nodal;
 use crate::sparse::eliminate;
 use crate::unknowns::{ConstraintStep, Derivatives};
 
@@ -30,6 +33,8 @@ pub(crate) struct Border {
     /// Mean mass of a node.
     mass_of_node: f64,
     derivatives: Derivatives,
+    /// Q, if there are carriers; without them it is that of the derivatives.
+    beside: Vec<f64>,
     /// Memory for the dense system, its right side, and a right side and a solution of the body.
     matrix: Vec<f64>,
     right: Vec<f64>,
@@ -60,14 +65,39 @@ impl Border {
         self.mass_of_node
     }
 
-    /// Sets the derivatives at a step with multipliers.
+    /// Sets the derivatives at a step with multipliers; `mass`: the coefficients m_ij of the masses.
     pub(crate) fn set(
         &mut self,
         body: &Body,
         step: (&StepInput<'_>, &mut ConstraintStep),
         multipliers: &[f64],
+        mass: impl Fn(usize, usize) -> f64,
     ) {
+        let k = step.0.rule.degree();
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
+        self.beside.clear();
+        if body.mechanism.carriers.is_empty() {
+            return;
+        }
+        self.beside.extend_from_slice(&self.derivatives.forces);
+        let n = self.entries.len();
+        let local = |stage: usize, node: u32, d: usize| {
+            stage * (n / k) + body.constraints().local_dof(nodal::dof(node as usize, d))
+        };
+        for carrier in &body.mechanism.carriers {
+            for ((a, own), (b, other)) in
+                carrier.weights().flat_map(|a| carrier.weights().map(move |b| (a, b)))
+            {
+                for (i, j, d) in (0..k * k * 3).map(|at| (at / (3 * k), at / 3 % k, at % 3)) {
+                    self.beside[local(i, a, d) * n + local(j, b, d)] -= mass(i, j) * own * other;
+                }
+            }
+        }
+    }
+
+    /// Q, row by row.
+    fn forces(&self) -> &[f64] {
+        if self.beside.is_empty() { &self.derivatives.forces } else { &self.beside }
     }
 
     /// Adds the products of the derivatives with changes of the rates and the multipliers to those of the body.
@@ -86,15 +116,15 @@ impl Border {
         let mut x_B = std::mem::take(&mut self.right);
         x_B.clear();
         x_B.extend(self.entries.iter().map(|&at| x[at]));
-        self.add_forces(&x_B, multipliers, y);
+        self.add_forces(&self.derivatives.forces, (&x_B, multipliers), y);
         self.right = x_B;
     }
 
-    /// Adds `Q x_B + G^T dLambda`.
-    fn add_forces(&self, x_B: &[f64], multipliers: &[f64], y: &mut [f64]) {
+    /// Adds `Q x_B + G^T dLambda`, Q row by row.
+    fn add_forces(&self, Q: &[f64], (x_B, multipliers): (&[f64], &[f64]), y: &mut [f64]) {
         let (n, m) = (self.entries.len(), multipliers.len());
-        let Derivatives { forces, multipliers: by_multipliers, .. } = &self.derivatives;
-        let rows = forces.chunks_exact(n).zip(by_multipliers.chunks_exact(m));
+        let by_multipliers = &self.derivatives.multipliers;
+        let rows = Q.chunks_exact(n).zip(by_multipliers.chunks_exact(m));
         let entries = self.entries.iter().zip(&self.is_held).zip(rows).filter(|((_, held), _)| !**held);
         for ((&at, _), (forces, by_multipliers)) in entries {
             let of_rates: f64 = forces.iter().zip(x_B).map(|(entry, x)| entry * x).sum();
@@ -147,7 +177,7 @@ impl Border {
         multipliers.copy_from_slice(changes);
         let mut force = std::mem::take(&mut self.force);
         force.fill(0.0);
-        self.add_forces(x_B, changes, &mut force);
+        self.add_forces(self.forces(), (x_B, changes), &mut force);
         self.column.fill(0.0);
         let solved = solve(&force, &mut self.column, tolerance);
         self.force = force;
@@ -160,7 +190,8 @@ impl Border {
         let size = n + m;
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
-        let Derivatives { rates, rest, multipliers, forces } = &self.derivatives;
+        let Derivatives { rates, rest, multipliers, .. } = &self.derivatives;
+        let forces = if self.beside.is_empty() { &self.derivatives.forces } else { &self.beside };
         for (row, flexibility) in self.flexibility.chunks_exact(n).enumerate() {
             let own = &mut self.matrix[row * size..(row + 1) * size];
             own[row] = 1.0;

@@ -184,7 +184,7 @@ impl ModeSolvers {
     /// `number`: the stiffness number.
     fn factorize(&mut self, body: &Body, given: &mut Stiffness<'_>, number: f64) -> Result<()> {
         let Stiffness { matrix: mut stiffness, positions, viscous_rate, undamped, .. } = *given;
-        let (mut mass, mut fixed) = (body.mass(), body.space.inactive());
+        let (mut mass, mut fixed) = (body.carried_mass(), body.space.inactive());
         let elastic = given.elastic.as_mut().filter(|_| self.is(SolverKind::Direct));
         let elastic = elastic.map(|elastic| elastic.assemble(body, undamped)).transpose()?;
         let elastic = elastic
@@ -255,7 +255,7 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        self.condensation = body.condensation(body.mass());
+        self.condensation = body.condensation(body.carried_mass());
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let fixed = &body.space.inactive()[..3 * pattern.n_rows()];
         let order = || -> Result<Vec<usize>> {

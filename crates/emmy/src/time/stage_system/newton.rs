@@ -64,7 +64,9 @@ impl StageSystem<'_> {
             let Equations { body, constraint_step, coefficients, time_scale, displacement, .. } =
                 &mut self.equations;
             let step = step_input(coefficients, *time_scale, displacement, rates);
-            self.border.set(body, (&step, constraint_step), multipliers);
+            let (k, drag) = (coefficients.rule.degree(), *time_scale * body.drag());
+            let mass = |i: usize, j: usize| coefficients.mass[i * k + j] + if i == j { drag } else { 0.0 };
+            self.border.set(body, (&step, constraint_step), multipliers, mass);
         }
     }
 
