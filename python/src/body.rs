@@ -166,8 +166,8 @@ impl Body {
     }
 }
 
-/// Numbers of rigid bodies, joints and constraints, degrees of freedom, names of joints.
-type Counts<'py> = (usize, usize, usize, usize, Option<usize>, Bound<'py, PyTuple>);
+/// Numbers of rigid bodies, joints and constraints, degrees of freedom, driven ones, names of joints.
+type Counts<'py> = (usize, usize, usize, usize, Option<usize>, usize, Bound<'py, PyTuple>);
 
 /// Driven degrees of freedom with their displacements and velocities.
 type Prescribed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);

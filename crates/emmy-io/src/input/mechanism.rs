@@ -139,7 +139,7 @@ impl Mechanism {
                     Err(Fault::at(place, message, "a point mass").help("give it an `inertia`"))
                 }
                 None if mesh.groups().kinds(name).is_empty() => {
-                    let label = did_you_mean(name, self.bodies().into_iter()).unwrap_or("not there".into());
+                    let label = did_you_mean(name, self.bodies()).unwrap_or("not there".into());
                     let known = format!("rigid bodies: {}", listed(self.bodies().into_iter()));
                     let message = format!("`moment`: there is no rigid body `{name}`");
                     Err(Fault::at(place, message, label).help(known))

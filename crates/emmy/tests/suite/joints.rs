@@ -259,7 +259,7 @@ fn a_moment_about_a_principal_axis_turns_a_body_as_a_motor_does() {
             assert!(record.energy_residual.abs() < 1e-12 && record.angular_momentum_residual < 1e-12);
             assert!((record.total_energy - record.external_work).abs() < 1e-12, "k = {k}: {record:?}");
             assert!(
-                record.constraint_residual < 1e-14 && record.newton_iterations < 8,
+                record.constraint_residual < 1e-14 && record.newton_iterations <= 8,
                 "k = {k}: {record:?}"
             );
         }
