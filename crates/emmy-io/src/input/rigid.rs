@@ -82,7 +82,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
     if !missing.is_empty() {
         let are = if missing.len() == 1 { "is" } else { "are" };
         let message = format!("{} {are} missing in [[rigid]]", missing.join(" and "));
-        let fault = Fault::at(&table.place, message, format!("needs {}", missing.join(" and ")));
+        let fault = Fault::at(table.place, message, format!("needs {}", missing.join(" and ")));
         return Err(match (&group, inertia) {
             (Some(_), Some(inertia)) => fault.label(inertia.place(), "that of a mass in addition"),
             _ => fault.help("or a `group` of the mesh, which moves as one"),
