@@ -8,14 +8,14 @@ use emmy_io::input::{self, Overrides, Problem};
 /// One of the input files, with values changed as by `--set`.
 #[derive(Debug, Clone)]
 pub(crate) struct Case {
-    file: &'static str,
+    file: String,
     set: Vec<String>,
 }
 
 impl Case {
     /// An unchanged input.
-    pub(crate) fn new(file: &'static str) -> Self {
-        Case { file, set: Vec::new() }
+    pub(crate) fn new(file: impl Into<String>) -> Self {
+        Case { file: file.into(), set: Vec::new() }
     }
 
     /// The case with another value.

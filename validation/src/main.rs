@@ -1,7 +1,7 @@
 //! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with its claims,
 //! checked by numbers; also the schemes of other codes, higher degrees, long flights, and elements that do not lock.
 //!
-//!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
+//!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER] [--exudyn PYTHON]
 //!
 //! Ends with exit code 1 if a claim fails.
 
@@ -33,6 +33,9 @@ struct Arguments {
     /// Only these items, such as table-3,figure-5
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     only: Vec<String>,
+    /// Interpreter of Python with EXUDYN, beside which `mechanisms` then stands (benches/peers/README.md)
+    #[arg(long, value_name = "PATH")]
+    exudyn: Option<PathBuf>,
     /// Folder for the pictures, the pages (index.html, results.md) and the kept references
     #[arg(long, default_value = "validation-results")]
     output: PathBuf,
@@ -57,7 +60,9 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
         .map_err(|error| format!("{}: {error}", arguments.output.display()))?;
     let pictures = Pictures { folder: arguments.output.clone() };
     let start = std::time::Instant::now();
-    let items = items(&entries, Effort { quick: arguments.quick }, &pictures)?;
+    // Until the program ends.
+    let exudyn = arguments.exudyn.clone().map(|path| &*Box::leak(path.into_boxed_path()));
+    let items = items(&entries, Effort { quick: arguments.quick, exudyn }, &pictures)?;
     for item in &items {
         println!("{}", item.title);
         for claim in &item.claims {
@@ -75,14 +80,16 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
 }
 
 impl Arguments {
-    /// The requested items; all if none is named.
+    /// The requested items; if none is named, all but the long ones.
     fn entries(&self) -> Result<Vec<Entry>, String> {
         let names: Vec<&str> = items::ALL.iter().map(|entry| entry.name).collect();
         if let Some(unknown) = self.only.iter().find(|name| !names.contains(&name.as_str())) {
             return Err(format!("--only {unknown}: there is no such item; there are {}", names.join(", ")));
         }
-        let is_wanted =
-            |entry: &&Entry| self.only.is_empty() || self.only.iter().any(|name| name == entry.name);
+        let is_wanted = |entry: &&Entry| match self.only.is_empty() {
+            true => !entry.long,
+            false => self.only.iter().any(|name| name == entry.name),
+        };
         Ok(items::ALL.iter().filter(is_wanted).copied().collect())
     }
 }

@@ -35,3 +35,17 @@ pub(crate) fn momentum_drift(records: &[Record]) -> f64 {
 pub(crate) fn order(coarse: (f64, f64), fine: (f64, f64)) -> f64 {
     (coarse.1 / fine.1).ln() / (coarse.0 / fine.0).ln()
 }
+
+/// CPU time of the process so far, all threads together \[s\].
+#[cfg(unix)]
+pub(crate) fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Wall time since the first call: other systems have no portable clock of CPU time.
+#[cfg(not(unix))]
+pub(crate) fn cpu_seconds() -> f64 {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
+}

@@ -6,6 +6,7 @@ mod free_flight;
 mod inner_points;
 mod large_strain;
 mod locking;
+mod mechanisms;
 mod n_body;
 mod quasi_rigid;
 mod study;
@@ -22,6 +23,8 @@ use study::Reference;
 pub(crate) struct Effort {
     /// Coarser references, fewer points, no claims about time.
     pub quick: bool,
+    /// Interpreter that can import EXUDYN, for a comparison.
+    pub exudyn: Option<&'static std::path::Path>,
 }
 
 impl Effort {
@@ -46,18 +49,20 @@ pub(crate) struct Entry {
     pub reproduce: fn(Effort, &Pictures) -> Result<Item, String>,
     /// Whether times are measured; then nothing else may run at the same time.
     pub timed: bool,
+    /// Whether it takes so long that it runs only if it is named.
+    pub long: bool,
 }
 
 const fn entry(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<Item, String>) -> Entry {
-    Entry { name, reproduce, timed: false }
+    Entry { name, reproduce, timed: false, long: false }
 }
 
 const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<Item, String>) -> Entry {
-    Entry { name, reproduce, timed: true }
+    Entry { name, reproduce, timed: true, long: false }
 }
 
 /// All items, in the order of the page.
-pub(crate) const ALL: [Entry; 24] = [
+pub(crate) const ALL: [Entry; 26] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -82,6 +87,8 @@ pub(crate) const ALL: [Entry; 24] = [
     entry("cook", locking::cook),
     entry("cantilever", locking::cantilever),
     entry("silicone", locking::silicone),
+    timed("mechanisms", mechanisms::mechanisms),
+    Entry { long: true, ..timed("mechanisms-long", mechanisms::long) },
 ];
 
 /// Below this relative drift a quantity counts as conserved, above [`LOST`] as not; nothing may lie between.
