@@ -157,7 +157,6 @@ fn faces_of_a_mesh_are_rigid_bodies() {
             "support=[{ group = 'y-max', fix = ['x'] }]",
             "belongs to the rigid body \"plate\"; hold the body instead",
         ),
-        ("time.scheme='Newmark'", "the scheme Newmark has no joints, which need a time element"),
         (
             "tie=[{ follower = 'y-max', leader = 'y-min', kind = 'nodes', tolerance = 9 }]",
             "swap follower and leader",
