@@ -75,17 +75,17 @@ fn a_pendulum_that_is_let_go() {
     place.succeed(&["run", "box.toml", "--quiet"]);
     let events = place.read("out/events.csv");
     assert!(
-        events.contains("15,0.84375,release,the joint joint-1 was released (until = 0.84375)\n"),
+        events.contains("15,0.84375,release,\"the joint joint-1 was released (until = 0.84375)\"\n"),
         "{events}"
     );
     let history = place.history("out");
-    let release = history["t"].iter().position(|t| *t == 0.84375).unwrap();
-    let [last, middle] = [history["t"].len() - 1, release + 8];
+    let release = history["time"].iter().position(|t| *t == 0.84375).unwrap();
+    let [last, middle] = [history["time"].len() - 1, release + 8];
     let of = |name: &str, row: usize| history[name][row];
-    let times = [release, middle, last].map(|row| of("t", row));
+    let times = [release, middle, last].map(|row| of("time", row));
     // Heights less the fall are linear in time.
     let free = [release, middle, last].map(|row| {
-        let fallen = 0.5 * 9.81 * (of("t", row) - times[0]).powi(2);
+        let fallen = 0.5 * 9.81 * (of("time", row) - times[0]).powi(2);
         of("centre_z", row) + fallen
     });
     let slopes = [1, 2].map(|i| (free[i] - free[0]) / (times[i] - times[0]));

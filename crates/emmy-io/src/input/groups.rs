@@ -8,26 +8,9 @@ use emmy::mesh::Mesh;
 use super::fault::{Fault, Faults, Place};
 use super::mechanism::Mechanism;
 use super::nodal::PlacedNodal;
-use super::placed::{Members, Placed};
+use super::placed::{Members, NamedGroup, Placed};
 use super::suggest::{did_you_mean, listed};
 use super::tie::PlacedTie;
-
-/// The name of a group with its place and the members that it needs.
-#[derive(Debug, Clone)]
-pub(super) struct NamedGroup {
-    pub(super) name: String,
-    pub(super) place: Place,
-    pub(super) members: Members,
-    /// Whether it may also be the name of a rigid body.
-    pub(super) or_body: bool,
-}
-
-impl NamedGroup {
-    /// The name of a group of the mesh.
-    pub(super) fn of_mesh(name: String, place: Place, members: Members) -> Self {
-        NamedGroup { name, place, members, or_body: false }
-    }
-}
 
 /// Checks that the mesh has the groups that are named, or that they are some of the names of rigid bodies.
 pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], bodies: &[&str], faults: &mut Faults) {

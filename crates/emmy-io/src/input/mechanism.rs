@@ -6,8 +6,8 @@ use emmy::mesh::Mesh;
 use emmy::time::Scheme;
 
 use super::fault::{Fault, Faults, Place};
-use super::groups::NamedGroup;
 use super::joint::{self, PlacedJoint};
+use super::placed::NamedGroup;
 use super::placed::{Members, Placed};
 use super::rigid::{self, GROUND, PlacedRigid};
 use super::suggest::{did_you_mean, listed};

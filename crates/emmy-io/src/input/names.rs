@@ -3,9 +3,9 @@
 use emmy::body::{InitialVelocity, Load, Region, Support};
 
 use super::fault::Place;
-use super::groups::NamedGroup;
 use super::mechanism::{self, Mechanism};
 use super::nodal::PlacedNodal;
+use super::placed::NamedGroup;
 use super::placed::{Members, Placed};
 use super::quantities::Requested;
 use super::tie::PlacedTie;

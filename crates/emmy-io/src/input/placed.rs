@@ -17,6 +17,23 @@ impl<T> Placed<T> {
     }
 }
 
+/// The name of a group with its place and the members that it needs.
+#[derive(Debug, Clone)]
+pub(super) struct NamedGroup {
+    pub(super) name: String,
+    pub(super) place: Place,
+    pub(super) members: Members,
+    /// Whether it may also be the name of a rigid body.
+    pub(super) or_body: bool,
+}
+
+impl NamedGroup {
+    /// The name of a group of the mesh.
+    pub(super) fn of_mesh(name: String, place: Place, members: Members) -> Self {
+        NamedGroup { name, place, members, or_body: false }
+    }
+}
+
 /// Groups with the places of their names.
 pub(super) fn groups<'a>(all: impl Iterator<Item = &'a Option<(String, Place)>>) -> Vec<(String, Place)> {
     all.flatten().cloned().collect()

@@ -6,8 +6,8 @@ use emmy::internals::number::short;
 
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector};
 use super::fault::{Fault, Place};
-use super::groups::NamedGroup;
 use super::placed::Members;
+use super::placed::NamedGroup;
 use super::table::{Item, Read, Table};
 
 /// The name of the ground in joints.

@@ -419,8 +419,8 @@ fn what_ends(before: &Body, after: &Body, time: f64) -> String {
     all.join(" and ")
 }
 
-/// The time of the next release of supports and joints and the body afterwards, if the motion has reached it; times closer
-/// together than `same_time` are equal.
+/// The time of the next release of supports and joints and the body afterwards, if the motion has reached it; times
+/// closer together than `same_time` are equal.
 pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
     body.release().filter(|(time, _)| now >= time - same_time)
 }

@@ -356,7 +356,8 @@ impl<'a> Equations<'a> {
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
-    /// Sets the forces of the joints in a solved step, and the changes of their angles. Returns the work of the given motions.
+    /// Sets the forces of the joints in a solved step, and the changes of their angles. Returns the work of the given
+    /// motions.
     pub(super) fn set_joint_forces(&self, unknowns: &[f64], joints: &mut [JointState]) -> f64 {
         let Equations { body, constraint_step: times, .. } = self;
         if body.mechanism.is_empty() {

@@ -142,7 +142,8 @@ fn energy_that_a_release_takes_is_booked_as_work() {
         motion.record().external_work
     };
     for k in 1..=3 {
-        let [coarse, fine] = [12, 24].map(|n| work(k, n));
+        // Steps of degree 3 meet rounding with 24.
+        let [coarse, fine] = if k < 3 { [12, 24] } else { [6, 12] }.map(|n| work(k, n));
         assert!(coarse < 0.0 && coarse < fine && fine < 1e-15, "k = {k}: {coarse:e}, {fine:e}");
         assert!(coarse / fine > 3.5, "k = {k}: {coarse:e}, {fine:e}");
     }

@@ -268,7 +268,8 @@ fn rigid(body: &Body, record: &Record, name: &str) -> emmy::body::RigidMotion {
 fn point(body: &Body, record: &Record, name: &str, at: [f64; 3]) -> [f64; 6] {
     let motion = rigid(body, record, name);
     let own = body.rigid_bodies().find(|own| own.name == name).expect("the data names a rigid body");
-    let arm = [0, 1, 2].map(|d| (0..3).map(|i| motion.axes[i][d] * (at[i] - own.centre[i])).sum::<f64>());
+    let centre = own.centre.expect("a body without cells has a centre");
+    let arm = [0, 1, 2].map(|d| (0..3).map(|i| motion.axes[i][d] * (at[i] - centre[i])).sum::<f64>());
     let turned = [0, 1, 2].map(|d| {
         let (a, b) = ((d + 1) % 3, (d + 2) % 3);
         motion.spin[a] * arm[b] - motion.spin[b] * arm[a]

@@ -5,8 +5,8 @@ use emmy::body::{FieldName, Place as Members};
 use super::{GroupValue, Measure, Probe, ProbeQuantity};
 use crate::input::description::{Described, Kind, Section, TAKEN, vector, word, words};
 use crate::input::fault::{Fault, Faults, Place};
-use crate::input::groups::NamedGroup;
 use crate::input::placed::Members as MemberKind;
+use crate::input::placed::NamedGroup;
 use crate::input::suggest::{did_you_mean, listed};
 use crate::input::table::{Item, Table};
 

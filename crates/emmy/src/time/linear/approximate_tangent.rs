@@ -190,7 +190,7 @@ impl ApproximateTangent {
     /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
     /// that K stays accurate in any rotation. Returns whether `P^-1` changes.
     pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) -> bool {
-        if self.is_of_rigid_bodies() {
+        if self.turning.is_empty() {
             return false;
         }
         let changes = [self.rotation, step.rotation] != [[0.0; 3]; 2];
@@ -206,11 +206,6 @@ impl ApproximateTangent {
             self.strain_rates.set_spins(rule, &step.spins);
         }
         changes
-    }
-
-    /// Whether there are rigid bodies alone.
-    pub(crate) fn is_of_rigid_bodies(&self) -> bool {
-        self.turning.is_empty()
     }
 
     /// The solver, once there is one.

@@ -229,6 +229,8 @@ impl ModeSolvers {
     /// when another kind has become clearly cheaper. `is_stiff`: projected volumes need a factorisation.
     fn choose(&mut self, body: &Body, number: f64, is_stiff: bool) -> Result<()> {
         let kind = match self.requested {
+            // Blocks in 16 bits would limit the contraction of corrections that are exact otherwise.
+            Solver::Auto if body.mesh().n_cells() == 0 => Some(SolverKind::Direct),
             Solver::Auto => None,
             Solver::Iterative if !is_stiff => Some(SolverKind::Iterative),
             Solver::Multigrid if !is_stiff => Some(SolverKind::Multigrid),

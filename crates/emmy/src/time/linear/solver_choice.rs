@@ -7,8 +7,8 @@ use crate::sparse::{SolverChoice, SolverKind};
 /// with sizes between 0.02 and 0.2. Internal nodes are condensed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Costs {
-    /// An iteration of conjugate gradients with an incomplete factor: 2.5 ns for each coupling of nodes. A step takes 12
-    /// sqrt(c) of them.
+    /// An iteration of conjugate gradients with an incomplete factor: 2.5 ns for each coupling of nodes. A step takes
+    /// 12 sqrt(c) of them.
     iteration: f64,
     /// Ten solutions at 0.55 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of
     /// freedom, as nested dissection gives in three dimensions; and a tenth of a factorisation, 10 s for n = 197

@@ -12,9 +12,6 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 /// Rounding floor of the residual over `eps || |h^2 K| |u| ||`: rounding errors of many terms partly cancel.
 const FLOOR: f64 = 0.25;
 
-/// Tolerance of the corrections of rigid bodies, whose derivatives are all exact.
-const TOLERANCE_OF_RIGID_BODIES: f64 = 1e-8;
-
 /// Degrees of freedom below which the number of corrections is all that counts.
 const DOFS_OF_SMALL_BODY: usize = 500;
 
@@ -179,8 +176,6 @@ impl System for StageSystem<'_> {
             self.border.forget();
         }
         self.set_floor(x);
-        let is_exact = self.approximate_tangent.is_of_rigid_bodies();
-        let tolerance = if is_exact { tolerance.min(TOLERANCE_OF_RIGID_BODIES) } else { tolerance };
         let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
