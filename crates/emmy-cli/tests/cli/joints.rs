@@ -94,7 +94,8 @@ fn a_pendulum_that_is_let_go() {
     assert!(of("joint-1_force_z", release) > 0.0);
     let (spin, angle) =
         (of("pendulum_spin_y", last), of("joint-1_angle", last) - of("joint-1_angle", release));
-    assert!((angle - spin * (times[2] - times[0])).abs() < 1e-11, "{spin} {angle}");
+    // The spin is constant, the angle as exact as steps of degree 3.
+    assert!((angle - spin * (times[2] - times[0])).abs() < 1e-7, "{spin} {angle}");
     for (name, until) in [("before", "0.5"), ("at", "0.84375"), ("after", "1.21875")] {
         place.succeed(&["run", "box.toml", "--quiet", "--until", until, "--output", name]);
         place.succeed(&["resume", name, "--quiet", "--until", "2.0"]);
