@@ -131,7 +131,7 @@ def test_sizes_that_fail_are_in_the_table():
         given = {"newton.max_iterations": iterations}
         return emmy.converge("spinning-block.toml", sizes=[0.2, 0.02, 0.01], to=0.2, set=given, **arguments)
 
-    failed, whole = study(3, reference=0.001), study(20, reference=0.001)
+    failed, whole = study(2, reference=0.001), study(20, reference=0.001)
     assert list(failed.failures) == [0.2] and whole.failures == {}
     assert failed.failures[0.2].startswith("no convergence in step 1, to t = 0.2")
     assert failed.table.dtype == whole.table.dtype
