@@ -107,7 +107,8 @@ class Scene {
     for (let node = 1; node < n; node++) if (distance(node, centre ?? at) < distance(own, centre ?? at)) own = node;
     const terms = [];
     for (let i = 0; centre && i < links.length; i++) {
-      if (links[i] !== own) continue;
+      // A point is a link with itself.
+      if (links[i] !== own || links[i ^ 1] === own) continue;
       const arm = of(links[i ^ 1]).map((x, axis) => x - points[3 * own + axis]);
       const along = arm.reduce((sum, x, axis) => sum + x * (at[axis] - centre[axis]), 0);
       terms.push([links[i ^ 1], along / arm.reduce((sum, x) => sum + x * x, 0)]);
