@@ -219,9 +219,7 @@ impl System for StageSystem<'_> {
     /// bulk modulus makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
         match (self.equations.body.has_local(), self.equations.body.n_dofs_of_ranks()) {
-            (false, DOFS_OF_SMALL_BODY..) if slow_corrections == 0 => {
-                std::env::var("LC").map_or(0.4, |v| v.parse().unwrap())
-            }
+            (false, DOFS_OF_SMALL_BODY..) if slow_corrections == 0 => 0.4,
             (false, _) => 0.0,
             _ => 0.9,
         }
