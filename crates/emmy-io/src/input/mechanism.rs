@@ -132,7 +132,7 @@ impl Mechanism {
             let Some((name, place)) = &load.group else { continue };
             let own = self.rigid.iter().find(|own| own.body.name == *name);
             faults.keep(match own {
-                Some(own) if own.body.inertia.is_some() => Ok(()),
+                Some(own) if own.body.has_axes() => Ok(()),
                 Some(_) => {
                     let message =
                         format!("`{name}` is a point mass and has no direction, which a moment turns");
@@ -147,7 +147,7 @@ impl Mechanism {
                 None => {
                     let message =
                         format!("`{name}` is a group of an elastic body; a moment acts on a rigid body");
-                    let help = "couple it to a rigid body first: a `[[rigid]]`, joined to its nodes";
+                    let help = "make it a body: [[rigid]] with this `group`";
                     Err(Fault::at(place, message, "no rigid body").help(help))
                 }
             });

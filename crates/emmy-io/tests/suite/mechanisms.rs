@@ -165,7 +165,8 @@ fn faces_of_a_mesh_are_rigid_bodies() {
         let error = read(&[set]).err().unwrap_or_else(|| panic!("{set}"));
         assert!(error.contains(words), "{set}: {error}");
     }
-    // A hinge needs a direction, which a face has once it is rigid.
+    // A moment and a hinge need a direction, which a face has once it is rigid.
+    assert!(read(&["load=[{ group = 'plate', moment = [0, 0, 1] }]"]).is_ok());
     let error = read(&["joint.0.revolute.between=['y-max', 'ground']"]).err().unwrap();
     assert!(error.contains("`y-max` is a group of an elastic body and has no direction"), "{error}");
 }

@@ -169,9 +169,14 @@ pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
         }
         (0..n).for_each(|j| matrix.swap(pivot * n + j, column * n + j));
         (0..columns).for_each(|j| x.swap(pivot * columns + j, column * columns + j));
-        for row in column + 1..n {
-            let factor = matrix[row * n + column] / matrix[column * n + column];
-            (column..n).for_each(|j| matrix[row * n + j] -= factor * matrix[column * n + j]);
+        let (above, below) = matrix.split_at_mut((column + 1) * n);
+        let pivot = &above[column * n + column..];
+        for (row, own) in (column + 1..).zip(below.chunks_exact_mut(n)) {
+            let factor = own[column] / pivot[0];
+            if factor == 0.0 {
+                continue;
+            }
+            own[column..].iter_mut().zip(pivot).for_each(|(entry, above)| *entry -= factor * above);
             (0..columns).for_each(|j| x[row * columns + j] -= factor * x[column * columns + j]);
         }
     }

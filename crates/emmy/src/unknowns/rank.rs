@@ -33,7 +33,8 @@ impl Rank {
     }
 }
 
-/// Rotates a row into another one with the same first column by cosine and sine; returns what is left of it.
+/// Applies a Givens rotation, given by its cosine and sine, to two rows with the same first column. Returns the rest
+/// of the second row, which has no entry there.
 fn rotate(own: &mut Vec<(usize, f64)>, row: &[(usize, f64)], [c, s]: [f64; 2]) -> Vec<(usize, f64)> {
     let (mut turned, mut rest) =
         (Vec::with_capacity(own.len() + row.len()), Vec::with_capacity(own.len() + row.len()));

@@ -463,6 +463,55 @@ fn ties_and_joints_at_nodes_of_a_rigid_group_follow_its_body() {
     assert!(distance(pinned(rigid("base")), pinned(JointEnd::Node(0))) < 1e-13);
 }
 
+/// A moment on a rigid region is that on the body of its mass; a face whose hinge is released keeps its balances, though
+/// a direction of its frame has no mass.
+#[test]
+fn moments_and_releases_meet_rigid_groups() {
+    let moment = [0.3, -0.2, 0.5];
+    let mesh = mesh::block([1.0, 0.6, 0.4], [3, 2, 1]).unwrap();
+    let with_cells = Body::builder(mesh).region(rubber(5.0)).rigid(RigidBody::group("brick", "body"));
+    let with_cells = with_cells.load(Load::moment("brick", moment)).build().unwrap();
+    let own = &with_cells.regions()[0];
+    let alone = RigidBody::new("brick", own.mass, own.centre, [0, 1, 2].map(|d| own.inertia[d][d]));
+    let alone = Body::builder(Mesh::without_cells()).rigid(alone).load(Load::moment("brick", moment));
+    let alone = alone.build().unwrap();
+    let mut motions = [&with_cells, &alone].map(|body| started(body, at(DGM, 2), &[spin([2.0, -1.0, 1.5])]));
+    let start = motions[0].record().angular_momentum;
+    for _ in 0..20 {
+        motions.iter_mut().for_each(|motion| _ = motion.step(0.1).unwrap());
+        let [meshed, alone] = motions.each_ref().map(Motion::record);
+        let growth = [0, 1, 2].map(|d| start[d] + meshed.time * moment[d]);
+        assert!(distance(meshed.angular_momentum, growth) < 1e-12, "{meshed:?}");
+        assert!(distance(meshed.rigid_bodies[0].position, alone.rigid_bodies[0].position) < 1e-12);
+        assert!(meshed.energy_residual.abs() < 1e-12, "{meshed:?}");
+    }
+    let mesh = with_nodes(beam(), "end", |X| X[0] == 0.0);
+    let released =
+        hinge("pin", [rigid("plate"), JointEnd::Ground], [0.0, 0.5, 0.5], [0.0, 0.0, 1.0]).until(0.5);
+    let body =
+        Body::builder(mesh).region(rubber(1.0)).rigid(RigidBody::group("plate", "end")).joint(released);
+    let body = body.build().unwrap();
+    for k in 1..=3 {
+        let mut motion = started(&body, at(DGM, k), &[spin([0.0, 0.0, 1.5])]);
+        let energy = motion.record().total_energy;
+        let mut free: Option<[[f64; 3]; 2]> = None;
+        for n in 1..=20 {
+            let record = motion.step(0.05).unwrap();
+            let kept = record.total_energy - record.external_work;
+            assert!(
+                (kept - energy).abs() < 1e-11 && record.constraint_residual < 1e-13,
+                "k = {k}: {record:?}"
+            );
+            assert!(record.angular_momentum_residual < 1e-12, "k = {k}: {record:?}");
+            if n > 10 {
+                let own = [record.linear_momentum, record.angular_momentum];
+                let first = free.get_or_insert(own);
+                assert!((0..2).all(|i| distance(first[i], own[i]) < 1e-11), "k = {k}, step {n}: {record:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn impossible_rigid_groups_are_refused() {
     let with = |rigid: &[RigidBody]| {

@@ -191,11 +191,13 @@ impl Border {
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
         let Derivatives { rates, rest, multipliers, .. } = &self.derivatives;
-        let forces = if self.beside.is_empty() { &self.derivatives.forces } else { &self.beside };
+        let mut matrix = std::mem::take(&mut self.matrix);
+        let forces = self.forces();
         for (row, flexibility) in self.flexibility.chunks_exact(n).enumerate() {
-            let own = &mut self.matrix[row * size..(row + 1) * size];
+            let own = &mut matrix[row * size..(row + 1) * size];
             own[row] = 1.0;
-            for (l, f) in flexibility.iter().enumerate() {
+            // Rigid bodies move their own nodes alone.
+            for (l, f) in flexibility.iter().enumerate().filter(|(_, f)| **f != 0.0) {
                 let (of_rates, of_multipliers) = own.split_at_mut(n);
                 let forces = of_rates.iter_mut().zip(&forces[l * n..(l + 1) * n]);
                 forces.for_each(|(sum, entry)| *sum += f * entry);
@@ -203,10 +205,11 @@ impl Border {
                 multipliers.for_each(|(sum, entry)| *sum += f * entry);
             }
         }
-        let rows = self.matrix[n * size..].chunks_exact_mut(size);
+        let rows = matrix[n * size..].chunks_exact_mut(size);
         for ((row, rates), rest) in rows.zip(rates.chunks_exact(n)).zip(rest.chunks_exact(m)) {
             row[..n].copy_from_slice(rates);
             row[n..].copy_from_slice(rest);
         }
+        self.matrix = matrix;
     }
 }
