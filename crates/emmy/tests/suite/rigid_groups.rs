@@ -463,8 +463,8 @@ fn ties_and_joints_at_nodes_of_a_rigid_group_follow_its_body() {
     assert!(distance(pinned(rigid("base")), pinned(JointEnd::Node(0))) < 1e-13);
 }
 
-/// A moment on a rigid region is that on the body of its mass; a face whose hinge is released keeps its balances, though
-/// a direction of its frame has no mass.
+/// A moment on a rigid region is that on the body of its mass. A face whose hinge is released keeps its balances,
+/// though a direction of its frame has no mass.
 #[test]
 fn moments_and_releases_meet_rigid_groups() {
     let moment = [0.3, -0.2, 0.5];
