@@ -8,10 +8,11 @@ use crate::force::Forces;
 use crate::input::{Joint, Region, RigidBody, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::space::{Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
-use crate::unknowns::{Constraints, Frame, Mechanism, Mobility};
+use crate::unknowns::{Component, Constraints, Frame, Mechanism, Mobility};
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -167,6 +168,13 @@ impl Body {
     /// Which degrees of freedom are given: fixed at rest, driven, or tied, `[n_nodes][3]`.
     pub fn fixed(&self) -> &[bool] {
         self.space.fixed()
+    }
+
+    /// Whether supports hold nodes of a component; planes of plane strain do not count.
+    pub(crate) fn holds(&self, component: &Component) -> bool {
+        let is_held = |dof: &usize| self.fixed()[*dof] && !(self.space.has_plane_cells() && dof % 3 == 2);
+        let leads = |node: &usize| self.space.ties().leaders_of(*node as u32).is_none();
+        component.nodes().filter(leads).any(|node| nodal::dofs(node).any(|dof| is_held(&dof)))
     }
 
     /// Whether some degrees of freedom have a given motion.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::attachments::Attachments;
 use super::carrier::Carrier;
+use super::component::Component;
 use super::constraint::Constraint;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
@@ -28,6 +29,8 @@ pub(crate) struct Mechanism {
     pub constraints: Constraints,
     /// Of the directions of rigid bodies without mass.
     pub carriers: Vec<Carrier>,
+    /// The components between the joints; none without joints.
+    pub components: Vec<Component>,
     /// Whether joints or groups of rigid bodies have nodes of elastic parts.
     is_elastic: bool,
     outputs: Vec<JointOutput>,
@@ -112,7 +115,15 @@ impl Mechanism {
         };
         let is_elastic = joints.iter().any(has_elastic_node)
             || frames.iter().any(Frame::has_members) && mesh.cells().any(|cell| is_in_part(cell.nodes));
-        Ok(Mechanism { frames, joints, constraints, carriers: Vec::new(), is_elastic, outputs })
+        Ok(Mechanism {
+            frames,
+            joints,
+            constraints,
+            carriers: Vec::new(),
+            components: Vec::new(),
+            is_elastic,
+            outputs,
+        })
     }
 
     /// Whether a rigid body moves all nodes of a cell.
@@ -152,7 +163,17 @@ impl Mechanism {
         holds: impl Fn(&Joint) -> bool,
     ) -> Result<Self> {
         let rest = Mechanism::new(self.frames.clone(), self.joints.clone(), mesh, leaders, holds)?;
-        Ok(Mechanism { carriers: self.carriers.clone(), ..rest })
+        let components = if rest.n_constraints() > 0 { self.components.clone() } else { Vec::new() };
+        Ok(Mechanism { carriers: self.carriers.clone(), components, ..rest })
+    }
+
+    /// Finds the components of n nodes between the joints, given lists of nodes that cells and ties connect.
+    pub(crate) fn divide(&mut self, n: usize, connected: &[Vec<u32>]) {
+        if self.n_constraints() == 0 {
+            return;
+        }
+        let of_frames: Vec<Vec<u32>> = self.frames.iter().map(|frame| frame.nodes().collect()).collect();
+        self.components = Component::all(n, connected.iter().chain(&of_frames).map(Vec::as_slice));
     }
 
     /// Whether a node is the end of an axis of a rigid body.
@@ -167,17 +188,10 @@ impl Mechanism {
         self.frames.is_empty() && self.joints.is_empty()
     }
 
-    /// Degrees of freedom among n of a body, but those of rigid bodies without nodes of a mesh.
-    pub(crate) fn dofs_of_others(&self, n: usize) -> Vec<std::ops::Range<usize>> {
-        let (mut others, mut begin) = (Vec::new(), 0);
-        for nodes in self.frames.iter().filter(|frame| !frame.has_members()).map(Frame::nodes) {
-            let [start, end] = [nodes.start, nodes.end].map(|node| nodal::dof(node as usize, 0));
-            others.push(begin..start);
-            begin = end;
-        }
-        others.push(begin..n);
-        others.retain(|range| !range.is_empty());
-        others
+    /// Whether a node is one of a rigid body without nodes of a mesh.
+    pub(crate) fn is_free_of_mesh(&self, node: usize) -> bool {
+        let mut alone = self.frames.iter().filter(|frame| !frame.has_members());
+        alone.any(|frame| frame.nodes().contains(&(node as u32)))
     }
 
     /// The nodes that each rigid body and each joint with a force couples.

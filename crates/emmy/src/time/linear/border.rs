@@ -27,9 +27,12 @@ pub(crate) struct Border {
     entries: Vec<usize>,
     /// Whether each of them is held: forces of constraints do not move it.
     is_held: Vec<bool>,
-    /// F, `[n][n]`, once it is computed.
-    flexibility: Vec<f64>,
+    /// F in the orientation of K, `[n][n]`, once it is computed.
+    unturned: Vec<f64>,
     is_computed: bool,
+    /// F, once it is turned.
+    flexibility: Vec<f64>,
+    is_turned: bool,
     /// Mean mass of a node.
     mass_of_node: f64,
     derivatives: Derivatives,
@@ -58,6 +61,52 @@ impl Border {
     /// Forgets F: the approximate inverse is another one.
     pub(crate) fn forget(&mut self) {
         self.is_computed = false;
+        self.is_turned = false;
+    }
+
+    /// The parts of the body turned: F turns with them.
+    pub(crate) fn turn(&mut self) {
+        self.is_turned = false;
+    }
+
+    /// Sets F. `solve` solves in the orientation of K for stage forces, `[k][n_nodes][3]`; `turn` turns a table of the
+    /// joint nodes, with memory for another.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub(crate) fn set_flexibility(
+        &mut self,
+        n_rates: usize,
+        mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
+        turn: impl FnOnce(&mut [f64], &mut [f64]),
+    ) -> Result<()> {
+        let n = self.entries.len();
+        if !self.is_computed {
+            // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
+            self.force.resize(n_rates, 0.0);
+            self.column.resize(n_rates, 0.0);
+            self.unturned.resize(n * n, 0.0);
+            for (column, &at) in self.entries.iter().enumerate() {
+                self.force.fill(0.0);
+                self.force[at] = 1.0;
+                self.column.fill(0.0);
+                if !self.is_held[column] {
+                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
+                }
+                self.entries.iter().enumerate().for_each(|(row, &at)| {
+                    self.unturned[row * n + column] = self.column[at];
+                });
+            }
+            self.is_computed = true;
+        }
+        if !self.is_turned {
+            self.flexibility.clear();
+            self.flexibility.extend_from_slice(&self.unturned);
+            self.matrix.resize(n * n, 0.0);
+            turn(&mut self.flexibility, &mut self.matrix);
+            self.is_turned = true;
+        }
+        Ok(())
     }
 
     /// Mean mass of a node, which weighs the residuals of the constraints.
@@ -135,13 +184,13 @@ impl Border {
 
     /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
     /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`, to
-    /// a relative tolerance; its last call is for the forces of the constraints, and gives the number of iterations.
+    /// a relative tolerance: to the forces of the constraints. Returns its number of iterations.
     ///
     /// # Errors
     /// Those of `solve`; [`Error::Linear`] if the system is singular.
     pub(crate) fn solve(
         &mut self,
-        mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
+        solve: impl FnOnce(&[f64], &mut [f64], f64) -> Result<usize>,
         tolerance: f64,
         solution: &mut [f64],
         multipliers: &mut [f64],
@@ -149,22 +198,6 @@ impl Border {
         let (n, m) = (self.entries.len(), multipliers.len());
         self.force.resize(solution.len(), 0.0);
         self.column.resize(solution.len(), 0.0);
-        if !self.is_computed {
-            // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
-            self.flexibility.resize(n * n, 0.0);
-            for (column, &at) in self.entries.iter().enumerate() {
-                self.force.fill(0.0);
-                self.force[at] = 1.0;
-                self.column.fill(0.0);
-                if !self.is_held[column] {
-                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
-                }
-                self.entries.iter().enumerate().for_each(|(row, &at)| {
-                    self.flexibility[row * n + column] = self.column[at];
-                });
-            }
-            self.is_computed = true;
-        }
         self.set_matrix(n, m);
         self.right.clear();
         self.right.extend(self.entries.iter().map(|&at| solution[at]));
