@@ -324,6 +324,11 @@ output = { directory = "out", every = 0, probes = [{ name = "x", point = [1, 0, 
     // 2 y'' + 4 y' = 6: y = 1.5 (t - (1 - exp(-2 t))/2).
     let slide = 1.5 * (1.0 - 0.5 * (1.0 - (-2f64).exp()));
     assert_near(last_place(&place, "out", "y"), [0.0, 3.0 + slide, 0.0], 1e-7);
+    // Spring, damper and force act from outside.
+    let summary = place.summary("out");
+    for balance in ["worst_linear_momentum_residual", "worst_angular_momentum_residual"] {
+        assert!(summary[balance].as_f64().unwrap() < 1e-12, "{balance}: {summary}");
+    }
 }
 
 #[test]
