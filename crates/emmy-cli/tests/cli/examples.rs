@@ -392,9 +392,13 @@ fn door() {
 #[test]
 fn satellite() {
     let (place, history) = run_in_place("satellite");
-    for (hinge, angle) in [("right-hinge_angle", 1.0), ("left-hinge_angle", -1.0)] {
-        close(last(&history[hinge]), angle * std::f64::consts::FRAC_PI_2, 1e-12);
+    for (angle, sign) in [("right-hinge_angle", 1.0), ("left-hinge_angle", -1.0)] {
+        close(last(&history[angle]), sign * std::f64::consts::FRAC_PI_2, 1e-12);
     }
+    // One cell of 1 along y, and one of 0.4 along z.
+    let input = format!("{}/../../examples/satellite.toml", env!("CARGO_MANIFEST_DIR"));
+    let check = place.succeed(&["check", &input]).stdout;
+    assert!(check.contains("about 1 cell (hex8) over its thickness along z"), "{check}");
     place.succeed(&["resume", "satellite", "--quiet", "--until", "2.5"]);
     let history = place.history("satellite");
     for (name, expected) in [
@@ -438,6 +442,8 @@ fn bricard() {
     for sets in [&[][..], &["--set", "time.steps.0.size=0.025"][..]] {
         let place = Place::new();
         place.succeed(&["new", "bricard"]);
+        let check = place.succeed(&["check", "bricard.toml"]).stdout;
+        assert!(check.contains("it is a constraint of the joint hinge-6\n"), "{check}");
         place.succeed(&[&["run", "bricard.toml", "--quiet"], sets].concat());
         let history = place.history("bricard");
         for (time, exact) in exact {
