@@ -391,14 +391,16 @@ fn door() {
 /// Results of an independent implementation of joints and of the DGM, at t = 2.5.
 #[test]
 fn satellite() {
-    let (place, history) = run_in_place("satellite");
+    let place = Place::new();
+    let file = format!("{}/../../examples/satellite.toml", env!("CARGO_MANIFEST_DIR"));
+    // One cell of 1 along y, and one of 0.4 along z.
+    let check = place.succeed(&["check", &file]).stdout;
+    assert!(check.contains("about 1 cell (hex8) over its thickness along z"), "{check}");
+    place.succeed(&["run", &file, "--quiet", "--output", "satellite", "--set", "newton.tolerance=1e-13"]);
+    let history = place.history("satellite");
     for (angle, sign) in [("right-hinge_angle", 1.0), ("left-hinge_angle", -1.0)] {
         close(last(&history[angle]), sign * std::f64::consts::FRAC_PI_2, 1e-12);
     }
-    // One cell of 1 along y, and one of 0.4 along z.
-    let input = format!("{}/../../examples/satellite.toml", env!("CARGO_MANIFEST_DIR"));
-    let check = place.succeed(&["check", &input]).stdout;
-    assert!(check.contains("about 1 cell (hex8) over its thickness along z"), "{check}");
     place.succeed(&["resume", "satellite", "--quiet", "--until", "2.5"]);
     let history = place.history("satellite");
     for (name, expected) in [
@@ -423,7 +425,7 @@ fn satellite() {
     for (name, expected) in
         [("linear_momentum_y", -0.024), ("angular_momentum_x", 0.1364), ("angular_momentum_z", 2.92)]
     {
-        history[name].iter().for_each(|&momentum| close(momentum, expected, 1e-11));
+        history[name].iter().for_each(|&momentum| close(momentum, expected, 1e-10));
     }
     let energy = &history["total_energy"];
     for (own, work) in energy.iter().zip(&history["external_work"]) {
