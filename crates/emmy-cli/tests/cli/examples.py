@@ -378,7 +378,7 @@ def door(step=1.0):
         state = [own + h / 6 * (a + 2 * b + 2 * c + d) for own, a, b, c, d in zip(state, k1, k2, k3, k4)]
     handle = np.argmin(np.linalg.norm(points - [0.9, 0.0, 1.0], axis=1))
     place = (points + displacement(state[0], state[2]))[handle]
-    print("door: angle %.5f at t = 0.5, handle %s" % (state[2], np.round(place, 4)))
+    print("door: angle %.5f at t = 0.5, handle %s" % (state[2], np.round(place, 5)))
 
 
 def pendulum_chain():
