@@ -113,7 +113,9 @@ impl ConstraintStep {
             (0..body.0.len()).fold(0.0f64, |most, c| most.max(self.row(body.0, stage, c).value(u).abs()))
         };
         let residual = largest(self.n_stages, &end);
-        if residual <= TOLERANCE * body.0.size() + 2.0 * largest(self.n_stages + 1, &start) {
+        // Without a factor on that of the start: short steps would double it, and again, where given motions contradict
+        // each other.
+        if residual <= TOLERANCE * body.0.size() + largest(self.n_stages + 1, &start) {
             return Held::Yes;
         }
         self.set_range(body, self.n_stages, &end);
@@ -178,5 +180,5 @@ pub(crate) enum Held {
     No { residual: f64 },
 }
 
-/// Largest residual of a constraint, over the size of the body, that a step may leave.
+/// Largest residual of a constraint, over the size of the body, that a step may add.
 const TOLERANCE: f64 = 1e-10;
