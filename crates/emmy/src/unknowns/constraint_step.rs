@@ -158,13 +158,8 @@ impl ConstraintStep {
     }
 
     /// Projects numbers of the constraints on their range.
-    pub(crate) fn project(&mut self, values: &mut [f64]) {
+    pub(crate) fn project(&self, values: &mut [f64]) {
         self.range.project(values);
-    }
-
-    /// Projects each column of a table, `[n][n_columns]`.
-    pub(crate) fn project_columns(&mut self, table: &mut [f64], n_columns: usize) {
-        self.range.project_columns(table, n_columns);
     }
 }
 
