@@ -19,7 +19,9 @@ use crate::force::{Force, StepInput};
 use crate::input::{Joint, JointEnd, JointKind, TimeFunction};
 use crate::mesh::{Mesh, distance};
 use crate::nodal;
+use crate::number::short_vector;
 use crate::sparse::Pattern;
+use crate::tensor::cross;
 
 /// Rigid bodies, joints, and the constraints of both.
 #[derive(Debug, Default)]
@@ -139,10 +141,14 @@ impl Mechanism {
     /// their carriers, `None` if there are none.
     ///
     /// # Errors
-    /// As [`Carrier::of`].
+    /// As [`Carrier::of`]; [`Error::Rigid`] for a rod that may spin about itself, which nothing determines.
     pub(crate) fn carry(&mut self, pattern: &Pattern, mass: &[f64]) -> Result<Option<Vec<f64>>> {
         for frame in &self.frames {
-            self.carriers.extend(Carrier::of(frame, pattern, mass)?);
+            let own = Carrier::of(frame, pattern, mass)?;
+            if own.len() > 1 {
+                self.check_rod(frame)?;
+            }
+            self.carriers.extend(own);
         }
         if self.carriers.is_empty() {
             return Ok(None);
@@ -150,6 +156,32 @@ impl Mechanism {
         let mut carried = mass.to_vec();
         self.carriers.iter().for_each(|carrier| carrier.add_to(pattern, &mut carried));
         Ok(Some(carried))
+    }
+
+    /// Checks that joints hold the spin of a rod about itself.
+    fn check_rod(&self, rod: &Frame) -> Result<()> {
+        let (axis, first) = (rod.rod_axis(), rod.nodes().start as usize);
+        let spin = |dof: usize| match (dof / 3).checked_sub(first) {
+            Some(end @ 1..4) => {
+                let mut arm = [0.0; 3];
+                arm[end - 1] = 1.0;
+                cross(axis, arm)[dof % 3]
+            }
+            _ => 0.0,
+        };
+        let holds = |row: &Constraint| {
+            let mut rate = 0.0;
+            row.for_each_gradient(&|_| 0.0, &mut |dof, value| rate += value * spin(dof));
+            rate.abs() > LEAST_RATE
+        };
+        if self.constraints.rows()[..self.n_constraints()].iter().any(holds) {
+            return Ok(());
+        }
+        let reason = format!(
+            "no joint holds its spin about {}, and it has no moment of inertia about that axis: give it a small one",
+            short_vector(axis)
+        );
+        Err(Error::Rigid { body: rod.name().to_string(), reason })
     }
 
     /// The same with some of its joints.
@@ -293,6 +325,9 @@ impl Mechanism {
         }
     }
 }
+
+/// Rate of a constraint of unit gradient in the spin of a rod that is rounding.
+const LEAST_RATE: f64 = 1e-6;
 
 /// The diagonal of a box around the nodes and the places of the joints.
 fn size_of(mesh: &Mesh, joints: &[Joint]) -> f64 {
