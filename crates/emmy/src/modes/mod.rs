@@ -3,7 +3,7 @@
 mod pencil;
 mod rigid;
 
-use pencil::{BodyPencil, Linearised};
+use pencil::{BodyPencil, Linearised, n_dependent, n_free};
 
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -139,7 +139,7 @@ fn about(body: &Body, state: &State) -> Result<Linearised> {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn n_modes(body: &Body) -> usize {
-    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
+    n_free(body) - n_dependent(body)
 }
 
 /// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if the 56 lowest
@@ -198,13 +198,13 @@ fn lowest_elastic(body: &Body, linearised: &mut Linearised) -> Result<Option<(Mo
 
 /// The lowest modes of a linearised body, with a shift near the lowest elastic one.
 fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
-    let free = n_modes(body);
+    let mut pencil = BodyPencil::new(body, linearised)?;
+    let free = pencil.n_modes();
     if count > free {
         return Err(Error::TooManyModes { count, free });
     }
     let max_vectors = 6 * count + 200;
     check_memory(body.n_dofs(), max_vectors.min(free))?;
-    let mut pencil = BodyPencil::new(body, linearised)?;
     let mut shift = pencil.suggested_shift();
     let mut residual = f64::INFINITY;
     for _ in 0..MAX_SHIFTS {
