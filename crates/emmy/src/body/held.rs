@@ -197,7 +197,7 @@ impl<'a> Part<'a> {
     /// The free rigid motions, each named.
     fn free_motions(&self, body: &Body, assembly: &mut Assembly) -> Result<Vec<String>> {
         let free = reduced(null_space(&self.held(body, assembly)?)?);
-        Ok(free.iter().map(|twist| self.name(twist)).collect())
+        Ok(free.iter().map(|twist| self.name(twist, &[])).collect())
     }
 
     /// The square of the rigid motions that supports and the ground hold, and of those that move no node: zero for
@@ -259,13 +259,20 @@ impl<'a> Part<'a> {
         Ok(gram)
     }
 
-    /// Name of a rigid motion.
-    pub(super) fn name(&self, twist: &Twist) -> String {
+    /// Name of a rigid motion, its axis by one of some places where it passes one.
+    pub(super) fn name(&self, twist: &Twist, places: &[[f64; 3]]) -> String {
         let spin = [0, 1, 2].map(|d| twist[d] / self.radius);
         let shift = [3, 4, 5].map(|d| twist[d]);
         let square: f64 = spin.iter().map(|w| w * w).sum();
         if square.sqrt() * self.radius < ROUNDING {
             return format!("translation along {}", direction(shift));
+        }
+        let is_at_rest = |X: &&[f64; 3]| {
+            let turning = cross(spin, [0, 1, 2].map(|d| X[d] - self.centre[d]));
+            (0..3).all(|d| (turning[d] + shift[d]).abs() < ROUNDING)
+        };
+        if let Some(place) = places.iter().find(is_at_rest) {
+            return format!("rotation about {} through {}", direction(spin), short_vector(*place));
         }
         // The point of the axis next to the centre.
         let arm = cross(spin, shift).map(|x| x / square);

@@ -12,6 +12,9 @@ use crate::sparse::null_space;
 /// Components of a motion of a part below this part of the largest of all count as zero.
 const ROUNDING: f64 = 1e-6;
 
+/// Change of a constraint by a rigid motion of its part that is rounding.
+const NO_CHANGE: f64 = 1e-9;
+
 /// Rows of numbers of the motions of all parts, as the sum of their squares: it is zero for motions that nothing holds.
 struct Held {
     n: usize,
@@ -78,7 +81,7 @@ impl Body {
             // A joint inside one part does not hold it, but for rounding.
             let largest = row.values().fold(0.0f64, |most, x| most.max(x.abs()));
             row.retain(|_, x| x.abs() > ROUNDING * largest);
-            if largest > ROUNDING {
+            if largest > NO_CHANGE {
                 held.add(&row);
             }
         };
@@ -96,9 +99,11 @@ impl Body {
             moves.fold((0, -1.0), |best, (at, own)| if size(own) > best.1 { (at, size(own)) } else { best });
         let own = |motion: &Vec<f64>| motion[MOTIONS * number..MOTIONS * (number + 1)].to_vec();
         let (name, part) = &named[number];
+        let places: Vec<[f64; 3]> = self.joints().iter().map(|joint| joint.at).collect();
         let twists: Vec<Twist> = reduced(free.iter().map(own).collect());
         let is_one = |twist: &&Twist| size(&twist[..]) > ROUNDING;
-        let motions: Vec<String> = twists.iter().filter(is_one).map(|twist| part.name(twist)).collect();
+        let motions: Vec<String> =
+            twists.iter().filter(is_one).map(|twist| part.name(twist, &places)).collect();
         Err(Error::NotHeld { part: name.clone(), motions: listed(&motions) })
     }
 

@@ -13,7 +13,8 @@ use crate::unknowns::LinearConstraints;
 ///
 /// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut
 /// by two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for
-/// stability under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction.
+/// stability under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction. Rigid
+/// bodies and joints have multipliers, and their given motions and motors grow as well.
 ///
 /// A bar under its own weight:
 ///

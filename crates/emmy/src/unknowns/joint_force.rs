@@ -91,6 +91,11 @@ impl JointLaw {
         self.spring.stiffness > 0.0
     }
 
+    /// Whether its spring is strained where the joint is drawn.
+    pub(crate) fn is_strained(&self) -> bool {
+        self.rest != self.measure.value(&|_| 0.0)
+    }
+
     /// Its coordinate.
     pub(crate) fn measure(&self) -> &Measure {
         &self.measure

@@ -94,7 +94,9 @@ impl LinearConstraints {
     pub(crate) fn independent_rows(&self) -> Vec<f64> {
         let n = self.dofs.len();
         let mut table = vec![0.0; self.dependent.len() * n];
-        for ((&at, row), entries) in self.dependent.iter().zip(self.rows()).zip(table.chunks_exact_mut(n)) {
+        for ((&at, row), entries) in
+            self.dependent.iter().zip(self.rows()).zip(table.chunks_exact_mut(n.max(1)))
+        {
             entries[at] = 1.0;
             row.iter().zip(&self.independent).for_each(|(w, &at)| entries[at] = -w);
         }

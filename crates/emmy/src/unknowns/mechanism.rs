@@ -252,6 +252,12 @@ impl Mechanism {
         })
     }
 
+    /// Whether drives, motors or strained springs act at a time on the bodies as drawn.
+    pub(crate) fn acts_at(&self, time: f64) -> bool {
+        let mut laws = self.time_functions();
+        laws.any(|(_, law, _)| law.value(time) != 0.0) || self.springs().any(|law| law.is_strained())
+    }
+
     /// Sets the coordinates of the joints at some displacements, angles within half a turn of those that are set.
     pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, states: &mut [JointState]) {
         let joints = self.outputs.iter().zip(states);
