@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A is a stiffness, in a search for modes with a mass; Q and R act on a few joint nodes B. R are independent rows with
-//! the same motions as the gradients of the constraints, and `Q = sum_c lambda_c G_c'` is the stiffness of their forces.
-//! With the inverse of A and its part F at B, a solution takes one with a dense matrix:
+//! the same motions as the gradients of the constraints, and `Q = sum_c lambda_c G_c'` is the stiffness of their
+//! forces. With the inverse of A and its part F at B, a solution takes one with a dense matrix:
 //!
 //! ```math
 //! z = A^-1 b,    x_B + F (Q x_B + R^T mu) = z_B,    R x_B = 0,    x = z - A^-1 (Q x_B + R^T mu)
@@ -125,8 +125,8 @@ impl Interface {
         Ok(())
     }
 
-    /// Whether `A + Q` is positive definite for allowed motions, if the factor is positive definite: the inverse has the
-    /// signs that it has at the joint nodes.
+    /// Whether `A + Q` is positive definite for allowed motions, if the factor is positive definite: the inverse has
+    /// the signs that it has at the joint nodes.
     ///
     /// # Errors
     /// [`Error::Linear`] if its eigenvalues are not found.

@@ -1,5 +1,5 @@
-//! Static equilibria of rigid bodies and joints: against moments in independent coordinates, supports, merged meshes and
-//! an independent implementation.
+//! Static equilibria of rigid bodies and joints: against moments in independent coordinates, supports, merged meshes
+//! and an independent implementation.
 
 #![allow(non_snake_case)]
 

@@ -7,9 +7,11 @@
 use std::collections::HashMap;
 
 use super::inverse::Inverse;
+use crate::average::Request;
 use crate::body::{Body, Interface};
 use crate::error::Result;
 use crate::sparse::StageMatrix;
+use crate::time::classic::Forces;
 use crate::unknowns::LinearConstraints;
 
 /// Least stiffness of an anchor, over the mean stiffness of a degree of freedom.
@@ -21,15 +23,29 @@ pub(super) struct Joints {
     /// Multipliers of the equilibrium from which a step starts.
     pub multipliers: Vec<f64>,
     interface: Option<Interface>,
-    /// Mean stiffness of a degree of freedom, which weighs the residuals of the constraints.
+    /// Mean stiffness of a degree of freedom as drawn, which weighs the residuals of the constraints.
     mean_stiffness: f64,
 }
 
 impl Joints {
     /// The constraints of a body; `None` if it has none.
-    pub(super) fn new(body: &Body) -> Option<Self> {
-        let multipliers = vec![0.0; body.constraints().len()];
-        (!multipliers.is_empty()).then_some(Joints { multipliers, interface: None, mean_stiffness: 1.0 })
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(super) fn new(body: &Body) -> Result<Option<Self>> {
+        if body.constraints().is_empty() {
+            return Ok(None);
+        }
+        let mut forces = Forces::new(body);
+        forces.assemble(&vec![0.0; body.n_dofs()], Request::Tangent)?;
+        let free = (0..body.n_dofs()).filter(|&dof| !body.space.inactive()[dof]);
+        let diagonal = free.map(|dof| diagonal(body, &forces.assembly.matrix, dof)).filter(|own| *own > 0.0);
+        let (n, sum) = diagonal.fold((0.0, 0.0), |(n, sum), own| (n + 1.0, sum + own));
+        Ok(Some(Joints {
+            multipliers: vec![0.0; body.constraints().len()],
+            interface: None,
+            mean_stiffness: if n > 0.0 { sum / n } else { 1.0 },
+        }))
     }
 
     /// The constraints, linearised last.
@@ -65,17 +81,11 @@ impl Joints {
         let constraints = (body.constraints(), body.space.inactive());
         let constraints = LinearConstraints::new(constraints, displacement, Some(time))?;
         let interface = self.interface.insert(Interface::new(body, constraints, multipliers));
-        let place = |dof: usize| 9 * body.pattern().coupling(dof / 3, dof / 3) + 4 * (dof % 3);
-        let diagonal = |dof: usize| stiffness.block(place(dof) / 9)[place(dof) % 9];
-        let free = (0..body.n_dofs()).filter(|&dof| !body.space.inactive()[dof]);
-        let positive = free.map(diagonal).filter(|stiffness| *stiffness > 0.0);
-        let (n, sum) = positive.fold((0.0, 0.0), |(n, sum), stiffness| (n + 1.0, sum + stiffness));
-        self.mean_stiffness = if n > 0.0 { sum / n } else { 1.0 };
         let dofs = interface.constraints.dofs();
         let least = LEAST_ANCHOR * self.mean_stiffness;
-        let anchors: Vec<f64> = dofs.iter().map(|&dof| diagonal(dof).max(least)).collect();
+        let anchors: Vec<f64> = dofs.iter().map(|&dof| diagonal(body, stiffness, dof).max(least)).collect();
         let entries: HashMap<usize, f64> =
-            dofs.iter().zip(&anchors).map(|(&dof, anchor)| (place(dof), *anchor)).collect();
+            dofs.iter().zip(&anchors).map(|(&dof, anchor)| (place(body, dof), *anchor)).collect();
         let is_definite = inverse.set_anchored(body, stiffness, &entries)?;
         let n = anchors.len();
         let mut table = vec![0.0; n * n];
@@ -83,4 +93,15 @@ impl Joints {
         interface.factorize(body, &table, |b| inverse.apply(body, b))?;
         Ok(is_definite && interface.is_definite()?)
     }
+}
+
+/// Place of the diagonal entry of a degree of freedom in the matrix.
+fn place(body: &Body, dof: usize) -> usize {
+    9 * body.pattern().coupling(dof / 3, dof / 3) + 4 * (dof % 3)
+}
+
+/// Stiffness of a degree of freedom.
+fn diagonal(body: &Body, stiffness: &StageMatrix, dof: usize) -> f64 {
+    let at = place(body, dof);
+    stiffness.block(at / 9)[at % 9]
 }

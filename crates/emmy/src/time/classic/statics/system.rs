@@ -64,7 +64,7 @@ impl<'a> StaticSystem<'a> {
             time: 0.0,
             inverse: Inverse::new(body)?,
             gmres: Gmres::default(),
-            joints: Joints::new(body),
+            joints: Joints::new(body)?,
             lu: None,
             must_be_definite: true,
             first: vec![0.0; equations.blocks.len()],
