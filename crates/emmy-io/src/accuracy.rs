@@ -211,6 +211,7 @@ pub fn may_vibrate(problem: &Problem) -> bool {
         || !problem.loads.iter().all(is_uniform)
         || !problem.initial.iter().all(is_rigid)
         || !nodal.springs.is_empty()
+        || !problem.joints.is_empty()
 }
 
 /// The first step of a plan that is longer than its phase, in words.

@@ -19,9 +19,6 @@ const MAX_DOFS: usize = 30_000;
 /// Reports on the lowest elastic mode of the start.
 pub(super) fn report(report: &mut Report, problem: &Problem, start: Option<&State>) {
     let body = &problem.body;
-    if !(problem.rigid.is_empty() && problem.joints.is_empty()) {
-        return report.line("period", "not computed: modes do not cover rigid bodies and joints yet");
-    }
     if body.n_dofs() > MAX_DOFS {
         let text = format!(
             "not computed beyond {MAX_DOFS} degrees of freedom; `emmy modes --count 7` finds the lowest one"
@@ -30,7 +27,8 @@ pub(super) fn report(report: &mut Report, problem: &Problem, start: Option<&Stat
     } else {
         of_start(report, problem, start);
     }
-    if problem.scheme != Scheme::CentralDifferences && !problem.is_static() {
+    let has_joints = !(problem.rigid.is_empty() && problem.joints.is_empty());
+    if problem.scheme != Scheme::CentralDifferences && !problem.is_static() && !has_joints {
         explicit(report, problem);
     }
 }

@@ -364,20 +364,61 @@ fn units_stand_behind_moments_of_inertia_and_places() {
 #[test]
 fn what_has_no_joints_yet_says_so() {
     let place = Place::with(DOOR);
-    let equilibrium = DOOR.split("[[initial]]").next().unwrap();
-    let held = "[[support]]\ngroup = \"x-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\n";
-    place.write("static.toml", &format!("{equilibrium}{held}\n[output]\ndirectory = \"static\"\n"));
-    for (arguments, words) in [
-        (
-            &["split", "box.toml", "--parts", "2"][..],
-            "several ranks do not compute a body with rigid bodies or joints",
-        ),
-        (&["modes", "box.toml"], "does not cover rigid bodies and joints"),
-        (&["run", "static.toml"], "joints and rigid bodies need a time element"),
-    ] {
-        let failed = place.emmy(arguments);
-        assert_ne!(failed.code, 0, "{arguments:?}");
-        assert!(failed.stderr.contains(words), "{arguments:?}: {}", failed.stderr);
+    let failed = place.emmy(&["split", "box.toml", "--parts", "2"]);
+    assert_ne!(failed.code, 0);
+    let words = "several ranks do not compute a body with rigid bodies or joints";
+    assert!(failed.stderr.contains(words), "{}", failed.stderr);
+}
+
+/// Its centre there for k = 46.
+const REST: [f64; 3] = [0.496_906_752_126_060_34, 0.0, 0.055_530_889_525_830_705];
+
+/// The pendulum on a torsion spring: k phi = m g l sin(2 - phi) at rest.
+fn on_a_spring(stiffness: f64) -> String {
+    let joint = "axis = [0, 1, 0] }\n";
+    PENDULUM.replace(joint, &format!("{joint}spring = {{ stiffness = {stiffness} }}\n"))
+}
+
+/// omega^2 = k / J about the axis, J = 0.4 + 3/4; about the equilibrium (k + m g l cos(2 - phi)) / J.
+#[test]
+fn modes_of_a_pendulum_on_a_spring() {
+    let place = Place::with(&on_a_spring(46.0));
+    place.write("hanging.toml", &format!("[equilibrium]\n{}", on_a_spring(46.0)));
+    for (file, expected) in [("box.toml", 40f64.sqrt()), ("hanging.toml", 6.211_190_876_590_33)] {
+        let modes = place.succeed(&["modes", file, "--output", "own"]);
+        let table = place.read("own/modes.csv");
+        let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+        assert!((row[1].parse::<f64>().unwrap() / expected - 1.0).abs() < 1e-10, "{}", modes.stdout);
+        assert_eq!(table.lines().count(), 2);
+    }
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(
+        check.contains("period     0.993459 in the lowest elastic mode (frequency 1.00658)\n"),
+        "{check}"
+    );
+    place.write("free.toml", PENDULUM);
+    let free = place.succeed(&["modes", "free.toml", "--output", "free"]);
+    assert!(free.stdout.contains("rigid") && free.stderr.contains("1 rigid mode"), "{}", free.stderr);
+}
+
+#[test]
+fn an_equilibrium_of_a_pendulum_on_a_spring() {
+    let [head, rest] = PENDULUM.split_once("[time]").map(|(head, rest)| [head, rest]).unwrap();
+    let output = rest.split_once("[output]").unwrap().1;
+    let static_input = |spring: &str| {
+        let joint = "axis = [0, 1, 0] }\n";
+        let head = head.replace(joint, &format!("{joint}{spring}"));
+        format!("{head}[equilibrium]\nload_steps = 4\n\n[output]{output}")
+    };
+    let place = Place::with(&static_input("spring = { stiffness = 46.0 }\n"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert_near(last_place(&place, "out", "centre"), REST, 1e-10);
+    place.write("free.toml", &static_input(""));
+    for verb in ["check", "run"] {
+        let failed = place.emmy(&[verb, "free.toml"]);
+        assert_eq!(failed.code, 2, "{}", failed.stderr);
+        let words = "nothing holds the part `pendulum` against rotation about y through [0, 0, 0]";
+        assert!(failed.stderr.contains(words), "{}", failed.stderr);
     }
 }
 

@@ -85,7 +85,7 @@ impl Mechanism {
         }
     }
 
-    /// Checks that the scheme has multipliers; a static analysis has its own fault.
+    /// Checks that the scheme has multipliers.
     pub(super) fn check_scheme(&self, time: &Time) -> Result<(), Fault> {
         if time.scheme.is_time_element() || time.scheme == Scheme::Static {
             return Ok(());

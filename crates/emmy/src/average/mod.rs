@@ -212,6 +212,17 @@ impl Rule {
         Rule::with(degree, Kind::Standard, quadrature)
     }
 
+    /// The configuration at the end of a step, for equilibria: there are stresses, forces and constraints.
+    pub fn at_end() -> Rule {
+        let end = Quadrature { points: vec![[1.0]], weights: vec![1.0] };
+        Rule { c: vec![1.0], a: vec![1.0], ..Rule::standard(1, &end) }
+    }
+
+    /// Whether it sees the configuration at the end alone, and no path to it.
+    pub fn is_at_end(&self) -> bool {
+        self.c == [1.0]
+    }
+
     /// Assumed strain in time, AS(n), with n inner Gauss points (equations (57), (62)).
     pub fn assumed_strain(degree: usize, n: usize) -> Rule {
         Rule::with(degree, Kind::EnergyMomentum(StressKind::AssumedStrain), &gauss(n))

@@ -476,16 +476,22 @@ impl Body {
 
     /// Mechanism and forces without the joints that are released by a time.
     fn without_joints(&self, time: f64) -> Result<(Arc<Mechanism>, Forces)> {
-        let Body { mechanism, forces, pattern, .. } = self;
+        let Body { mechanism, forces, .. } = self;
         let holds = |joint: &Joint| joint.until.is_none_or(|until| until > time);
         if mechanism.joints.iter().all(holds) {
             return Ok((mechanism.clone(), forces.clone()));
         }
         let ties = self.space.ties();
         let rest = mechanism.with_joints(self.mesh(), |node| ties.leaders_of(node), holds)?;
+        Ok(self.with_mechanism(forces, rest))
+    }
+
+    /// Another mechanism in the place of the present one, and some forces of the body with those of its joints.
+    pub(super) fn with_mechanism(&self, forces: &Forces, other: Mechanism) -> (Arc<Mechanism>, Forces) {
+        let Body { mechanism, pattern, .. } = self;
         let n_others = forces.others.len() - mechanism.forces(pattern).len();
-        let others = forces.others[..n_others].iter().cloned().chain(rest.forces(pattern)).collect();
-        Ok((Arc::new(rest), Forces { others: Arc::new(others), ..forces.clone() }))
+        let others = forces.others[..n_others].iter().cloned().chain(other.forces(pattern)).collect();
+        (Arc::new(other), Forces { others: Arc::new(others), ..forces.clone() })
     }
 }
 

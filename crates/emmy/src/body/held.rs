@@ -13,7 +13,7 @@ use crate::sparse::null_space;
 use crate::tensor::cross;
 
 /// Components of a rigid motion: rotations about x, y, z through a centre, then translations along x, y, z.
-const MOTIONS: usize = 6;
+pub(super) const MOTIONS: usize = 6;
 
 /// Rotations, angles and distances below this part of the size of a part count as zero.
 const ROUNDING: f64 = 1e-6;
@@ -22,15 +22,18 @@ const ROUNDING: f64 = 1e-6;
 const DIFFERENCE_STEP: f64 = 1e-4;
 
 /// A rigid motion, by its components; rotations are distances at the radius of the part.
-type Twist = [f64; MOTIONS];
+pub(super) type Twist = [f64; MOTIONS];
 
 impl Body {
-    /// Checks that supports, springs and attractions hold each connected part of the body in the reference
+    /// Checks that supports, springs, attractions and joints hold each connected part of the body in the reference
     /// configuration.
     ///
     /// # Errors
     /// [`Error::NotHeld`] names the rigid motions that are free.
     pub(crate) fn check_held(&self) -> Result<()> {
+        if !self.mechanism.is_empty() {
+            return self.check_mechanism_held();
+        }
         let mut assembly = self.assembly(&Rule::standard(1, &gauss(1)));
         let parts = self.connected_parts();
         let n_parts = parts.len();
@@ -47,8 +50,9 @@ impl Body {
         Ok(())
     }
 
-    /// The first cell of each connected part of the body, in the whole mesh, and its own nodes here, ascending.
-    fn connected_parts(&self) -> Vec<(usize, Vec<u32>)> {
+    /// The first cell of each connected part of the body, in the whole mesh, and its own nodes here, ascending; rigid
+    /// bodies alone come last.
+    pub(super) fn connected_parts(&self) -> Vec<(usize, Vec<u32>)> {
         let nodes_of = |cells: &Vec<u32>| {
             let mut nodes: Vec<u32> =
                 cells.iter().flat_map(|&cell| self.mesh().cell(cell as usize).nodes).copied().collect();
@@ -59,7 +63,9 @@ impl Body {
         let here: Vec<(Vec<u32>, Vec<u32>)> =
             self.mesh().parts().into_iter().map(|cells| (nodes_of(&cells), cells)).collect();
         if !self.space.is_shared() {
-            return self.tied(here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes)).collect());
+            let parts = here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes));
+            let frames = self.mechanism.frames.iter().map(|frame| (usize::MAX, frame.nodes().collect()));
+            return self.tied(parts.chain(frames).collect());
         }
         let ranks = self.ranks();
         // The parts of all ranks that meet at guests get the lowest cell among them.
@@ -122,6 +128,7 @@ impl Body {
             let free = nodes.into_iter().filter(|node| ties.leaders_of(*node).is_none());
             all[first[number]].1.extend(free);
         }
+        all.iter_mut().for_each(|(_, nodes)| nodes.sort_unstable());
         all.retain(|(_, nodes)| !nodes.is_empty());
         all
     }
@@ -141,7 +148,7 @@ impl Body {
 }
 
 /// A connected part of the mesh, with the own nodes of each rank.
-struct Part<'a> {
+pub(super) struct Part<'a> {
     mesh: &'a Mesh,
     nodes: Vec<u32>,
     centre: [f64; 3],
@@ -149,7 +156,7 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(body: &'a Body, nodes: Vec<u32>) -> Self {
+    pub(super) fn new(body: &'a Body, nodes: Vec<u32>) -> Self {
         let mesh = body.mesh();
         let mut n_nodes = [nodes.len() as f64];
         body.space.sum_ranks("nodes of a part", &mut n_nodes);
@@ -168,8 +175,13 @@ impl<'a> Part<'a> {
         Part { mesh, nodes, centre, radius: if radius > 0.0 { radius } else { 1.0 } }
     }
 
+    /// Its nodes.
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Displacement of a component of the node by each rigid motion.
-    fn row(&self, node: u32, component: usize) -> Twist {
+    pub(super) fn row(&self, node: u32, component: usize) -> Twist {
         let X = self.mesh.points()[node as usize];
         let r = [0, 1, 2].map(|d| (X[d] - self.centre[d]) / self.radius);
         let mut row = [0.0; MOTIONS];
@@ -184,6 +196,13 @@ impl<'a> Part<'a> {
 
     /// The free rigid motions, each named.
     fn free_motions(&self, body: &Body, assembly: &mut Assembly) -> Result<Vec<String>> {
+        let free = reduced(null_space(&self.held(body, assembly)?)?);
+        Ok(free.iter().map(|twist| self.name(twist, &[])).collect())
+    }
+
+    /// The square of the rigid motions that supports and the ground hold, and of those that move no node: zero for
+    /// free ones.
+    pub(super) fn held(&self, body: &Body, assembly: &mut Assembly) -> Result<[f64; MOTIONS * MOTIONS]> {
         let dofs = || self.nodes.iter().flat_map(|&node| (0..3).map(move |i| (node, i)));
         let mut all = Gram::default();
         let mut held = Gram::default();
@@ -204,8 +223,7 @@ impl<'a> Part<'a> {
         for idle in null_space(&all.normalized().0)? {
             sum.add(&idle, &idle);
         }
-        let free = reduced(null_space(&sum.0)?);
-        Ok(free.iter().map(|twist| self.name(twist)).collect())
+        Ok(sum.0)
     }
 
     /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are
@@ -241,13 +259,20 @@ impl<'a> Part<'a> {
         Ok(gram)
     }
 
-    /// Name of a rigid motion.
-    fn name(&self, twist: &Twist) -> String {
+    /// Name of a rigid motion, its axis by one of some places where it passes one.
+    pub(super) fn name(&self, twist: &Twist, places: &[[f64; 3]]) -> String {
         let spin = [0, 1, 2].map(|d| twist[d] / self.radius);
         let shift = [3, 4, 5].map(|d| twist[d]);
         let square: f64 = spin.iter().map(|w| w * w).sum();
         if square.sqrt() * self.radius < ROUNDING {
             return format!("translation along {}", direction(shift));
+        }
+        let is_at_rest = |X: &&[f64; 3]| {
+            let turning = cross(spin, [0, 1, 2].map(|d| X[d] - self.centre[d]));
+            (0..3).all(|d| (turning[d] + shift[d]).abs() < ROUNDING)
+        };
+        if let Some(place) = places.iter().find(is_at_rest) {
+            return format!("rotation about {} through {}", direction(spin), short_vector(*place));
         }
         // The point of the axis next to the centre.
         let arm = cross(spin, shift).map(|x| x / square);
@@ -281,7 +306,7 @@ fn direction(vector: [f64; 3]) -> String {
 }
 
 /// `a`, `a and b`, `a, b and c`.
-fn listed(names: &[String]) -> String {
+pub(super) fn listed(names: &[String]) -> String {
     match names {
         [] => String::new(),
         [name] => name.clone(),
@@ -290,7 +315,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// Basis of the same space in reduced echelon form: each motion has a component 1 that the others do not have.
-fn reduced(mut basis: Vec<Vec<f64>>) -> Vec<Twist> {
+pub(super) fn reduced(mut basis: Vec<Vec<f64>>) -> Vec<Twist> {
     let mut done = 0;
     for column in 0..MOTIONS {
         let size = |vector: &Vec<f64>| vector[column].abs();

@@ -112,6 +112,7 @@ impl Body {
         let loaded = self.in_proportion(time);
         let acts = loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()]).unwrap_or(true);
         let [acts] = self.ranks().any("loads that act", [acts]);
-        acts || loaded.space.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
+        acts || loaded.mechanism.acts_at(1.0)
+            || loaded.space.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
     }
 }

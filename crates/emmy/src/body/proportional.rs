@@ -4,7 +4,7 @@ use super::system::Body;
 
 impl Body {
     /// The body under the loads and given displacements of a time, before a jump there, all in proportion to a load
-    /// fraction from 0 to 1 that takes the place of time. Attractions act in full. Supports and joints released by that
+    /// fraction from 0 to 1 that takes the place of time; given motions and motors of joints, too. Attractions act in full. Supports and joints released by that
     /// time are gone; none is released later.
     ///
     /// ```
@@ -19,8 +19,16 @@ impl Body {
     /// ```
     pub fn in_proportion(&self, time: f64) -> Body {
         let body = self.at(time);
+        let forces = body.forces.in_proportion(time, body.n_dofs());
+        let leaders = |node: u32| body.space.ties().leaders_of(node);
+        let (mechanism, forces) = match body.mechanism.in_proportion(time, body.mesh(), leaders) {
+            Ok(grown) if !grown.is_empty() => body.with_mechanism(&forces, grown),
+            // The joints were built before, so there is no fault.
+            _ => (body.mechanism.clone(), forces),
+        };
         Body {
-            forces: body.forces.in_proportion(time, body.n_dofs()),
+            mechanism,
+            forces,
             space: body.space.in_proportion(time),
             lumped: None,
             release: None,

@@ -7,12 +7,14 @@ use crate::input::InitialVelocity;
 use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, StepPlan};
 use crate::time::Scheme;
 use crate::time::classic::{Forces, solve_stiffness};
+use crate::unknowns::LinearConstraints;
 
 /// The static equilibrium `f(u) = F(u, t)` of a body under the loads, pressures and driven supports of a time t.
 ///
 /// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut
 /// by two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for
-/// stability under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction.
+/// stability under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction. Rigid
+/// bodies and joints have multipliers, and their given motions and motors grow as well.
 ///
 /// A bar under its own weight:
 ///
@@ -107,7 +109,8 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
 }
 
 /// Internal force less loads, `f(u) - F(u, t)`, of a displacement `[n_nodes][3]` at a time: in equilibrium the reaction
-/// at fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\].
+/// at fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\]. Rigid bodies
+/// and joints carry as much of it as they can.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -127,9 +130,10 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
 /// [`crate::Error::Inverted`].
 pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<Vec<f64>> {
     body.space.check_whole("an unbalanced force")?;
-    let mut external = vec![0.0; body.n_dofs()];
-    let mut net = external.clone();
-    Forces::new(body).net(displacement, time, &mut external, &mut net)?;
-    net.iter_mut().for_each(|force| *force = -*force);
-    Ok(net)
+    let mut force = Forces::new(body).unbalanced(displacement, Some(time))?;
+    let joints = (body.constraints(), body.space.inactive());
+    let mut joints = LinearConstraints::new(joints, displacement, Some(time))?;
+    let multipliers = joints.balancing(&force);
+    joints.add_force((body.constraints(), displacement), &multipliers, &mut force);
+    Ok(force)
 }

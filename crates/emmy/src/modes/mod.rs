@@ -3,7 +3,7 @@
 mod pencil;
 mod rigid;
 
-use pencil::{BodyPencil, Linearised};
+use pencil::{BodyPencil, Linearised, n_dependent, n_free};
 
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -81,7 +81,8 @@ const MAX_SEARCHED: usize = 56;
 ///
 /// with the consistent mass M and the stiffness K of cells, links and springs; fixed and driven degrees of freedom are
 /// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0: translations along x, y
-/// and z as far as the body has them, then rotations and mechanisms.
+/// and z as far as the body has them, then rotations and mechanisms. Motions are those that rigid bodies and joints
+/// allow, `G v = 0`; given motions of joints are held.
 ///
 /// # Errors
 /// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Modes`] if a residual exceeds [`MAX_RESIDUAL`].
@@ -103,7 +104,8 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// The modes about a state, such as an equilibrium, with the stiffness of its displacement and of its follower
 /// pressures (their symmetric part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is
 /// unstable if the equilibrium is. Velocities have no effect, nor have forces that are not balanced: the positions of a
-/// motion at an instant count as those of a body at rest.
+/// motion at an instant count as those of a body at rest. The forces by which rigid bodies and joints carry the loads
+/// have a stiffness, too: a pendulum has its frequency where it hangs.
 ///
 /// # Errors
 /// As [`modes`], and [`Error::Inverted`].
@@ -128,7 +130,7 @@ fn about(body: &Body, state: &State) -> Result<Linearised> {
 }
 
 /// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not
-/// count.
+/// count, less those that follow from others by rigid bodies and joints as drawn.
 ///
 /// ```
 /// use emmy::modes::n_modes;
@@ -139,7 +141,7 @@ fn about(body: &Body, state: &State) -> Result<Linearised> {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn n_modes(body: &Body) -> usize {
-    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
+    n_free(body) - n_dependent(body)
 }
 
 /// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if the 56 lowest
@@ -198,13 +200,13 @@ fn lowest_elastic(body: &Body, linearised: &mut Linearised) -> Result<Option<(Mo
 
 /// The lowest modes of a linearised body, with a shift near the lowest elastic one.
 fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
-    let free = n_modes(body);
+    let mut pencil = BodyPencil::new(body, linearised)?;
+    let free = pencil.n_modes();
     if count > free {
         return Err(Error::TooManyModes { count, free });
     }
     let max_vectors = 6 * count + 200;
     check_memory(body.n_dofs(), max_vectors.min(free))?;
-    let mut pencil = BodyPencil::new(body, linearised)?;
     let mut shift = pencil.suggested_shift();
     let mut residual = f64::INFINITY;
     for _ in 0..MAX_SHIFTS {

@@ -2,12 +2,15 @@
 
 #![allow(non_snake_case)]
 
+use std::borrow::Cow;
+
 use crate::average::Request;
-use crate::body::{Assembly, Body};
+use crate::body::{Assembly, Body, Interface};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
 use crate::sparse::{BLOCK, BlockCholesky, Pencil};
 use crate::time::classic::Forces;
+use crate::unknowns::LinearConstraints;
 
 /// Eigenvalues below this, relative to the largest one, are rounding.
 const ROUNDING: f64 = 1e-14;
@@ -15,9 +18,10 @@ const ROUNDING: f64 = 1e-14;
 /// Factor of the shift from one attempt to the next, while the shifted stiffness is indefinite.
 const LARGER: f64 = 10.0;
 
-/// The symmetric stiffness of a body at a displacement.
+/// The symmetric stiffness of a body at a displacement, and its constraints there.
 pub(super) struct Linearised {
     assembly: Assembly,
+    interface: Option<Interface>,
 }
 
 impl Linearised {
@@ -32,17 +36,26 @@ impl Linearised {
     /// The stiffness at a displacement `[n_nodes][3]`, with the follower pressures of a time.
     ///
     /// # Errors
-    /// [`crate::Error::Constrained`], [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
+    /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
-        body.check_unconstrained("a search for natural modes")?;
         let mut forces = Forces::new(body);
+        let interface = match body.constraints().is_empty() {
+            true => None,
+            false => {
+                let force = forces.unbalanced(displacement, time)?;
+                let constraints = (body.constraints(), body.space.inactive());
+                let mut constraints = LinearConstraints::new(constraints, displacement, time)?;
+                let multipliers = constraints.balancing(&force);
+                Some(Interface::new(body, constraints, &multipliers))
+            }
+        };
         forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {
             forces.add_external_tangent(displacement, time)?;
         }
         let mut assembly = forces.assembly;
         assembly.matrix.symmetrize(body.pattern());
-        Ok(Linearised { assembly })
+        Ok(Linearised { assembly, interface })
     }
 }
 
@@ -65,6 +78,12 @@ impl<'a> BodyPencil<'a> {
         Ok(BodyPencil { body, linearised, factor, shift: 0.0 })
     }
 
+    /// Number of modes.
+    pub(super) fn n_modes(&self) -> usize {
+        n_free(self.body)
+            - self.linearised.interface.as_ref().map_or(0, |own| own.constraints.dependent().len())
+    }
+
     /// Factorises `K + s M` with the smallest of `shift`, 10 `shift`, ... for which it is positive definite: then every
     /// eigenvalue is above -s, unstable ones included.
     ///
@@ -74,17 +93,25 @@ impl<'a> BodyPencil<'a> {
         self.shift = shift;
         loop {
             let matrix = &self.linearised.assembly.matrix;
-            let mass = self.body.mass();
+            let mass = self.body.carried_mass();
             let shift = self.shift;
             self.factor.factorize(|entry| {
                 let diagonal = if (entry % 9).is_multiple_of(4) { shift * mass[entry / 9] } else { 0.0 };
                 matrix.block(entry / 9)[entry % 9] + diagonal
             })?;
-            if self.factor.is_definite() {
+            if self.factor.is_definite() && self.constrain()? {
                 return Ok(());
             }
             self.shift = (LARGER * self.shift).max(f64::MIN_POSITIVE);
         }
+    }
+
+    /// Takes the constraints into the factorised system. Returns whether it is positive definite.
+    fn constrain(&mut self) -> Result<bool> {
+        let Some(interface) = &mut self.linearised.interface else { return Ok(true) };
+        let carriers = interface.carriers(self.body, self.shift);
+        interface.factorize(self.body, &carriers, |b| solve(&mut self.factor, self.body, b))?;
+        Ok(!interface.is_loaded() || interface.is_definite()?)
     }
 
     /// Absolute value up to which an eigenvalue is rounding.
@@ -95,17 +122,26 @@ impl<'a> BodyPencil<'a> {
     /// Largest quotient of the diagonals of K and the lumped mass over the free degrees of freedom: close to the
     /// largest eigenvalue.
     fn largest_quotient(&self) -> f64 {
+        let Body { mechanism, .. } = self.body;
         let with_mass = &self.body.fixed()[..self.body.mesh().n_dofs()];
         let free = with_mass.iter().enumerate().filter(|(_, fixed)| !**fixed);
+        // The lumped mass of a rigid body is in its centre.
+        let mass = |node: usize, position: usize| match mechanism.is_rigid(node) {
+            true => self.body.carried_mass()[position],
+            false => self.body.lumped_mass()[node],
+        };
         let quotient = |(dof, _): (usize, &bool)| {
             let node = dof / 3;
             let position = self.body.pattern().position(node, node)?;
-            Some(
-                self.linearised.assembly.matrix.block(position)[4 * (dof % 3)]
-                    / self.body.lumped_mass()[node],
-            )
+            Some(self.linearised.assembly.matrix.block(position)[4 * (dof % 3)] / mass(node, position))
         };
-        free.filter_map(quotient).fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        let of_joints = self.linearised.interface.iter().flat_map(Interface::diagonal);
+        let of_joints = of_joints.filter(|(dof, _)| !self.body.fixed()[*dof]).map(|(dof, stiffness)| {
+            let node = dof / 3;
+            stiffness / mass(node, self.body.pattern().coupling(node, node))
+        });
+        let all = free.filter_map(quotient).chain(of_joints);
+        all.fold(0.0, |largest: f64, value| largest.max(value.abs()))
     }
 
     /// A shift of the size of the lowest elastic eigenvalue: that of a bar of the body's length in tension, times the
@@ -139,8 +175,20 @@ impl<'a> BodyPencil<'a> {
         stiff / dot(&u, &product)
     }
 
-    /// Sets fixed components to zero.
+    /// The motion that the constraints allow with the free degrees of freedom of a vector.
+    fn allowed<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
+        let mut x = Cow::Borrowed(x);
+        if let Some(interface) = &self.linearised.interface {
+            interface.constraints.complete(x.to_mut());
+        }
+        x
+    }
+
+    /// Sets fixed components to zero, and moves those that follow others to these.
     fn hold(&self, product: &mut [f64]) {
+        if let Some(interface) = &self.linearised.interface {
+            interface.constraints.gather(product);
+        }
         product.iter_mut().zip(self.body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(x, _)| *x = 0.0);
     }
 }
@@ -152,7 +200,10 @@ impl Pencil for BodyPencil<'_> {
 
     fn free(&self) -> Vec<usize> {
         let with_mass = self.body.mesh().n_dofs();
-        (0..with_mass).filter(|&dof| !self.body.fixed()[dof]).collect()
+        let mut is_given = self.body.fixed()[..with_mass].to_vec();
+        let dependent = self.linearised.interface.iter().flat_map(|own| own.constraints.dependent());
+        dependent.for_each(|dof| is_given[dof] = true);
+        (0..with_mass).filter(|&dof| !is_given[dof]).collect()
     }
 
     fn shift(&self) -> f64 {
@@ -162,7 +213,7 @@ impl Pencil for BodyPencil<'_> {
     fn multiply_mass(&mut self, x: &[f64], product: &mut [f64]) {
         let n = self.n();
         for (x, product) in x.chunks_exact(n).zip(product.chunks_exact_mut(n)) {
-            self.body.mass_product(x, product);
+            self.body.mass_product(&self.allowed(x), product);
             self.hold(product);
         }
     }
@@ -170,15 +221,41 @@ impl Pencil for BodyPencil<'_> {
     fn multiply_stiffness(&mut self, x: &[f64], product: &mut [f64]) {
         let n = self.n();
         for (x, product) in x.chunks_exact(n).zip(product.chunks_exact_mut(n)) {
-            self.linearised.assembly.matrix.multiply(self.body.pattern(), x, product);
+            let x = self.allowed(x);
+            self.linearised.assembly.matrix.multiply(self.body.pattern(), &x, product);
+            if let Some(interface) = &self.linearised.interface {
+                interface.add_product(&x, product);
+            }
             self.hold(product);
         }
     }
 
     fn solve(&mut self, b: &mut [f64]) {
-        let n = self.body.n_dofs();
-        let read = |b: &&mut [f64], column: usize, row: usize| b[column * n + row];
-        let write = |b: &mut &mut [f64], column: usize, row: usize, value: f64| b[column * n + row] = value;
-        self.factor.solve(b.len() / n, &mut &mut *b, read, write);
+        let BodyPencil { body, linearised, factor, .. } = self;
+        solve(factor, body, b);
+        if let Some(interface) = &linearised.interface {
+            interface.correct(body, |b| solve(factor, body, b), b);
+        }
     }
+}
+
+/// Applies the inverse of the factorised matrix to columns, `[columns][n_nodes][3]`.
+fn solve(factor: &mut BlockCholesky, body: &Body, b: &mut [f64]) {
+    let n = body.n_dofs();
+    let read = |b: &&mut [f64], column: usize, row: usize| b[column * n + row];
+    let write = |b: &mut &mut [f64], column: usize, row: usize, value: f64| b[column * n + row] = value;
+    factor.solve(b.len() / n, &mut &mut *b, read, write);
+}
+
+/// Number of degrees of freedom that follow from others in the reference configuration.
+pub(super) fn n_dependent(body: &Body) -> usize {
+    let rest = vec![0.0; body.n_dofs()];
+    let drawn = LinearConstraints::new((body.constraints(), body.space.inactive()), &rest, None);
+    // Constraints as drawn have no function of time that could fail.
+    drawn.map_or(0, |own| own.dependent().len())
+}
+
+/// Number of free degrees of freedom with mass, as if there were no constraints.
+pub(super) fn n_free(body: &Body) -> usize {
+    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
 }

@@ -1,7 +1,8 @@
 //! Small dense matrices: inverse and eigenpairs of a k x k matrix.
 
+use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::Solve;
-use faer::{Mat, Side, c64};
+use faer::{Mat, MatMut, MatRef, Side, c64};
 
 use crate::error::{Error, Result};
 
@@ -150,6 +151,39 @@ pub(crate) fn largest_eigenvalue(matrix: &[f64]) -> Result<f64> {
 /// Eigenvalues below this are zero but for rounding.
 const NULL: f64 = 1e-12;
 
+/// Factorisation of a dense matrix with row pivots, for many right-hand sides.
+#[derive(Debug)]
+pub(crate) struct DenseLu(PartialPivLu<f64>);
+
+impl DenseLu {
+    /// Factorises a matrix given row by row; `None` if it is singular or not finite.
+    pub(crate) fn new(matrix: &[f64]) -> Option<Self> {
+        let n = matrix.len().isqrt();
+        let factor = MatRef::from_row_major_slice(matrix, n, n).partial_piv_lu();
+        let is_regular = (0..n).all(|i| factor.U()[(i, i)] != 0.0 && factor.U()[(i, i)].is_finite());
+        is_regular.then_some(DenseLu(factor))
+    }
+
+    /// Solves for columns in place, `x: [columns][n]`.
+    pub(crate) fn solve(&self, x: &mut [f64]) {
+        let n = self.0.U().nrows();
+        if n > 0 {
+            let columns = x.len() / n;
+            self.0.solve_in_place(MatMut::from_column_major_slice_mut(x, n, columns));
+        }
+    }
+}
+
+/// Eigenvalues of a symmetric matrix given row by row, ascending.
+///
+/// # Errors
+/// [`Error::Linear`] if the iteration does not converge.
+pub(crate) fn eigenvalues(matrix: &[f64]) -> Result<Vec<f64>> {
+    let n = matrix.len().isqrt();
+    let values = MatRef::from_row_major_slice(matrix, n, n).self_adjoint_eigenvalues(Side::Lower);
+    values.map_err(|_| Error::Linear { reason: "eigenvalues of a symmetric matrix".into() })
+}
+
 /// Solves a small system for several right-hand sides in place, by Gaussian elimination with row pivots; `x:
 /// [n][columns]`. Returns `false` if the matrix is singular. Allocates nothing.
 ///
@@ -195,6 +229,16 @@ pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn singular_matrices_have_no_factor() {
+        assert!(DenseLu::new(&[1.0, 2.0, 2.0, 4.0]).is_none());
+        assert!(DenseLu::new(&[f64::NAN]).is_none());
+        let mut x = [2.0, 9.0, 4.0, 2.0];
+        DenseLu::new(&[0.0, 2.0, 4.0, 1.0]).unwrap().solve(&mut x);
+        assert_eq!(x, [2.0, 1.0, 0.0, 2.0]);
+        assert_eq!(eigenvalues(&[1.0, 0.0, 0.0, -2.0]).unwrap(), [-2.0, 1.0]);
+    }
 
     #[test]
     fn eigenvalues_of_a_rotation_are_a_conjugate_pair() {

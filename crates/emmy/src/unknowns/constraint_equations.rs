@@ -20,7 +20,7 @@ pub(crate) struct Derivatives {
 }
 
 impl Constraints {
-    /// Sets the residuals of a step, `residual: [k][n]`.
+    /// Sets the residuals of a step, `residual: [k][n]`; of an equilibrium, those at its end.
     pub(crate) fn set_residual(
         &self,
         step: &StepInput<'_>,
@@ -28,6 +28,10 @@ impl Constraints {
         residual: &mut [f64],
     ) {
         let (k, n_dofs, n) = (step.rule.degree(), step.displacement.len(), self.len());
+        if step.rule.is_at_end() {
+            let value = |c: usize| times.row(self, k, c).value(&|dof| step.displacement_at_end(dof));
+            return residual.iter_mut().enumerate().for_each(|(c, residual)| *residual = value(c));
+        }
         let weights = step.rule.weights();
         for c in 0..n {
             let start = self.rows()[c].value(&|dof| step.displacement[dof]);

@@ -90,6 +90,24 @@ impl ConstraintStep {
         Ok(())
     }
 
+    /// Sets an instant in place of a stage, without one the given motions as drawn, and the range of the constraints
+    /// there.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn set_instant(
+        &mut self,
+        body: (&Constraints, &[bool]),
+        time: Option<f64>,
+        u: &dyn Fn(usize) -> f64,
+    ) -> Result<()> {
+        if let Some(time) = time {
+            return self.set_time(body, [time, 0.0], u);
+        }
+        self.set_range(body, 0, u);
+        Ok(())
+    }
+
     /// Whether the rate of a given motion jumps in the step, or a joint is released.
     pub(crate) fn has_kink(&self, constraints: &Constraints) -> bool {
         let same = SAME_TIME * self.span.size;

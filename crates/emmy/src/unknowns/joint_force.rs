@@ -13,7 +13,7 @@ use super::joint::{MAX_DOFS, Measure};
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
 use crate::force::{Book, Force, ForceMemory, Scratch, Side, StepInput, StepStart, StrainState};
-use crate::input::{Joint, JointSpring, SignalTarget, Span, TimeFunction};
+use crate::input::{Joint, JointSpring, NotFinite, SignalTarget, Span, TimeFunction};
 use crate::nodal;
 use crate::sparse::{Pattern, RowPart};
 
@@ -86,6 +86,16 @@ impl JointLaw {
         &self.nodes
     }
 
+    /// Whether it has a spring.
+    pub(crate) fn has_spring(&self) -> bool {
+        self.spring.stiffness > 0.0
+    }
+
+    /// Whether its spring is strained where the joint is drawn.
+    pub(crate) fn is_strained(&self) -> bool {
+        self.rest != self.measure.value(&|_| 0.0)
+    }
+
     /// Its coordinate.
     pub(crate) fn measure(&self) -> &Measure {
         &self.measure
@@ -103,10 +113,17 @@ impl JointLaw {
         forces
     }
 
-    /// Sets the stage averages of the motor, zeros without one.
+    /// Sets the stage averages of the motor, of an equilibrium its value at the end; zeros without one.
     fn set_motor(&self, rule: &Rule, span: Span, averages: &mut [f64]) -> Result<()> {
         let Some(motor) = &self.motor else { return Ok(()) };
-        let found = motor.averages(span.start, span.size, rule, averages);
+        let found = match rule.is_at_end() {
+            true => {
+                averages.fill(motor.value_before(span.end));
+                let is_finite = averages.iter().all(|value| value.is_finite());
+                if is_finite { Ok(()) } else { Err(NotFinite { time: span.end, value: averages[0] }) }
+            }
+            false => motor.averages(span.start, span.size, rule, averages),
+        };
         let target = SignalTarget::Joint(self.number);
         found.map_err(|found| target.not_finite(motor.text().unwrap_or_default(), found))
     }
@@ -134,8 +151,11 @@ impl JointLaw {
         Ok(self.remainder(step)? + self.damping * step.damping.inverse_step_size)
     }
 
-    /// r, which closes the balance of the energy.
+    /// r, which closes the balance of the energy; 0 in an equilibrium.
     fn remainder(&self, step: &StepInput<'_>) -> Result<f64> {
+        if step.rule.is_at_end() {
+            return Ok(0.0);
+        }
         let (mut work, mut square) = (0.0, 0.0);
         for (i, b) in step.rule.weights().iter().enumerate() {
             let Stage { value, rate } = self.stage(step, i);

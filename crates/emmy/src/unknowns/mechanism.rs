@@ -208,11 +208,40 @@ impl Mechanism {
         self.components = Component::all(n, connected.iter().chain(&of_frames).map(Vec::as_slice));
     }
 
+    /// The same with drives and motors of a time, in proportion to a load fraction that takes the place of time.
+    ///
+    /// # Errors
+    /// As [`Mechanism::new`].
+    pub(crate) fn in_proportion<'t>(
+        &self,
+        time: f64,
+        mesh: &Mesh,
+        leaders: impl Fn(u32) -> Option<&'t [(u32, f64)]> + Copy,
+    ) -> Result<Self> {
+        let grown = |law: &TimeFunction| TimeFunction::ramp(law.value_before(time));
+        let joints = self.joints.iter().map(|joint| Joint {
+            drive: joint.drive.as_ref().map(grown),
+            motor: joint.motor.as_ref().map(grown),
+            // A joint that was released by then stays so.
+            until: joint.until.filter(|until| *until <= time),
+            ..joint.clone()
+        });
+        let holds = |joint: &Joint| joint.until.is_none();
+        let rest = Mechanism::new(self.frames.clone(), joints.collect(), mesh, leaders, holds)?;
+        Ok(Mechanism { carriers: self.carriers.clone(), ..rest })
+    }
+
     /// Whether a node is the end of an axis of a rigid body.
     pub(crate) fn is_end(&self, node: usize) -> bool {
         let after = self.frames.partition_point(|frame| frame.nodes().start as usize <= node);
         let own = after.checked_sub(1).map(|own| self.frames[own].nodes());
         own.is_some_and(|nodes| nodes.start as usize != node && nodes.end as usize > node)
+    }
+
+    /// Whether a node belongs to the frame of a rigid body.
+    pub(crate) fn is_rigid(&self, node: usize) -> bool {
+        let after = self.frames.partition_point(|frame| frame.nodes().start as usize <= node);
+        after.checked_sub(1).is_some_and(|own| self.frames[own].nodes().contains(&(node as u32)))
     }
 
     /// Whether it has neither rigid bodies nor joints.
@@ -240,6 +269,11 @@ impl Mechanism {
         laws.flat_map(|(law, is_grounded)| joint_force::forces(law, is_grounded, pattern)).collect()
     }
 
+    /// The laws of the joints with a spring.
+    pub(crate) fn springs(&self) -> impl Iterator<Item = &Arc<JointLaw>> {
+        self.outputs.iter().filter_map(JointOutput::law).filter(|law| law.has_spring())
+    }
+
     /// Sets the forces of the joints in a solved step, and in the place of the coordinates the changes of the angles.
     pub(crate) fn set_states(
         &self,
@@ -262,6 +296,12 @@ impl Mechanism {
             let motor = joint.motor.iter().filter(|_| output.law().is_some());
             drive.map(move |law| (number, law, arm)).chain(motor.map(move |law| (number, law, 0.0)))
         })
+    }
+
+    /// Whether drives, motors or strained springs act at a time on the bodies as drawn.
+    pub(crate) fn acts_at(&self, time: f64) -> bool {
+        let mut laws = self.time_functions();
+        laws.any(|(_, law, _)| law.value(time) != 0.0) || self.springs().any(|law| law.is_strained())
     }
 
     /// Sets the coordinates of the joints at some displacements, angles within half a turn of those that are set.

@@ -22,6 +22,8 @@ mod long_flight;
 mod manufactured;
 mod materials;
 mod measured;
+mod mechanism_modes;
+mod mechanism_statics;
 mod mechanisms;
 mod modes;
 mod next_steps;

@@ -182,7 +182,8 @@ fn elastic_bodies_with_rigid_parts_keep_energy_and_momenta() {
         .build()
         .unwrap();
     assert_eq!(tip.n_followers(), 3 * 2 * 3);
-    assert!(matches!(emmy::modes::modes(&tip, 3), Err(emmy::Error::Constrained { .. })));
+    let modes = emmy::modes::modes(&tip, 7).unwrap();
+    assert_eq!(modes.iter().filter(|mode| mode.angular_frequency == 0.0).count(), 6);
     let face = with_nodes(beam(), "face", |X| X[0] == 4.0);
     // Their plane leaves a direction without mass; so it does with a centre off it.
     let centre = Some([4.7, 0.1, 0.2]);

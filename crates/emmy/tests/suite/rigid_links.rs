@@ -146,11 +146,6 @@ fn rigid_links_are_refused_where_they_have_no_multipliers() {
         let error = scheme.check_body(&body).unwrap_err().to_string();
         assert!(error.contains("joints and rigid bodies need a time element"), "{error}");
     }
-    let error = emmy::modes::modes(&body, 1).unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "a search for natural modes does not cover rigid bodies and joints; steps of a time element do"
-    );
 }
 
 /// A link to a held node is one to the ground, and a pivot that glides with a steady velocity takes the pendulum along.

@@ -4,7 +4,6 @@ mod point;
 
 pub use point::PointForces;
 
-use super::configurations;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, MassSolver, Reaction};
 use crate::error::Result;
@@ -13,6 +12,7 @@ use crate::input::Span;
 use crate::quadrature::gauss;
 use crate::time::equations::Equations;
 use crate::time::{Impulses, Memory, State};
+use crate::unknowns::LinearConstraints;
 
 /// Evaluates forces at single configurations, with the memory for it.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ pub(crate) struct Forces<'a> {
 impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
-        let rule = configurations(&[(1.0, 1.0)]);
+        let rule = Rule::at_end();
         let assembly = body.assembly(&rule);
         Forces { body, assembly, rule, history: Vec::new(), rest: zero.clone(), internal: zero }
     }
@@ -113,6 +113,24 @@ impl<'a> Forces<'a> {
 }
 
 impl Forces<'_> {
+    /// Internal force at a displacement, less the loads of a time if there is one, `[n_nodes][3]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
+    pub(crate) fn unbalanced(&mut self, displacement: &[f64], time: Option<f64>) -> Result<Vec<f64>> {
+        let (mut external, mut net) = (self.rest.clone(), self.rest.clone());
+        match time {
+            Some(time) => self.net(displacement, time, &mut external, &mut net)?,
+            None => {
+                self.assemble(displacement, Request::Stress)?;
+                self.assembly.matrix.copy_force(&mut net);
+                return Ok(net);
+            }
+        }
+        net.iter_mut().for_each(|force| *force = -*force);
+        Ok(net)
+    }
+
     /// Adds viscosity, drag and other forces whose work is lost to the force that remains for inertia.
     ///
     /// A mid-point rule on the path `u + (alpha - 1/2) v` sees the displacement u and the rate v.
@@ -287,6 +305,12 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
     let mut forces = Forces::new(body);
     forces.history.clone_from(&state.history);
     point.evaluate(&mut forces, state.time)?;
+    let joints = (body.constraints(), body.space.inactive());
+    let mut joints = LinearConstraints::new(joints, &state.displacement, Some(state.time))?;
+    point.force.iter_mut().for_each(|net| *net = -*net);
+    let multipliers = joints.balancing(&point.force);
+    joints.add_force((body.constraints(), &state.displacement), &multipliers, &mut point.force);
+    point.force.iter_mut().for_each(|net| *net = -*net);
     point.set_reactions(body, &vec![0.0; body.n_dofs()]);
     Ok(point.reactions)
 }

@@ -256,6 +256,7 @@ impl Scheme {
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
             (BodyFeature::Joints | BodyFeature::ForcesWithHistory, Scheme::TimeElement(_))
+            | (BodyFeature::Joints, Scheme::Static)
             | (BodyFeature::Ties, _) => return Ok(()),
             (BodyFeature::Joints, _) => "joints and rigid bodies need a time element, such as DGM",
             (BodyFeature::ForcesWithHistory, _) => "forces with a history need a time element, such as DGM",

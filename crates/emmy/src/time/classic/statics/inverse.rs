@@ -1,6 +1,7 @@
 //! Inverse of the stiffness without follower loads: a factorisation, or on a team an approximation and conjugate
 //! gradients.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::body::Body;
@@ -69,6 +70,24 @@ impl Inverse {
             }
             Inverse::OfRanks(inverse) => body.space.agree(inverse.set(body, stiffness)).map(|()| true),
         }
+    }
+
+    /// The same with a stiffness in addition at some entries of the matrix; not on a team, which has no joints.
+    ///
+    /// # Errors
+    /// As [`Inverse::set`].
+    pub(super) fn set_anchored(
+        &mut self,
+        body: &Body,
+        stiffness: &StageMatrix,
+        anchors: &HashMap<usize, f64>,
+    ) -> Result<bool> {
+        let Inverse::Factor(factor) = self else { return self.set(body, stiffness) };
+        factor.factorize(|source| {
+            let anchor = if (source % 9).is_multiple_of(4) { anchors.get(&source) } else { None };
+            stiffness.block(source / 9)[source % 9] + anchor.unwrap_or(&0.0)
+        })?;
+        Ok(factor.is_definite())
     }
 
     /// Cost of setting it, in solutions.

@@ -1,10 +1,11 @@
 //! Static equilibrium: the internal force balances the loads at the end of each step.
 
 mod inverse;
+mod joints;
 mod system;
 
 use super::forces::TimePoint;
-use crate::body::{Body, Reaction};
+use crate::body::{Body, JointState, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome};
 use crate::sparse::StageMatrix;
@@ -62,7 +63,7 @@ pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64
 /// from one equilibrium to the next; there is no inertia, and no damping.
 ///
 /// ```math
-/// f(u_2) = F(u_2, t_2)
+/// f(u_2) + G(u_2)^T lambda = F(u_2, t_2),    Phi(u_2, t_2) = 0
 /// ```
 ///
 /// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
@@ -78,6 +79,7 @@ pub struct StaticStepper<'a> {
     unknowns: Vec<f64>,
     end: TimePoint,
     energy: f64,
+    joints: Vec<JointState>,
 }
 
 impl<'a> StaticStepper<'a> {
@@ -97,6 +99,7 @@ impl<'a> StaticStepper<'a> {
             system,
             end: TimePoint::new(body),
             energy: body.strain_energy(&state.displacement),
+            joints: vec![JointState::default(); body.joints().len()],
         })
     }
 
@@ -159,6 +162,7 @@ impl Stepper for StaticStepper<'_> {
         let newton = self.solve(state, step_size)?;
         let StaticSystem { equations, first, time, .. } = &mut self.system;
         self.end.evaluate_static(equations, &self.unknowns, *time, first)?;
+        self.keep_joints(step_size);
         let body = self.system.equations.body;
         let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.
@@ -175,6 +179,10 @@ impl Stepper for StaticStepper<'_> {
         self.end.reactions()
     }
 
+    fn joints(&self) -> &[JointState] {
+        &self.joints
+    }
+
     fn newton_history(&self) -> &[f64] {
         self.newton.history()
     }
@@ -182,16 +190,37 @@ impl Stepper for StaticStepper<'_> {
     fn memory(&self) -> Memory {
         let mut memory = Memory::default();
         memory.save_number("energy", self.energy);
+        if let Some(joints) = &self.system.joints {
+            memory.save("multipliers", &joints.multipliers);
+        }
         memory
     }
 
     fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.energy = memory.number("energy")?;
-        Ok(())
+        match &mut self.system.joints {
+            Some(joints) => memory.fill("multipliers", &mut joints.multipliers),
+            None => Ok(()),
+        }
     }
 }
 
 impl StaticStepper<'_> {
+    /// Keeps the multipliers of the equilibrium at the end of a step, and sets the forces of the joints.
+    fn keep_joints(&mut self, step_size: f64) {
+        let equations = &self.system.equations;
+        let [x, multipliers, _] = equations.blocks.split(&self.unknowns);
+        // In a step of a time element they are forces times the square of the step size.
+        let times_square: Vec<f64> =
+            multipliers.iter().map(|lambda| step_size * step_size * lambda).collect();
+        let step = (&equations.step_at(x), &equations.constraint_step);
+        let (mechanism, points) = (&equations.body.mechanism, equations.body.mesh().points());
+        mechanism.set_states(step, &times_square, points, &mut self.joints);
+        if let Some(joints) = &mut self.system.joints {
+            joints.multipliers.copy_from_slice(multipliers);
+        }
+    }
+
     /// Adds resultant and moment of loads, reactions and ground; on free degrees of freedom loads and internal forces
     /// cancel but for the residual.
     fn add_resultants(&self, impulses: &mut Impulses) {

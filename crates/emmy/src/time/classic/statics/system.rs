@@ -1,15 +1,16 @@
 //! The equations of equilibrium, and their linear systems.
 
 use super::inverse::{Found, Inverse};
-use crate::average::Request;
-use crate::body::Body;
+use super::joints::Joints;
+use crate::average::{Request, Rule};
+use crate::body::{Body, Interface};
 use crate::error::{Error, Result};
 use crate::input::Span;
 use crate::newton::{Sizes, System, Tangent};
 use crate::nodal;
 use crate::sparse::{Gmres, LinearSystem, SparseLu, StageMatrix};
 use crate::time::State;
-use crate::time::classic::{configurations, stage_coefficients};
+use crate::time::classic::stage_coefficients;
 use crate::time::equations::Equations;
 
 /// Iterations of GMRES before the stiffness is factorised with its follower loads.
@@ -24,8 +25,8 @@ const FLOOR: f64 = 0.25;
 /// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
 const LARGEST_CORRECTION: f64 = 1e6;
 
-/// The equations of a step without inertia. The unknowns are the increment of the displacement, then the local
-/// unknowns, `[function]`.
+/// The equations of a step without inertia. The unknowns are the increment of the displacement, then multipliers of
+/// constraints and local unknowns, `[function]`.
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
     pub(super) equations: Equations<'a>,
@@ -33,6 +34,8 @@ pub(super) struct StaticSystem<'a> {
     pub(super) time: f64,
     inverse: Inverse,
     gmres: Gmres,
+    /// Constraints, if there are some.
+    pub(super) joints: Option<Joints>,
     /// Factorisation with follower loads, where GMRES fails.
     lu: Option<SparseLu>,
     /// Whether a stiffness that is not positive definite ends the iteration.
@@ -43,7 +46,7 @@ pub(super) struct StaticSystem<'a> {
     shift: Vec<f64>,
     /// Norm of the step, linearised at its start.
     pub(super) predicted: Option<f64>,
-    /// Largest extent of the mesh.
+    /// Largest extent of the mesh, or of the mechanism.
     pub(super) size: f64,
     floor: f64,
     /// Whether there is a tangent in the step.
@@ -55,19 +58,20 @@ pub(super) struct StaticSystem<'a> {
 impl<'a> StaticSystem<'a> {
     pub(super) fn new(body: &'a Body) -> Result<Self> {
         let zero = vec![0.0; body.n_dofs()];
-        let coefficients = stage_coefficients(configurations(&[(1.0, 1.0)]), 0.0, 1.0);
+        let coefficients = stage_coefficients(Rule::at_end(), 0.0, 1.0);
         let equations = Equations::new(body, coefficients);
         Ok(StaticSystem {
             time: 0.0,
             inverse: Inverse::new(body)?,
             gmres: Gmres::default(),
+            joints: Joints::new(body)?,
             lu: None,
             must_be_definite: true,
             first: vec![0.0; equations.blocks.len()],
             equations,
             shift: zero.clone(),
             predicted: None,
-            size: body.mesh().extent().into_iter().fold(0.0, f64::max),
+            size: size(body),
             floor: 0.0,
             is_linearised: false,
             right: zero.clone(),
@@ -90,8 +94,11 @@ impl<'a> StaticSystem<'a> {
     pub(super) fn predict(&mut self, unknowns: &mut [f64]) -> Result<()> {
         (self.floor, self.predicted, self.is_linearised) = (0.0, None, false);
         let body = self.equations.body;
-        let (x, local) = unknowns.split_at_mut(self.rest.len());
+        let [x, multipliers, local] = self.equations.blocks.split_mut(unknowns);
         x.fill(0.0);
+        if let Some(joints) = &self.joints {
+            multipliers.copy_from_slice(&joints.multipliers);
+        }
         self.equations.set_local_at_start(local)?;
         let mut first = std::mem::take(&mut self.first);
         let outcome = self.residual(unknowns, &mut first);
@@ -102,7 +109,7 @@ impl<'a> StaticSystem<'a> {
         }
         self.equations.drive(&mut self.shift);
         self.factorize(unknowns)?;
-        let (x, local) = unknowns.split_at_mut(self.rest.len());
+        let [x, _, local] = self.equations.blocks.split_mut(unknowns);
         let step = self.linear_step(x)?;
         self.predicted = Some(body.space.norm(&step));
         x.copy_from_slice(&step);
@@ -132,12 +139,12 @@ impl<'a> StaticSystem<'a> {
     pub(super) fn linear_step(&mut self, x: &[f64]) -> Result<Vec<f64>> {
         let body = self.equations.body;
         let mut residual = self.rest.clone();
-        self.equations.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
-        body.space.clear_inactive(&mut residual);
+        self.multiply(&self.shift.clone(), &mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
-        self.solve(x, PREDICTION, &mut step)?;
+        let shifted = self.displacement(&self.shift);
+        self.solve_beside(x, &shifted, PREDICTION, &mut step)?;
         body.space.complete("linear step", &mut step);
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
@@ -149,18 +156,81 @@ impl<'a> StaticSystem<'a> {
         self.is_linearised = true;
         let body = self.equations.body;
         self.lu = None;
+        let [x, multipliers, _] = self.equations.blocks.split(unknowns);
+        let displacement = self.displacement(x);
         let matrix = &self.equations.assembly.matrix;
-        if !self.inverse.set(body, matrix)? && self.must_be_definite {
+        let is_definite = match &mut self.joints {
+            None => self.inverse.set(body, matrix)?,
+            Some(joints) => {
+                let at = (&displacement[..], self.time);
+                joints.factorize((body, matrix), at, multipliers, &mut self.inverse)?
+            }
+        };
+        if !is_definite && self.must_be_definite {
             return Err(not_definite());
         }
-        let x = &unknowns[..self.rest.len()];
-        self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, &self.displacement(x));
+        self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, &displacement);
+        self.floor += FLOOR * f64::EPSILON * self.square_of_constraints(&[body.constraints().size()]).sqrt();
         self.equations.add_external_tangent(x)
     }
 
     /// The displacement at the end of the step.
     pub(super) fn displacement(&self, x: &[f64]) -> Vec<f64> {
         self.equations.displacement.iter().zip(x).map(|(u, x)| u + x).collect()
+    }
+
+    /// The product of the tangent that was set last with a change of the displacement.
+    fn multiply(&mut self, change: &[f64], product: &mut [f64]) {
+        let body = self.equations.body;
+        self.equations.assembly.matrix.multiply(body.pattern(), change, product);
+        if let Some(interface) = self.joints.as_ref().and_then(Joints::interface) {
+            interface.add_product(change, product);
+        }
+        body.space.clear_inactive(product);
+    }
+
+    /// Square of the residual of the displacement that would mend the residuals of constraints.
+    fn square_of_constraints(&self, of_constraints: &[f64]) -> f64 {
+        let stiffness = self.joints.as_ref().map_or(0.0, Joints::mean_stiffness);
+        stiffness.powi(2) * of_constraints.iter().map(|c| c * c).sum::<f64>()
+    }
+
+    /// Solves as [`StaticSystem::solve`], so that the constraints hold to first order after the change from a
+    /// displacement. Returns the iterations and the changes of the multipliers.
+    ///
+    /// # Errors
+    /// As [`StaticSystem::solve`].
+    fn solve_beside(
+        &mut self,
+        x: &[f64],
+        displacement: &[f64],
+        tolerance: f64,
+        dx: &mut [f64],
+    ) -> Result<(usize, Vec<f64>)> {
+        let body = self.equations.body;
+        let Some(interface) = self.joints.as_ref().and_then(Joints::interface) else {
+            return Ok((self.solve(x, tolerance, dx)?, Vec::new()));
+        };
+        let dependent: Vec<usize> = interface.constraints.dependent().collect();
+        let values = interface.constraints.values(body.constraints(), displacement);
+        // Any change that closes the constraints, and an allowed one beside it.
+        let mut closing = self.rest.clone();
+        dependent.iter().zip(&values).for_each(|(&dof, value)| closing[dof] = -value);
+        let right = self.right.clone();
+        let mut product = self.rest.clone();
+        self.multiply(&closing, &mut product);
+        self.right.iter_mut().zip(&product).for_each(|(b, y)| *b -= y);
+        if let Some(interface) = self.joints.as_ref().and_then(Joints::interface) {
+            interface.constraints.gather(&mut self.right);
+        }
+        let iterations = self.solve(x, tolerance, dx)?;
+        dx.iter_mut().zip(&closing).for_each(|(dx, closing)| *dx += closing);
+        self.multiply(dx, &mut product);
+        let of_sums: Vec<f64> = dependent.iter().map(|&dof| right[dof] - product[dof]).collect();
+        self.right.copy_from_slice(&right);
+        let interface = self.joints.as_mut().and_then(Joints::interface_mut);
+        let changes = interface.map(|interface| interface.constraints.multipliers(&of_sums));
+        Ok((iterations, changes.unwrap_or_default()))
     }
 
     /// Solves `K dx = b` for the right side with the tangent that was set last.
@@ -170,7 +240,8 @@ impl<'a> StaticSystem<'a> {
     fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let body = self.equations.body;
         let mut iterations = self.iterate(tolerance, dx)?;
-        if iterations.is_none() && self.lu.is_none() && !body.space.is_shared() {
+        let has_lu = self.joints.is_none() && !body.space.is_shared();
+        if iterations.is_none() && self.lu.is_none() && has_lu {
             let lu = SparseLu::new(&self.equations.assembly.matrix, body.pattern(), body.fixed());
             self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
             iterations = self.iterate(tolerance, dx)?;
@@ -200,7 +271,9 @@ impl<'a> StaticSystem<'a> {
                 }
             }
         }
-        let mut system = Linearised { body, matrix, inverse: &mut self.inverse, lu: self.lu.as_ref() };
+        let interface = self.joints.as_ref().and_then(Joints::interface);
+        let (inverse, lu) = (&mut self.inverse, self.lu.as_ref());
+        let mut system = Linearised { body, matrix, inverse, lu, interface };
         let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, limit);
         let mut faults = [dx.iter().filter(|dx| !dx.is_finite()).count() as f64];
         body.space.largest_of_ranks("corrections that are not finite", &mut faults);
@@ -218,11 +291,21 @@ impl<'a> StaticSystem<'a> {
         let free = || (0..3 * body.space.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
         let mut largest = [free().map(stiffness).fold(0.0, f64::max)];
         body.space.largest_of_ranks("largest stiffness", &mut largest);
-        let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
+        let has_own = |dof: &usize| !body.mechanism.is_rigid(dof / 3);
+        let without = free()
+            .filter(has_own)
+            .find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0])
+            .map(|dof| dof / 3);
         let node = body.space.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
         let position = |node: usize| body.space.position(&self.displacement(x), node);
         Error::Singular { fraction: self.time, node, position: body.space.at_node(node, position) }
     }
+}
+
+/// Largest extent of a body, with the places of its joints.
+fn size(body: &Body) -> f64 {
+    let extent = body.mesh().extent().into_iter().fold(0.0, f64::max);
+    if body.mechanism.is_empty() { extent } else { extent.max(body.constraints().size()) }
 }
 
 fn not_definite() -> Error {
@@ -235,14 +318,16 @@ const PREDICTION: f64 = 1e-6;
 impl System for StaticSystem<'_> {
     fn residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         self.equations.full_residual(unknowns, residual)?;
-        let (residual, of_local) = residual.split_at_mut(self.rest.len());
+        let [residual, of_constraints, of_local] = self.equations.blocks.split_mut(residual);
         let Equations { body, force: internal, .. } = &self.equations;
         // Reactions count: a body that its supports alone strain is in balance with nothing else.
         self.right.iter_mut().enumerate().for_each(|(at, load)| *load = self.equations.load(at));
         let scale = body.space.norm(&self.right).max(body.space.norm(internal));
         body.space.clear_inactive(residual);
         self.condense(residual, of_local);
-        Ok(Sizes { residual: self.equations.body.space.norm(&self.right), scale, floor: self.floor })
+        let norm = self.equations.body.space.norm(&self.right);
+        let residual = norm.hypot(self.square_of_constraints(of_constraints).sqrt());
+        Ok(Sizes { residual, scale, floor: self.floor })
     }
 
     fn correction(
@@ -256,10 +341,13 @@ impl System for StaticSystem<'_> {
         if tangent != Tangent::LastExact {
             self.factorize(x)?;
         }
-        let (of_displacement, of_local) = residual.split_at(self.rest.len());
+        let blocks = self.equations.blocks;
+        let [of_displacement, _, of_local] = blocks.split(residual);
         self.condense(of_displacement, of_local);
-        let (dx, change) = dx.split_at_mut(of_displacement.len());
-        let iterations = self.solve(x, tolerance, dx)?;
+        let [dx, of_multipliers, change] = blocks.split_mut(dx);
+        let displacement = self.displacement(blocks.split(x)[0]);
+        let (iterations, changes) = self.solve_beside(x, &displacement, tolerance, dx)?;
+        of_multipliers.copy_from_slice(&changes);
         let body = self.equations.body;
         body.space.complete("correction", dx);
         change.iter_mut().zip(of_local).for_each(|(change, r)| *change = -r);
@@ -280,11 +368,16 @@ struct Linearised<'a> {
     matrix: &'a mut StageMatrix,
     inverse: &'a mut Inverse,
     lu: Option<&'a SparseLu>,
+    interface: Option<&'a Interface>,
 }
 
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.matrix.multiply(self.body.pattern(), x, y);
+        if let Some(interface) = self.interface {
+            interface.add_product(x, y);
+            interface.constraints.gather(y);
+        }
         self.body.space.clear_inactive(y);
     }
 
@@ -298,6 +391,9 @@ impl LinearSystem for Linearised<'_> {
         y.copy_from_slice(x);
         self.body.space.clear_inactive(y);
         self.inverse.apply(self.body, y);
+        if let Some(interface) = self.interface {
+            interface.correct(self.body, |b| self.inverse.apply(self.body, b), y);
+        }
     }
 
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
