@@ -113,7 +113,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
         // At first only the rigid motion: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
-            let move_on = prediction.translation[i];
+            let move_on = prediction.motions[0].translation[i];
             let D = prediction.motions[0].rigid.rates[i];
             for (x, y) in rates.chunks_exact(3).zip(prediction.arm.chunks_exact(3)) {
                 let rigid = image(&D, y);
@@ -172,12 +172,11 @@ fn lines_planes_and_supports_are_no_special_cases() {
     let state = spinning(&plane, [0.0, 0.0, 1.3]);
     for k in 1..=3 {
         let mut system = system(&plane, k);
-        let n = plane.n_dofs();
-        let mut prediction = Prediction::new(k, &body);
+        let mut prediction = Prediction::new(k, &plane);
         start(&mut system, &mut prediction, &state, 0.4);
         let [x, y, angle] = prediction.motions[0].rigid.rotation;
         assert!(x == 0.0 && y == 0.0 && (angle - 1.3 * 0.4).abs() < 0.02);
-        assert!(prediction.translation.iter().all(|rate| rate[2] == 0.0));
+        assert!(prediction.motions[0].translation.iter().all(|rate| rate[2] == 0.0));
     }
 
     // A line along (1, 2, 2)/3: a spin across it has the inertia of a rod, a spin along it has none.
@@ -207,7 +206,7 @@ fn lines_planes_and_supports_are_no_special_cases() {
     let mut system = system(&held, 1);
     let mut prediction = Prediction::new(1, &held);
     start(&mut system, &mut prediction, &spinning(&held, [0.7, -1.1, 0.9]), 0.4);
-    assert!(prediction.motions[0].rigid.rotation == [0.0; 3] && prediction.translation == [[0.0; 3]]);
+    assert!(prediction.motions[0].rigid.rotation == [0.0; 3] && prediction.motions[0].translation == [[0.0; 3]]);
 }
 
 /// A solution with a superposed rigid motion has resultants and moments; they are removed, also in a loaded body.
