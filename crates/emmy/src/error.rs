@@ -268,8 +268,8 @@ pub enum Error {
     },
     /// An inertia tensor that is not symmetric, or that no body has.
     #[error(
-        "the inertia {inertia:?} of the rigid body \"{body}\" must be symmetric, and each principal moment at most the \
-         sum of the others; the least of a rod is zero: give it a little thickness"
+        "the inertia {inertia:?} of the rigid body \"{body}\" must be symmetric and not zero, and each principal moment \
+         at most the sum of the others"
     )]
     Inertia {
         /// Name of the body.

@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 17] = [
+pub(super) const TEMPLATES: [Template; 20] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -56,10 +56,14 @@ pub(super) const TEMPLATES: [Template; 17] = [
     template!("heavy-top"),
     template!("four-bar"),
     template!("slider-crank"),
+    template!("door"),
+    template!("bricard"),
+    template!("pendulum-chain"),
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.
-const ON_MESHES: [&str; 5] = ["bracket", "steel-bracket", "tied-blocks", "tuning-fork", "two-materials"];
+const ON_MESHES: [&str; 6] =
+    ["bracket", "satellite", "steel-bracket", "tied-blocks", "tuning-fork", "two-materials"];
 
 /// Writes the example, unless the file exists.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {

@@ -1,10 +1,12 @@
-"""The motions of five examples by other means: the numbers that `examples.rs` compares with.
+"""The motions of seven examples by other means: the numbers that `examples.rs` compares with.
 
 The same meshes of hex8 and hex20 cells with consistent mass, integrated in time by the classical Runge-Kutta method with
 steps so small that halving them changes no digit that is printed. The steel bracket (tet10) deflects so little that its
-linear equations are enough, which the trapezoidal rule integrates. Nothing of Emmy is in it. Needs numpy and scipy:
+linear equations are enough, which the trapezoidal rule integrates. The unknowns of the door are the angle of its hinge
+and the nodes off its edge, those of the pendulum chain the angles of its links, so that no joint has a constraint.
+Nothing of Emmy is in it. Needs numpy and scipy:
 
-    python3 crates/emmy-cli/tests/cli/examples.py [cantilever|driven-beam|balloon|two-materials|steel-bracket]...
+    python3 crates/emmy-cli/tests/cli/examples.py [NAME]...
 """
 
 import itertools
@@ -12,6 +14,7 @@ import pathlib
 import sys
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import eigsh, splu
 
@@ -103,6 +106,39 @@ class Body:
 
     def energy(self, u, v):
         return 0.5 * np.sum(v * (self.mass @ v)) + self.internal(u)[1]
+
+
+class BodyWithModes(Body):
+    """One region of boxes with the incompatible modes of Simo and Armero: F + sum_m a_m x G_m, G_m = xi_m e_m / (L_m / 2).
+
+    The modes have no mass. `modes` keeps them as the start of the next solution of their equations.
+    """
+
+    def __init__(self, points, cells, density, moduli):
+        super().__init__(points, [(cells, density, neo_hooke(*moduli))])
+        self.moduli = lame(*moduli)
+        self.shapes = np.array([2 * at / np.ptp(points[cells], axis=1) for at, _ in gauss(2)])
+        self.modes = np.zeros((len(cells), 3, 3))
+
+    def internal(self, u):
+        cells, stress, gradients, weights = self.parts[0]
+        (lam, mu), G, n = self.moduli, self.shapes, len(cells)
+        compatible = np.eye(3) + np.einsum("cai,pcaj->pcij", u[cells], gradients)
+        for iteration in range(20):
+            F = compatible + np.einsum("cmi,pcm->pcim", self.modes, G)
+            P, W = stress(F)
+            residual = np.einsum("pcim,pcm,pc->cmi", P, G, weights).reshape(n, 9)
+            if iteration > 0 and np.abs(residual).max() < 1e-7:
+                break
+            inverse, log = np.linalg.inv(F), np.log(np.linalg.det(F))
+            terms = (inverse, inverse, G, G, weights)
+            K = lam * np.einsum("pcmi,pclk,pcm,pcl,pc->cmilk", *terms, optimize=True)
+            K += np.einsum("pcmk,pcli,pcm,pcl,pc,pc->cmilk", *terms, mu - lam * log, optimize=True)
+            K += mu * np.einsum("ml,ik,pcm,pcm,pc->cmilk", np.eye(3), np.eye(3), G, G, weights)
+            self.modes -= np.linalg.solve(K.reshape(n, 9, 9), residual[..., None]).reshape(n, 3, 3)
+        force = np.zeros_like(u)
+        np.add.at(force, cells, np.einsum("pcij,pcaj,pc->cai", P, gradients, weights))
+        return force, np.sum(weights * W)
 
 
 def box(size, cells):
@@ -301,6 +337,72 @@ def steel_bracket(step=1.0):
     print("steel-bracket: frequencies", np.round(np.sqrt(np.sort(values)) / (2 * np.pi), 2))
 
 
+def door(step=1.0):
+    """The edge turns by an angle; the equation of the angle is that of the forces on the edge, projected on its turning."""
+    points, cells = box([0.9, 0.04, 2.0], [4, 1, 4])
+    body = BodyWithModes(points, cells, 500.0, (1e8, 0.3))
+    edge, free = np.flatnonzero(points[:, 0] == 0), np.flatnonzero(points[:, 0] > 0)
+    arm = points - [0.0, 0.02, 0.0]
+    M = body.mass.toarray()
+    inverse = np.linalg.inv(M[np.ix_(free, free)])
+    shares = inverse @ M[np.ix_(free, edge)]
+    rest = M[np.ix_(edge, edge)] - M[np.ix_(edge, free)] @ shares
+    weight = body.mass @ np.tile([0.0, 0.0, -9.81], (len(points), 1))
+
+    def turned(angle):
+        c, s, (x, y, z) = np.cos(angle), np.sin(angle), arm[edge].T
+        return np.stack([c * x - s * y, s * x + c * y, 0 * z], axis=1)
+
+    def displacement(u, angle):
+        whole = np.zeros_like(points)
+        whole[free], whole[edge] = u, turned(angle) - turned(0.0)
+        return whole
+
+    def rates(u, v, angle, spin):
+        place = turned(angle)
+        across = np.stack([-place[:, 1], place[:, 0], 0 * place[:, 0]], axis=1)
+        force = weight - body.internal(displacement(u, angle))[0]
+        on_edge = force[edge] - shares.T @ force[free] + spin**2 * rest @ place
+        torque = np.sum(across * on_edge) - 20.0 * angle - 30.0 * spin
+        turning = torque / np.sum(across * (rest @ across))
+        return v, inverse @ force[free] - shares @ (turning * across - spin**2 * place), spin, turning
+
+    moved = lambda state, h, k: [own + h * rate for own, rate in zip(state, k)]
+    v = 4.0 * np.stack([-arm[free, 1], arm[free, 0], 0 * arm[free, 0]], axis=1)
+    state, h = [np.zeros((len(free), 3)), v, 0.0, 4.0], step * 2.5e-5
+    for _ in range(round(0.5 / h)):
+        k1 = rates(*state)
+        k2 = rates(*moved(state, h / 2, k1))
+        k3 = rates(*moved(state, h / 2, k2))
+        k4 = rates(*moved(state, h, k3))
+        state = [own + h / 6 * (a + 2 * b + 2 * c + d) for own, a, b, c, d in zip(state, k1, k2, k3, k4)]
+    handle = np.argmin(np.linalg.norm(points - [0.9, 0.0, 1.0], axis=1))
+    place = (points + displacement(state[0], state[2]))[handle]
+    print("door: angle %.5f at t = 0.5, handle %s" % (state[2], np.round(place, 5)))
+
+
+def pendulum_chain():
+    """Angles of the links from below. The ten links and the ball have the kinetic energy 1/2 sum A_ij cos(a_i - a_j) a_i' a_j'."""
+    n, length, mass, ball, g = 10, 0.2, 0.1, 0.2, 9.81
+    across = mass * (length**2 + 3 * 0.005**2) / 12
+    below = n - 1.0 - np.arange(n)
+    A = length**2 * (mass * (np.minimum.outer(below, below) + 0.5) + ball)
+    np.fill_diagonal(A, length**2 * (mass * (below + 0.25) + ball) + across)
+    weight = g * length * (mass * (below + 0.5) + ball)
+
+    def rates(_, state):
+        angle, spin = state[:n], state[n:]
+        between = angle[:, None] - angle
+        force = -(A * np.sin(between)) @ spin**2 - weight * np.sin(angle)
+        return np.concatenate([spin, np.linalg.solve(A * np.cos(between), force)])
+
+    start = np.concatenate([np.full(n, np.pi / 2), np.zeros(n)])
+    motion = solve_ivp(rates, (0.0, 1.0), start, method="DOP853", rtol=1e-13, atol=1e-13, t_eval=[0.5, 1.0])
+    for t, angle in zip(motion.t, motion.y[:n].T):
+        x, z = length * np.sum(np.sin(angle)), -length * np.sum(np.cos(angle))
+        print("pendulum-chain: ball at (%.12f, %.12f) at t = %.1f" % (x, z, t))
+
+
 def read_gmsh(path):
     """Points and the cells of the two volumes, or of the only one, of a file of version 4.1."""
     text = path.read_text().split("\n")
@@ -324,6 +426,6 @@ def read_gmsh(path):
 
 if __name__ == "__main__":
     motions = {"cantilever": cantilever, "driven-beam": driven_beam, "balloon": balloon, "two-materials": two_materials,
-               "steel-bracket": steel_bracket}
+               "steel-bracket": steel_bracket, "door": door, "pendulum-chain": pendulum_chain}
     for name in sys.argv[1:] or motions:
         motions[name]()

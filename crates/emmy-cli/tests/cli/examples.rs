@@ -349,6 +349,143 @@ fn four_bar() {
     }
 }
 
+/// The angle of a rigid door obeys J a'' + 30 a' + 20 a = 0; that of the flexible one approaches it with its stiffness.
+#[test]
+fn door() {
+    let inertia = 36.0 * (0.9f64.powi(2) / 3.0 + 0.04f64.powi(2) / 12.0);
+    let root = (30f64.powi(2) - 4.0 * inertia * 20.0).sqrt();
+    let [slow, fast] = [root, -root].map(|root| (root - 30.0) / (2.0 * inertia));
+    let rigid = |t: f64| 4.0 * ((slow * t).exp() - (fast * t).exp()) / (slow - fast);
+    let run = |sets: &[&str]| {
+        let place = Place::new();
+        place.succeed(&["new", "door"]);
+        place.succeed(&[&["run", "door.toml", "--quiet"], sets].concat());
+        let history = place.history("door");
+        // The closer takes the energy of the push, J 4^2 / 2.
+        let kept = history["total_energy"].iter().zip(&history["dissipated_energy"]);
+        for ((energy, dissipated), work) in kept.zip(&history["external_work"]) {
+            let change = energy + dissipated - work - 8.0 * inertia;
+            assert!(change.abs() < 1e-11, "{energy} {dissipated} {work}");
+        }
+        let residual = place.summary("door")["worst_angular_momentum_residual"].as_f64().unwrap();
+        assert!(residual < 1e-11, "{residual:e}");
+        history
+    };
+    let bent = |history: &std::collections::BTreeMap<String, Vec<f64>>| {
+        let angles = history["time"].iter().zip(&history["hinge_angle"]);
+        angles.map(|(&t, angle)| (angle - rigid(t)).abs()).fold(0.0, f64::max)
+    };
+    let flexible = run(&[]);
+    close(bent(&flexible), 2.383e-2, 0.01);
+    close(bent(&run(&["--set", "region.material.neo-hooke.youngs_modulus=1e10"])), 1.565e-4, 0.02);
+    // `examples.py`.
+    let row = flexible["time"].iter().position(|t| (t - 0.5).abs() < 1e-9).unwrap();
+    for (name, expected) in
+        [("hinge_angle", 0.94079), ("handle_x", 0.54111), ("handle_y", 0.73949), ("handle_z", 0.99999)]
+    {
+        let own = flexible[name][row];
+        assert!((own - expected).abs() < 4e-4, "{name}: {own} is not {expected}");
+    }
+}
+
+/// Results of an independent implementation of joints and of the DGM, at t = 2.5.
+#[test]
+fn satellite() {
+    let place = Place::new();
+    let file = format!("{}/../../examples/satellite.toml", env!("CARGO_MANIFEST_DIR"));
+    // One cell of 1 along y, and one of 0.4 along z.
+    let check = place.succeed(&["check", &file]).stdout;
+    assert!(check.contains("about 1 cell (hex8) over its thickness along z"), "{check}");
+    place.succeed(&["run", &file, "--quiet", "--output", "satellite", "--set", "newton.tolerance=1e-13"]);
+    let history = place.history("satellite");
+    for (angle, sign) in [("right-hinge_angle", 1.0), ("left-hinge_angle", -1.0)] {
+        close(last(&history[angle]), sign * std::f64::consts::FRAC_PI_2, 1e-12);
+    }
+    place.succeed(&["resume", "satellite", "--quiet", "--until", "2.5"]);
+    let history = place.history("satellite");
+    for (name, expected) in [
+        ("kinetic_energy", 3.364297573555207),
+        ("strain_energy", 0.3566908721616583),
+        ("external_work", 3.1301684457168566),
+        ("hub_x", 0.02977523032919386),
+        ("hub_y", -0.02249442516014223),
+        ("hub_z", 0.28678215451443423),
+        ("right-tip_x", -0.6879543607243477),
+        ("right-tip_y", -0.25529733088673334),
+        ("right-tip_z", -2.4285602485801836),
+        ("left-tip_x", -0.5882343525377194),
+        ("left-tip_y", -0.2411735258295048),
+        ("left-tip_z", -2.4557980016198595),
+    ] {
+        let own = last(&history[name]);
+        assert!((own - expected).abs() < 1e-8, "{name}: {own} is not {expected}");
+    }
+    // Of hub and panels, which spin about the origin: 0.1 (1.2 + 0.164) and 0.4 (1.5 + 5.8). The centres of the panels
+    // lie 0.2 above it.
+    for (name, expected) in
+        [("linear_momentum_y", -0.024), ("angular_momentum_x", 0.1364), ("angular_momentum_z", 2.92)]
+    {
+        history[name].iter().for_each(|&momentum| close(momentum, expected, 1e-10));
+    }
+    let energy = &history["total_energy"];
+    for (own, work) in energy.iter().zip(&history["external_work"]) {
+        assert!((own - energy[0] - work).abs() < 1e-12, "{own} {work}");
+    }
+}
+
+/// Digits of the benchmark, by an integration in independent coordinates. Half the step has a sixteenth of the error.
+#[test]
+fn bricard() {
+    let exact = [
+        (1.0, [0.510501461188, -1.649167599395, 0.140123114553]),
+        (2.0, [-0.969340344777, -1.221246894957, 0.754278010778]),
+    ];
+    let mut errors = Vec::new();
+    for sets in [&[][..], &["--set", "time.steps.0.size=0.025"][..]] {
+        let place = Place::new();
+        place.succeed(&["new", "bricard"]);
+        let check = place.succeed(&["check", "bricard.toml"]).stdout;
+        assert!(check.contains("it is a constraint of the joint hinge-6\n"), "{check}");
+        place.succeed(&[&["run", "bricard.toml", "--quiet"], sets].concat());
+        let history = place.history("bricard");
+        for (time, exact) in exact {
+            let row = history["time"].iter().position(|t| (t - time).abs() < 1e-9).unwrap();
+            let centre = |rod: usize, axis: &str| history[&format!("rod-{rod}_{axis}")][row];
+            // Twice the centre of a rod is the sum of its ends; the first rod begins at the origin, the third one ends
+            // here.
+            let end = ["x", "y", "z"].map(|axis| 2.0 * (centre(1, axis) - centre(2, axis) + centre(3, axis)));
+            let squares = end.iter().zip(exact).map(|(own, exact)| (own - exact).powi(2));
+            errors.push(squares.sum::<f64>().sqrt());
+        }
+        for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+            assert!((energy - work).abs() < 1e-12, "{energy} {work}");
+        }
+        let drift = place.summary("bricard")["worst_constraint_residual"].as_f64().unwrap();
+        assert!(drift < 1e-14, "{drift:e}");
+    }
+    for (error, expected) in errors.into_iter().zip([5.182e-7, 1.2868e-6, 3.245e-8, 8.054e-8]) {
+        close(error, expected, 0.01);
+    }
+}
+
+/// `examples.py`. The error is of order four.
+#[test]
+fn pendulum_chain() {
+    for (sets, error) in [(&[][..], 1.1945e-5), (&["--set", "time.steps.0.size=0.02"][..], 1.772e-4)] {
+        let place = Place::new();
+        place.succeed(&["new", "pendulum-chain"]);
+        place.succeed(&[&["run", "pendulum-chain.toml", "--quiet"], sets].concat());
+        let history = place.history("pendulum-chain");
+        let [x, y, z] = ["x", "y", "z"].map(|axis| last(&history[&format!("ball_{axis}")]));
+        close((x + 1.549508625547).hypot(z + 1.236699062064), error, 0.02);
+        assert!(y.abs() < 1e-14, "{y:e}");
+        // From rest: gravity does the work of all energy.
+        for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+            assert!((energy - work).abs() < 1e-12, "{energy} {work}");
+        }
+    }
+}
+
 #[test]
 fn two_materials() {
     let (place, history) = run_in_place("two-materials");

@@ -180,6 +180,23 @@ fn a_driven_slider_crank_is_where_geometry_says() {
     }
 }
 
+/// Two hinges on one axis turn a leaf by different angles. The steps are cut, and the short ones must not pass either.
+#[test]
+fn given_motions_that_contradict_each_other_end_the_run() {
+    let input = r#"
+rigid = [{ name = "leaf", mass = 1.0, centre = [0.5, 0, 0], inertia = [0.1, 0.1, 0.1] }]
+joint = [
+  { revolute = { between = ["leaf", "ground"], at = [0, 0, 0], axis = [0, 0, 1] }, angle = "0.5*t^2" },
+  { revolute = { between = ["leaf", "ground"], at = [0, 0, 1], axis = [0, 0, 1] }, angle = "0.4*t^2" },
+]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 2.0, size = 0.05 }] }
+output = { directory = "out", every = 0 }
+"#;
+    let place = Place::with(input);
+    let failed = place.emmy(&["run", "box.toml", "--quiet"]);
+    assert!(failed.code == 3 && failed.stderr.contains("contradict each other"), "{failed:?}");
+}
+
 /// A mass on a winch: the length of the rope is given, and the same by a table.
 #[test]
 fn a_link_whose_length_is_given() {
@@ -324,6 +341,11 @@ output = { directory = "out", every = 0, probes = [{ name = "x", point = [1, 0, 
     // 2 y'' + 4 y' = 6: y = 1.5 (t - (1 - exp(-2 t))/2).
     let slide = 1.5 * (1.0 - 0.5 * (1.0 - (-2f64).exp()));
     assert_near(last_place(&place, "out", "y"), [0.0, 3.0 + slide, 0.0], 1e-7);
+    // Spring, damper and force act from outside.
+    let summary = place.summary("out");
+    for balance in ["worst_linear_momentum_residual", "worst_angular_momentum_residual"] {
+        assert!(summary[balance].as_f64().unwrap() < 1e-12, "{balance}: {summary}");
+    }
 }
 
 #[test]

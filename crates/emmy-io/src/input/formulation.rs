@@ -251,7 +251,8 @@ impl<'a> RegionCells<'a> {
         ))
     }
 
-    /// Number of linear cells over the smallest edge of their bounding box, if that is below [`THIN`].
+    /// Number of linear cells over the edge of their bounding box that has the fewest, of equal ones the shortest, if that
+    /// is below [`THIN`].
     fn thickness(&self) -> Option<String> {
         let linear = self.cells.iter().filter(|(kind, _)| kind.info().n_modes > 0);
         let (kinds, cells): (Vec<&str>, Vec<&Vec<usize>>) =
@@ -265,10 +266,10 @@ impl<'a> RegionCells<'a> {
         }
         let n_cells = cells().count() as f64;
         let over = |i: usize| (whole.lengths()[i] * n_cells / sums[i]).round();
-        let (axis, n) = (0..3)
+        let (axis, n, _) = (0..3)
             .filter(|&i| sums[i] > 0.0)
-            .map(|i| (["x", "y", "z"][i], over(i)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+            .map(|i| (["x", "y", "z"][i], over(i), whole.lengths()[i]))
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)))?;
         let kinds = kinds.join(" and ");
         let cells = if n == 1.0 { "cell" } else { "cells" };
         (n < THIN).then(|| format!("about {n} {cells} ({kinds}) over its thickness along {axis}"))

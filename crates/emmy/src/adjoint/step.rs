@@ -198,7 +198,13 @@ impl<'a> AdjointStep<'a> {
         if is_new {
             self.body.copy_local(&self.assembly, &mut self.local);
             let StepData { displacement, rates, size, .. } = *step;
-            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.local, size)?;
+            self.approximate_tangent.refactorize(
+                (self.body, &self.rule),
+                displacement,
+                rates,
+                &self.local,
+                size,
+            )?;
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }

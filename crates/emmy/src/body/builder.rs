@@ -363,7 +363,10 @@ impl Body {
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let mut mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node), |_| true)?;
-        let pattern = couplings(&mesh, &internal, &ties, &mechanism).with_inner_rows_from(mesh.n_nodes());
+        let connected = connected(&mesh, &internal, &ties, &mechanism);
+        let pattern =
+            couplings(&mesh, &internal, &connected, &mechanism).with_inner_rows_from(mesh.n_nodes());
+        mechanism.divide(internal.n_all(), &connected);
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
@@ -505,17 +508,29 @@ fn forces_of<'a>(
     sources.iter().enumerate().map(|(number, source)| source.force(number, site))
 }
 
-/// The pattern of the nodes that cells, rigid bodies and springs of joints couple, with those that tied nodes follow.
-fn couplings(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, mechanism: &Mechanism) -> Pattern {
-    let others: Vec<Vec<u32>> = mechanism.coupled_nodes().collect();
-    if internal.dofs().is_empty() && ties.is_empty() && others.is_empty() {
-        return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
+/// The nodes that each cell connects, with those that tied nodes follow; none if the cells alone tell.
+fn connected(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, mechanism: &Mechanism) -> Vec<Vec<u32>> {
+    if internal.dofs().is_empty() && ties.is_empty() && mechanism.is_empty() {
+        return Vec::new();
     }
     let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
         let leaders = cell.nodes.iter().filter_map(|&node| ties.leaders_of(node)).flatten();
         let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
         cell.nodes.iter().copied().chain(others).collect()
     };
-    let lists: Vec<Vec<u32>> = mesh.cells().enumerate().map(nodes).chain(others).collect();
-    Pattern::new(internal.n_all(), lists.iter().map(Vec::as_slice))
+    mesh.cells().enumerate().map(nodes).collect()
+}
+
+/// The pattern of the nodes that cells, as far as they are not `connected`, rigid bodies and springs of joints couple.
+fn couplings(
+    mesh: &Mesh,
+    internal: &InternalNodes,
+    connected: &[Vec<u32>],
+    mechanism: &Mechanism,
+) -> Pattern {
+    if connected.is_empty() && mechanism.is_empty() {
+        return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
+    }
+    let others: Vec<Vec<u32>> = mechanism.coupled_nodes().collect();
+    Pattern::new(internal.n_all(), connected.iter().chain(&others).map(Vec::as_slice))
 }

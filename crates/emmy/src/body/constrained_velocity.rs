@@ -139,25 +139,29 @@ impl ConstrainedVelocity {
                 product.iter_mut().zip(row).for_each(|(sum, f)| *sum += g * f);
             }
         }
-        let entry = |(a, b): (usize, usize)| -> f64 {
-            let pairs = products[a * n..(a + 1) * n].iter().zip(&self.gradients[b * n..(b + 1) * n]);
-            pairs.map(|(p, g)| p * g).sum()
-        };
-        let mut matrix: Vec<f64> = (0..m * m).map(|at| entry((at / m, at % m))).collect();
-        // Carriers are last, and not in the range of the constraints.
-        (n_constraints..m).for_each(|at| matrix[at * m + at] -= 1.0);
-        self.times.project_columns(&mut matrix[..n_constraints * m], m);
+        // With the constraints outside their range as in a step: further rows and columns of an orthonormal basis Z.
         let range = self.times.range();
-        if range.is_redundant() {
-            let pairs =
-                (0..n_constraints).flat_map(|row| (0..n_constraints).map(move |column| (row, column)));
-            pairs.for_each(|(row, column)| matrix[row * m + column] += range.complement(row, column));
+        let size = m + range.n_redundant();
+        let mut matrix = vec![0.0; size * size];
+        for (column, gradient) in self.gradients.chunks_exact(n).enumerate() {
+            for (at, g) in gradient.iter().enumerate().filter(|(_, g)| **g != 0.0) {
+                let rows = matrix.chunks_exact_mut(size).zip(products.chunks_exact(n));
+                rows.for_each(|(row, product)| row[column] += product[at] * g);
+            }
         }
+        (n_constraints..m).for_each(|at| matrix[at * size + at] -= 1.0);
+        for (outside, z) in (m..).zip(range.complement()) {
+            for (c, z) in z.iter().enumerate() {
+                matrix[c * size + outside] = -z;
+                matrix[outside * size + c] = *z;
+            }
+        }
+        nu.resize(size, 0.0);
         if !eliminate(&mut matrix, &mut nu, 1) {
             return Err(Error::NoMotion { time: time[0] });
         }
         let mut impulses = vec![0.0; n];
-        for (nu, gradient) in nu.iter().zip(self.gradients.chunks_exact(n)) {
+        for (nu, gradient) in nu[..m].iter().zip(self.gradients.chunks_exact(n)) {
             impulses.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += nu * g);
         }
         Ok((largest, impulses))

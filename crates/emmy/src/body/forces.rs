@@ -368,7 +368,12 @@ impl Body {
 
     /// Whether some force dissipates energy: of viscosity, drag or a damper in a joint.
     pub fn dissipates(&self) -> bool {
-        self.is_viscous() || self.others().any(|force| force.dissipates())
+        self.is_viscous() || self.has_dampers()
+    }
+
+    /// Whether forces beside those of the cells dissipate energy.
+    pub(crate) fn has_dampers(&self) -> bool {
+        self.others().any(|force| force.dissipates())
     }
 
     /// Energy that viscosity and the scheme dissipate through strain rates in a step \[energy\].

@@ -8,10 +8,11 @@ use crate::force::Forces;
 use crate::input::{Joint, Region, RigidBody, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
+use crate::nodal;
 use crate::space::{Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
-use crate::unknowns::{Constraints, Frame, Mechanism, Mobility};
+use crate::unknowns::{Component, Constraints, Frame, Mechanism, Mobility};
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -169,6 +170,13 @@ impl Body {
         self.space.fixed()
     }
 
+    /// Whether supports hold nodes of a component; planes of plane strain do not count.
+    pub(crate) fn holds(&self, component: &Component) -> bool {
+        let is_held = |dof: &usize| self.fixed()[*dof] && !(self.space.has_plane_cells() && dof % 3 == 2);
+        let leads = |node: &usize| self.space.ties().leaders_of(*node as u32).is_none();
+        component.nodes().filter(leads).any(|node| nodal::dofs(node).any(|dof| is_held(&dof)))
+    }
+
     /// Whether some degrees of freedom have a given motion.
     pub fn is_driven(&self) -> bool {
         self.space.is_driven()
@@ -272,12 +280,13 @@ impl Body {
         self.viscous_time
     }
 
-    /// Whether the viscosities are no multiple of the stiffness at rest: some parts have others or none.
+    /// Whether the viscosities are no multiple of the stiffness at rest: some parts have others or none, or dampers have
+    /// some.
     pub(crate) fn has_uneven_viscosity(&self) -> bool {
         let is_multiple = |viscosity: &Viscosity| viscosity.shear == 0.0 && viscosity.bulk == 0.0;
         let first = self.viscosities().next();
         let is_even = self.viscosities().all(|own| is_multiple(own) && Some(own) == first);
-        self.is_viscous() && !(is_even && self.stores_energy_in_cells_alone())
+        self.is_viscous() && !(is_even && self.stores_energy_in_cells_alone()) || self.has_dampers()
     }
 
     /// Viscosity of each region.

@@ -205,6 +205,9 @@ pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
         (0..columns).for_each(|j| x.swap(pivot * columns + j, column * columns + j));
         let (above, below) = matrix.split_at_mut((column + 1) * n);
         let pivot = &above[column * n + column..];
+        // Where the matrix is sparse, rows end early.
+        let end = pivot.iter().rposition(|entry| *entry != 0.0).map_or(1, |last| last + 1);
+        let pivot = &pivot[..end];
         for (row, own) in (column + 1..).zip(below.chunks_exact_mut(n)) {
             let factor = own[column] / pivot[0];
             if factor == 0.0 {

@@ -1,6 +1,6 @@
 //! Rotations as 3 x 3 tensors.
 
-use super::Mat3;
+use super::{Mat3, cross};
 
 /// Identity.
 pub(crate) const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -76,9 +76,73 @@ pub(crate) fn log(R: &Mat3<f64>) -> [f64; 3] {
     [factor * x, factor * y, factor * z]
 }
 
+/// The rotation R of `A = R S`, with a symmetric positive semi-definite S; the identity if S has more than one direction
+/// without stretch, as of points on a line.
+///
+/// Newton's iteration (Higham 1986) on `A + cof A`, each of unit size, which has the same R, also if A is singular, as
+/// of points in a plane.
+pub(crate) fn polar(A: &Mat3<f64>) -> Mat3<f64> {
+    let unit = |A: &Mat3<f64>| {
+        let size = A.iter().flatten().map(|a| a * a).sum::<f64>().sqrt();
+        (size > 0.0).then(|| A.map(|row| row.map(|a| a / size)))
+    };
+    let Some(own) = unit(A) else { return IDENTITY };
+    let Some(normal) = unit(&cofactors(&own)).filter(|_| size_of_cofactors(&own) > ON_A_LINE) else {
+        return IDENTITY;
+    };
+    let mut R = [0, 1, 2].map(|i| [0, 1, 2].map(|j| own[i][j] + normal[i][j]));
+    for _ in 0..ITERATIONS {
+        let cofactors = cofactors(&R);
+        let det: f64 = (0..3).map(|j| R[0][j] * cofactors[0][j]).sum();
+        if det <= 0.0 {
+            return IDENTITY;
+        }
+        let next = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.5 * (R[i][j] + cofactors[i][j] / det)));
+        let change = (0..9).map(|n| (next[n / 3][n % 3] - R[n / 3][n % 3]).abs()).fold(0.0, f64::max);
+        R = next;
+        if change < CONVERGED {
+            break;
+        }
+    }
+    R
+}
+
+/// Size of the cofactors of a tensor of unit size below which its points lie on a line.
+const ON_A_LINE: f64 = 1e-10;
+
+/// Steps of the iteration, which converges quadratically, and a change after which the next one is rounding.
+const ITERATIONS: usize = 40;
+const CONVERGED: f64 = 1e-9;
+
+/// The cofactors of a tensor.
+fn cofactors(A: &Mat3<f64>) -> Mat3<f64> {
+    [cross(A[1], A[2]), cross(A[2], A[0]), cross(A[0], A[1])]
+}
+
+fn size_of_cofactors(A: &Mat3<f64>) -> f64 {
+    cofactors(A).iter().flatten().map(|a| a * a).sum::<f64>().sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_polar_decomposition_finds_the_rotation() {
+        for w in [[0.0; 3], [0.3, 0.5, -0.8], [0.0, 3.1, 0.4], [-1.0, -2.0, 2.0]] {
+            let R = exp(&w);
+            for stretch in [[1.0, 2.0, 3.0], [1e-3, 1.0, 1.0], [0.0, 2.0, 1.0]] {
+                let turn = exp(&[0.4, -0.2, 0.9]);
+                let scaled = turn.map(|row| [0, 1, 2].map(|d| row[d] * stretch[d]));
+                let S = product_transposed(&scaled, &turn);
+                let found = polar(&product(&R, &S));
+                let error = (0..9).map(|n| (found[n / 3][n % 3] - R[n / 3][n % 3]).abs()).fold(0.0, f64::max);
+                assert!(error < 1e-13, "{w:?} {stretch:?}: {error:e}");
+            }
+        }
+        assert_eq!(polar(&[[2.0, 0.0, 0.0], [0.0; 3], [0.0; 3]]), IDENTITY);
+        assert_eq!(polar(&[[0.0; 3]; 3]), IDENTITY);
+    }
 
     #[test]
     fn the_rotation_vector_comes_back() {

@@ -314,7 +314,8 @@ impl<'a> Equations<'a> {
         if self.on_ground.is_empty() {
             return Ok(());
         }
-        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
+        // With the dampers of joints to the ground.
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.body.ground_force(&step, &mut self.assembly, &mut self.on_ground)
     }
 

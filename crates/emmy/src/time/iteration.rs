@@ -53,7 +53,6 @@ impl Iteration {
     /// Memory for the equations of a system.
     pub(super) fn new(system: &StageSystem<'_>, settings: NewtonSettings) -> Self {
         let k = system.equations.coefficients.rule.degree();
-        let n = system.equations.body.n_dofs();
         let blocks = system.equations.blocks;
         Iteration {
             settings,
@@ -62,7 +61,7 @@ impl Iteration {
             multipliers: Vec::with_capacity(blocks.multipliers),
             local: Vec::with_capacity(blocks.local),
             blocks,
-            prediction: Prediction::new(k, n),
+            prediction: Prediction::new(k, system.equations.body),
             residual: vec![0.0; blocks.len()],
         }
     }
@@ -399,6 +398,7 @@ impl Iteration {
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
             self.carry(carry, system, step_size);
             system.equations.drive(self.rates_mut());
+            system.begin_iteration(self.rates());
             if let Ok(sizes) = system.residual(&self.unknowns, &mut self.residual) {
                 *size = sizes.residual;
             }
@@ -441,6 +441,7 @@ impl Iteration {
             Guess::Rest => self.rates_mut().fill(0.0),
         }
         system.equations.drive(self.rates_mut());
+        system.begin_iteration(self.rates());
         true
     }
 }

@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+mod best_fit;
 pub(crate) mod classic;
 mod configuration;
 pub(crate) mod element_stepper;

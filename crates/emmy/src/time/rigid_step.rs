@@ -124,10 +124,7 @@ impl RigidStep {
                 break;
             }
             if self.linearise(coefficients, inertia, known, free) {
-                let weights = coefficients.rule.weights();
-                let mut end = IDENTITY;
-                self.rates.iter().zip(weights).for_each(|(D, b)| add(&mut end, *b, D));
-                self.rotation = log(&end);
+                self.set_rotation(coefficients);
                 self.is_solved = true;
                 return;
             }
@@ -139,6 +136,24 @@ impl RigidStep {
             }
         }
         self.set_rest();
+    }
+
+    /// Takes given spins; the rest follows from them.
+    pub(crate) fn follow(&mut self, coefficients: &StageCoefficients, spins: impl Iterator<Item = [f64; 3]>) {
+        self.set_rest();
+        self.spins.iter_mut().zip(spins).for_each(|(own, spin)| *own = spin);
+        if self.collocate(coefficients) {
+            self.set_rotation(coefficients);
+        } else {
+            self.set_rest();
+        }
+    }
+
+    /// Sets the rotation over the step from the rates.
+    fn set_rotation(&mut self, coefficients: &StageCoefficients) {
+        let mut end = IDENTITY;
+        self.rates.iter().zip(coefficients.rule.weights()).for_each(|(D, b)| add(&mut end, *b, D));
+        self.rotation = log(&end);
     }
 
     /// Sets D, T and the changes of D with the spins.

@@ -45,6 +45,7 @@ use crate::average::Rule;
 use crate::body::Body;
 use crate::nodal;
 use crate::tensor::{Mat3, SYM, cross, eigen};
+use crate::unknowns::Component;
 
 /// The coefficients of a dissipative time element.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,7 +130,7 @@ impl SchemeForce {
     ) {
         if let Some(rigid) = &mut self.rigid {
             rigid.set(body, rates, mass_rates, &self.momentum, h);
-            rigid.add(rigid.multipliers, h, residual);
+            rigid.parts.iter().for_each(|part| rigid.add(part, part.multipliers, h, residual));
         }
     }
 
@@ -164,27 +165,36 @@ impl SchemeForce {
     }
 }
 
-/// Projection on translations and rotations without dissipation, for the unknowns of a step.
+/// Projection on translations and rotations without dissipation, for the unknowns of a step. Each component between
+/// joints has its own: joints let them move relative to each other without strain.
 #[derive(Debug)]
 struct RigidMotions {
     damping: SchemeDamping,
-    /// Directions without a fixed node.
-    translations: [bool; 3],
-    /// Axes perpendicular to which every node is free, or all nodes are fixed.
-    turns: [bool; 3],
+    parts: Vec<RigidPart>,
     /// `sum_B M_AB`, one number per node.
     row_sums: Vec<f64>,
-    mass: f64,
     /// delta_q minus its mean, and M times this vector.
     arm: Vec<f64>,
     weighted_arm: Vec<f64>,
     /// M delta_w.
     momentum: Vec<f64>,
+    change: Change,
+}
+
+/// The translations and rotations of a component, or of the body.
+#[derive(Debug)]
+struct RigidPart {
+    /// Nodes; without them all of all ranks.
+    component: Option<Component>,
+    /// Directions without a fixed node.
+    translations: [bool; 3],
+    /// Axes perpendicular to which every node is free, or all nodes are fixed.
+    turns: [bool; 3],
+    mass: f64,
     /// `sum_A arm_A (M arm)_A^T`.
     tensor: Mat3<f64>,
     /// lambda.
     multipliers: RigidVelocity,
-    change: Change,
 }
 
 /// Coefficients of the six vectors: a translation, and a rotation of the arms.
@@ -206,58 +216,145 @@ struct Change {
 /// Rotations with less than this part of the largest moment of inertia are rounding.
 const NO_TURN: f64 = 1e-13;
 
+impl RigidPart {
+    /// The parts of a body with a mass of each row.
+    fn all(body: &Body, row_sums: &[f64]) -> Vec<Self> {
+        let components = &body.mechanism.components;
+        if components.is_empty() {
+            return vec![Self::whole(body, row_sums)];
+        }
+        components.iter().map(|component| Self::of(body, component, row_sums)).collect()
+    }
+
+    fn whole(body: &Body, row_sums: &[f64]) -> Self {
+        let held = [0, 1, 2].map(|axis| body.fixed().as_chunks::<3>().0.iter().any(|node| holds(node, axis)));
+        let mut held = held.map(|held| f64::from(u8::from(held)));
+        body.space.largest_of_ranks("axes that supports hold", &mut held);
+        let mut mass = [row_sums.iter().sum()];
+        body.space.sum_ranks("mass of the rows", &mut mass);
+        RigidPart {
+            component: None,
+            translations: body.space.held_axes().map(|held| !held),
+            turns: held.map(|held| held == 0.0),
+            mass: mass[0],
+            tensor: [[0.0; 3]; 3],
+            multipliers: RigidVelocity::default(),
+        }
+    }
+
+    fn of(body: &Body, component: &Component, row_sums: &[f64]) -> Self {
+        let leads = |node: &usize| body.space.ties().leaders_of(*node as u32).is_none();
+        let fixed = || component.nodes().filter(leads).map(|node| nodal::at(body.fixed(), node));
+        RigidPart {
+            component: Some(component.clone()),
+            translations: [0, 1, 2].map(|d| !fixed().any(|node| node[d])),
+            turns: [0, 1, 2].map(|axis| !fixed().any(|node| holds(&node, axis))),
+            mass: component.nodes().map(|node| row_sums[node]).sum(),
+            tensor: [[0.0; 3]; 3],
+            multipliers: RigidVelocity::default(),
+        }
+    }
+
+    /// Its nodes among n on this rank.
+    fn nodes(&self, n: usize) -> impl Iterator<Item = usize> {
+        let (own, all) = match &self.component {
+            Some(component) => (Some(component.nodes()), 0..0),
+            None => (None, 0..n),
+        };
+        own.into_iter().flatten().chain(all)
+    }
+
+    /// Sum of a nodal vector.
+    fn sum(&self, body: &Body, vector: &[f64]) -> [f64; 3] {
+        let Some(component) = &self.component else { return body.space.sum(vector) };
+        let mut sum = [0.0; 3];
+        for node in component.nodes() {
+            (0..3).for_each(|d| sum[d] += vector[nodal::dof(node, d)]);
+        }
+        sum
+    }
+
+    /// `sum_A a_A x b_A`.
+    fn moment(&self, body: &Body, (a, b): (&[f64], &[f64])) -> [f64; 3] {
+        match &self.component {
+            Some(component) => moment_of(component.nodes(), a, b),
+            None => moment(body, (a, b)),
+        }
+    }
+
+    /// `sum_A a_A b_A^T` of this rank.
+    fn outer(&self, a: &[f64], b: &[f64]) -> Mat3<f64> {
+        match &self.component {
+            Some(component) => component.products(|node| [nodal::at(a, node), nodal::at(b, node)]),
+            None => outer(a, b),
+        }
+    }
+
+    /// Mean of arms in the directions without a fixed node, from their products with M.
+    fn mean(&self, body: &Body, weighted: &[f64]) -> [f64; 3] {
+        let total = self.sum(body, weighted);
+        [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 })
+    }
+
+    /// Subtracts a mean from arms and from their products with M.
+    fn subtract(&self, mean: [f64; 3], row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
+        for node in self.nodes(row_sums.len()) {
+            let (arm, weighted) = (nodal::at_mut(arm, node), nodal::at_mut(weighted, node));
+            let mass = row_sums[node];
+            (0..3).for_each(|d| (arm[d], weighted[d]) = (arm[d] - mean[d], weighted[d] - mass * mean[d]));
+        }
+    }
+
+    /// `(U^T M U)^-1` times total and moment of a momentum.
+    fn projected(&self, total: [f64; 3], moment: [f64; 3]) -> RigidVelocity {
+        let translation = [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 });
+        RigidVelocity { translation, turn: turn_of(&self.tensor, self.turns, moment) }
+    }
+}
+
+/// Whether a node with fixed components holds the turn about an axis.
+fn holds(fixed: &[bool; 3], axis: usize) -> bool {
+    let across = [fixed[(axis + 1) % 3], fixed[(axis + 2) % 3]];
+    across != [false; 2] && *fixed != [true; 3]
+}
+
 impl RigidMotions {
     /// Memory for a body.
     fn new(body: &Body, damping: SchemeDamping) -> Self {
         let n = body.n_dofs();
-        let nodes = || body.fixed().as_chunks::<3>().0.iter();
-        let holds = |axis: usize| {
-            nodes().any(|fixed| {
-                let across = [fixed[(axis + 1) % 3], fixed[(axis + 2) % 3]];
-                across != [false; 2] && *fixed != [true; 3]
-            })
-        };
-        let mut held = [0, 1, 2].map(|axis| f64::from(u8::from(holds(axis))));
-        body.space.largest_of_ranks("axes that supports hold", &mut held);
-        let turns = held.map(|held| held == 0.0);
-        let translations = body.space.held_axes().map(|held| !held);
         let mut row_sums = vec![0.0; n];
         body.mass_product(&vec![1.0; n], &mut row_sums);
         let row_sums: Vec<f64> = row_sums.into_iter().step_by(3).collect();
-        let mut mass = [row_sums.iter().sum()];
-        body.space.sum_ranks("mass of the rows", &mut mass);
         let zero = vec![0.0; n];
         let change = [(); 4].map(|()| zero.clone());
         let [arm, weighted_arm, velocity, momentum] = change;
         RigidMotions {
             damping,
-            translations,
-            turns,
-            mass: mass[0],
+            parts: RigidPart::all(body, &row_sums),
             row_sums,
             arm: zero.clone(),
             weighted_arm: zero.clone(),
             momentum: zero,
-            tensor: [[0.0; 3]; 3],
-            multipliers: RigidVelocity::default(),
             change: Change { arm, weighted_arm, velocity, momentum },
         }
     }
 
     /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
     fn set(&mut self, body: &Body, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
-        let SchemeDamping { highest_mode, eta, .. } = &self.damping;
-        combine(highest_mode, rates, &mut self.arm);
-        combine(highest_mode, mass_rates, &mut self.weighted_arm);
-        combine(eta, mass_rates, &mut self.momentum);
+        let RigidMotions { damping, parts, row_sums, arm, weighted_arm, momentum: own, .. } = self;
+        let SchemeDamping { highest_mode, eta, .. } = damping;
+        combine(highest_mode, rates, arm);
+        combine(highest_mode, mass_rates, weighted_arm);
+        combine(eta, mass_rates, own);
         let start: f64 = eta.iter().sum();
-        self.momentum.iter_mut().zip(momentum).for_each(|(m, p)| *m = *m / h - start * p);
-        let mean = self.mean(body, &self.weighted_arm);
-        subtract(mean, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
-        self.tensor = outer(&self.arm, &self.weighted_arm);
-        body.space.sum_ranks("tensor of the arms", self.tensor.as_flattened_mut());
-        self.multipliers =
-            self.projected(body.space.sum(&self.momentum), moment(body, (&self.arm, &self.momentum)));
+        own.iter_mut().zip(momentum).for_each(|(m, p)| *m = *m / h - start * p);
+        for part in parts {
+            let mean = part.mean(body, weighted_arm);
+            part.subtract(mean, row_sums, arm, weighted_arm);
+            part.tensor = part.outer(arm, weighted_arm);
+            body.space.sum_ranks("tensor of the arms", part.tensor.as_flattened_mut());
+            part.multipliers = part.projected(part.sum(body, own), part.moment(body, (arm, own)));
+        }
     }
 
     /// Adds the derivatives of `h weight_i M U lambda` along dx, `[k][dof]`.
@@ -266,32 +363,34 @@ impl RigidMotions {
     /// d(M U lambda) = M U dlambda + lambda x M d(arm)
     /// ```
     fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
-        let multipliers = self.multipliers;
         let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
         combine(&self.damping.highest_mode, dx, arm);
         combine(&self.damping.eta, dx, velocity);
         velocity.iter_mut().for_each(|v| *v /= h);
         body.mass_product(arm, weighted_arm);
         body.mass_product(velocity, momentum);
-        let mean = self.mean(body, &self.change.weighted_arm);
-        let Change { arm, weighted_arm, momentum, .. } = &mut self.change;
-        subtract(mean, &self.row_sums, arm, weighted_arm);
-        let first = outer(arm, &self.weighted_arm);
-        let second = outer(&self.arm, weighted_arm);
-        let mut change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
-        body.space.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
-        let turned = inertia_times(&change, multipliers.turn);
-        let own = moment(body, (&self.arm, momentum));
-        let other = moment(body, (arm, &self.momentum));
-        let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
-        let change = self.projected(body.space.sum(&self.change.momentum), right);
-        self.add(change, h, residual);
         let n = self.arm.len();
-        for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.damping.stage_weights) {
-            let nodes = stage.as_chunks_mut::<3>().0.iter_mut().zip(self.change.weighted_arm.as_chunks().0);
-            for (value, arm) in nodes {
-                let across = cross(multipliers.turn, *arm);
-                (0..3).for_each(|d| value[d] += h * weight * across[d]);
+        for part in &self.parts {
+            let Change { arm, weighted_arm, momentum, .. } = &mut self.change;
+            let mean = part.mean(body, weighted_arm);
+            part.subtract(mean, &self.row_sums, arm, weighted_arm);
+            let first = part.outer(arm, &self.weighted_arm);
+            let second = part.outer(&self.arm, weighted_arm);
+            let mut change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
+            body.space.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
+            let turned = inertia_times(&change, part.multipliers.turn);
+            let own = part.moment(body, (&self.arm, momentum));
+            let other = part.moment(body, (arm, &self.momentum));
+            let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
+            let change = part.projected(part.sum(body, momentum), right);
+            self.add(part, change, h, residual);
+            let weighted_arm = &self.change.weighted_arm;
+            for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.damping.stage_weights) {
+                for node in part.nodes(self.row_sums.len()) {
+                    let across = cross(part.multipliers.turn, nodal::at(weighted_arm, node));
+                    let value = nodal::at_mut(stage, node);
+                    (0..3).for_each(|d| value[d] += h * weight * across[d]);
+                }
             }
         }
     }
@@ -301,8 +400,10 @@ impl RigidMotions {
     fn correct(&mut self, body: &Body, right: &mut [f64]) {
         combine(&self.damping.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
-        let part = self.projected(body.space.sum(momentum), moment(body, (&self.arm, momentum)));
-        self.add(part, -1.0, right);
+        for part in &self.parts {
+            let motion = part.projected(part.sum(body, momentum), part.moment(body, (&self.arm, momentum)));
+            self.add(part, motion, -1.0, right);
+        }
     }
 
     /// Adds `end_weight U lambda` to the new velocity, which already has its first part, and returns the energy
@@ -319,10 +420,12 @@ impl RigidMotions {
         combine(eta, rates, &mut self.change.velocity);
         let start: f64 = eta.iter().sum();
         let mut square = 0.0;
-        for node in 0..self.row_sums.len() {
+        let nodes =
+            self.parts.iter().flat_map(|part| part.nodes(self.row_sums.len()).map(move |node| (part, node)));
+        for (part, node) in nodes {
             let at = |values: &[f64]| nodal::at(values, node);
-            let moved = self.multipliers.at(at(&self.arm));
-            let weighted = self.multipliers.times(self.row_sums[node], at(&self.weighted_arm));
+            let moved = part.multipliers.at(at(&self.arm));
+            let weighted = part.multipliers.times(self.row_sums[node], at(&self.weighted_arm));
             for d in 0..3 {
                 let dof = nodal::dof(node, d);
                 let delta = self.change.velocity[dof] / h - start * velocity[dof];
@@ -335,25 +438,13 @@ impl RigidMotions {
         excess * square[0] / (1.0 + strength).powi(2)
     }
 
-    /// Mean of arms in the directions without a fixed node, from their products with M.
-    fn mean(&self, body: &Body, weighted: &[f64]) -> [f64; 3] {
-        let total = body.space.sum(weighted);
-        [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 })
-    }
-
-    /// `(U^T M U)^-1` times total and moment of a momentum.
-    fn projected(&self, total: [f64; 3], moment: [f64; 3]) -> RigidVelocity {
-        let translation = [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 });
-        RigidVelocity { translation, turn: turn_of(&self.tensor, self.turns, moment) }
-    }
-
-    /// Adds `factor weight_i M U motion` to the stages.
-    fn add(&self, motion: RigidVelocity, factor: f64, stages: &mut [f64]) {
+    /// Adds `factor weight_i M U motion` of a part to the stages.
+    fn add(&self, part: &RigidPart, motion: RigidVelocity, factor: f64, stages: &mut [f64]) {
         let n = self.arm.len();
         for (stage, weight) in stages.chunks_exact_mut(n).zip(&self.damping.stage_weights) {
-            let arms = self.row_sums.iter().zip(self.weighted_arm.as_chunks().0);
-            for (value, (&mass, arm)) in stage.as_chunks_mut::<3>().0.iter_mut().zip(arms) {
-                let weighted = motion.times(mass, *arm);
+            for node in part.nodes(self.row_sums.len()) {
+                let weighted = motion.times(self.row_sums[node], nodal::at(&self.weighted_arm, node));
+                let value = nodal::at_mut(stage, node);
                 (0..3).for_each(|d| value[d] += factor * weight * weighted[d]);
             }
         }
@@ -395,14 +486,6 @@ fn turn_of(tensor: &Mat3<f64>, axes: [bool; 3], moment: [f64; 3]) -> [f64; 3] {
 fn inertia_times(T: &Mat3<f64>, v: [f64; 3]) -> [f64; 3] {
     let trace = T[0][0] + T[1][1] + T[2][2];
     [0, 1, 2].map(|i| trace * v[i] - (0..3).map(|j| T[j][i] * v[j]).sum::<f64>())
-}
-
-/// Subtracts a mean from arms and from their products with M.
-fn subtract(mean: [f64; 3], row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
-    let nodes = arm.as_chunks_mut::<3>().0.iter_mut().zip(weighted.as_chunks_mut::<3>().0);
-    for ((arm, weighted), mass) in nodes.zip(row_sums) {
-        (0..3).for_each(|d| (arm[d], weighted[d]) = (arm[d] - mean[d], weighted[d] - mass * mean[d]));
-    }
 }
 
 /// `sum_j factors_j stages_j`.

@@ -2,7 +2,8 @@
 //!
 //! The nodes of a plane face leave the direction off the plane of their frame without mass: M n = 0 for the motion n of
 //! the four nodes that vanishes on the plane. The constraints of the frame determine it, but the approximate inverse of
-//! the equations of a step has no finite value there. A carrier S = sigma n n^T is added to the mass in the factors,
+//! the equations of a step has no finite value there. The same holds for two directions of a rod, if joints hold its spin
+//! about itself. A carrier S = sigma n n^T is added to the mass in the factors,
 //! and the exact derivative of the equations of the joint nodes takes it off again. It is in no momentum and no energy.
 
 use super::frame::{Frame, without_directions};
@@ -21,14 +22,14 @@ pub(crate) struct Carrier {
 const LEAST: f64 = 1e-9;
 
 impl Carrier {
-    /// The carrier of a frame, if it needs one.
+    /// The carriers of a frame: none, one of a flat body, two of a rod.
     ///
     /// # Errors
-    /// [`crate::Error::Rigid`] if several directions have no mass: the constraints do not determine them.
-    pub(crate) fn of(frame: &Frame, pattern: &Pattern, mass: &[f64]) -> Result<Option<Self>> {
+    /// [`crate::Error::Rigid`] for a group whose nodes lie on a line, or have no mass.
+    pub(crate) fn of(frame: &Frame, pattern: &Pattern, mass: &[f64]) -> Result<Vec<Self>> {
         let nodes: Vec<u32> = frame.nodes().collect();
         if nodes.len() == 1 {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let entry = |a: &u32, b: &u32| mass[pattern.coupling(*a as usize, *b as usize)];
         let own: Vec<f64> = nodes.iter().flat_map(|a| nodes.iter().map(move |b| entry(a, b))).collect();
@@ -38,14 +39,15 @@ impl Carrier {
             return Err(Error::Rigid { body: frame.name().to_string(), reason });
         }
         let scaled: Vec<f64> = own.iter().map(|m| m / largest).collect();
-        match &null_space_within(&scaled, LEAST)?[..] {
-            [n] => {
-                let weights = n.iter().map(|n| largest.sqrt() * n).collect();
-                Ok(Some(Carrier { nodes, weights }))
-            }
-            [_, _, ..] if frame.has_members() => Err(without_directions(frame.body())),
-            _ => Ok(None),
+        let massless = null_space_within(&scaled, LEAST)?;
+        if massless.len() > 1 && frame.has_members() {
+            return Err(without_directions(frame.body()));
         }
+        let carrier = |n: Vec<f64>| Carrier {
+            nodes: nodes.clone(),
+            weights: n.iter().map(|n| largest.sqrt() * n).collect(),
+        };
+        Ok(massless.into_iter().map(carrier).collect())
     }
 
     /// Its nodes with their weights.

@@ -6,13 +6,13 @@ use crate::force::StepInput;
 use crate::nodal;
 
 /// Derivatives of the equations of a step by the rates of the joint nodes, `n = 3 k n_nodes` of them, and by the
-/// multipliers, m of them; dense, row by row.
+/// multipliers, m of them; dense, row by row. The constraints are those before the projection on their range.
 #[derive(Debug, Default)]
 pub(crate) struct Derivatives {
+    /// Number of the constraints of a stage.
+    pub n_constraints: usize,
     /// Of the constraints by the rates, `[m][n]`.
     pub rates: Vec<f64>,
-    /// Of the constraints by the multipliers, `[m][m]`.
-    pub rest: Vec<f64>,
     /// Of the forces by the multipliers, `[n][m]`.
     pub multipliers: Vec<f64>,
     /// Of the forces by the rates, at fixed multipliers, `[n][n]`.
@@ -99,32 +99,32 @@ impl Constraints {
         -stages.map(|(i, b)| b * of_stage(i)).sum::<f64>() / times.step_size().powi(2)
     }
 
-    /// Sets the derivatives at a step with multipliers; P is the projection on the range of the constraints.
+    /// Sets the derivatives at a step with multipliers.
     ///
     /// ```math
-    /// dC_i/dx_j = P (delta_ij G(q_i) + a_ij G'(x_i)),    dC_i/dLambda_i = 1 - P,    df_i/dLambda_i = G(q_i)^T,    df_i/dx_j = a_ij Lambda_i G'
+    /// dC_i/dx_j = delta_ij G(q_i) + a_ij G'(x_i),    df_i/dLambda_i = G(q_i)^T,    df_i/dx_j = a_ij Lambda_i G'
     /// ```
     ///
     /// Derivatives of driven constraints are those of `r_i`, as the rest is that of the quadrature.
     pub(crate) fn set_derivatives(
         &self,
-        (step, times): (&StepInput<'_>, &mut ConstraintStep),
+        (step, times): (&StepInput<'_>, &ConstraintStep),
         multipliers: &[f64],
         derivatives: &mut Derivatives,
     ) {
         let (k, n_dofs) = (step.rule.degree(), step.displacement.len());
         let (of_stage, rows) = (self.n_dofs(), self.len());
         let (n, m) = (k * of_stage, k * rows);
-        let Derivatives { rates, rest, multipliers: by_multipliers, forces } = derivatives;
-        let tables =
-            [(&mut *rates, m * n), (&mut *rest, m * m), (&mut *by_multipliers, n * m), (&mut *forces, n * n)];
+        let Derivatives { n_constraints, rates, multipliers: by_multipliers, forces } = derivatives;
+        *n_constraints = rows;
+        let tables = [(&mut *rates, m * n), (&mut *by_multipliers, n * m), (&mut *forces, n * n)];
         for (table, len) in tables {
             table.clear();
             table.resize(len, 0.0);
         }
         let a = step.rule.coefficients();
         let stages = (0..k).flat_map(|i| (0..rows).map(move |c| (i, c)));
-        for (i, c) in stages.clone() {
+        for (i, c) in stages {
             let (row, at) = (times.row(self, i, c), i * rows + c);
             row.for_each_gradient(&|dof| step.displacement_in(i, dof), &mut |dof, value| {
                 let column = i * of_stage + self.local_dof(dof);
@@ -141,13 +141,6 @@ impl Constraints {
                     forces[(i * of_stage + self.local_dof(other)) * n + column] += weight * multipliers[at];
                 }
             });
-        }
-        if !times.range().is_redundant() {
-            return;
-        }
-        rates.chunks_exact_mut(rows * n).for_each(|of_stage| times.project_columns(of_stage, n));
-        for (i, c, column) in stages.flat_map(|(i, c)| (0..rows).map(move |column| (i, c, column))) {
-            rest[(i * rows + c) * m + i * rows + column] = times.range().complement(c, column);
         }
     }
 }

@@ -131,7 +131,9 @@ impl ConstraintStep {
             (0..body.0.len()).fold(0.0f64, |most, c| most.max(self.row(body.0, stage, c).value(u).abs()))
         };
         let residual = largest(self.n_stages, &end);
-        if residual <= TOLERANCE * body.0.size() + 2.0 * largest(self.n_stages + 1, &start) {
+        // Without a factor on that of the start: short steps would double it, and again, where given motions contradict
+        // each other.
+        if residual <= TOLERANCE * body.0.size() + largest(self.n_stages + 1, &start) {
             return Held::Yes;
         }
         self.set_range(body, self.n_stages, &end);
@@ -174,13 +176,8 @@ impl ConstraintStep {
     }
 
     /// Projects numbers of the constraints on their range.
-    pub(crate) fn project(&mut self, values: &mut [f64]) {
+    pub(crate) fn project(&self, values: &mut [f64]) {
         self.range.project(values);
-    }
-
-    /// Projects each column of a table, `[n][n_columns]`.
-    pub(crate) fn project_columns(&mut self, table: &mut [f64], n_columns: usize) {
-        self.range.project_columns(table, n_columns);
     }
 }
 
@@ -196,5 +193,5 @@ pub(crate) enum Held {
     No { residual: f64 },
 }
 
-/// Largest residual of a constraint, over the size of the body, that a step may leave.
+/// Largest residual of a constraint, over the size of the body, that a step may add.
 const TOLERANCE: f64 = 1e-10;

@@ -69,6 +69,11 @@ impl Constraints {
         self.size
     }
 
+    /// The joint nodes, ascending.
+    pub(crate) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Number of degrees of freedom of the joint nodes.
     pub(crate) fn n_dofs(&self) -> usize {
         3 * self.nodes.len()

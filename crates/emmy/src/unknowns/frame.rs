@@ -82,8 +82,8 @@ impl Frame {
         let mut moments = moments;
         moments.sort_by(f64::total_cmp);
         let is_symmetric = (0..3).all(|i| (0..3).all(|j| J[i][j] == J[j][i] && J[i][j].is_finite()));
-        // A flat body has a moment of zero.
-        let has_moments = moments[0] > -LEAST_MOMENT * trace && moments[1] > LEAST_MOMENT * trace;
+        // A flat body has a moment of zero, a rod two.
+        let has_moments = moments[0] > -LEAST_MOMENT * trace && trace > 0.0;
         if !(is_symmetric && has_moments) {
             return Err(Error::Inertia { body: name.clone(), inertia: *J });
         }
@@ -141,6 +141,14 @@ impl Frame {
     /// Numbers of its nodes: the centre, and the ends of three axes if it has directions.
     pub(crate) fn nodes(&self) -> Range<u32> {
         self.first..self.first + if self.body.has_axes() { 4 } else { 1 }
+    }
+
+    /// The direction of a rod, which has second moments of its mass along it alone.
+    pub(super) fn rod_axis(&self) -> [f64; 3] {
+        let E = second_moments(&self.body.inertia.unwrap_or_default());
+        let largest = (1..3).fold(0, |best, d| if E[d][d] > E[best][best] { d } else { best });
+        let length = E[largest].iter().map(|e| e * e).sum::<f64>().sqrt();
+        E[largest].map(|e| e / length)
     }
 
     /// Whether it has a group.
@@ -299,8 +307,7 @@ fn second_moments(J: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 /// Distance of a joint from a point mass, over the coordinates, that is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Least second moment of the mass over the trace of the inertia: below, a direction of the frame has no mass, which
-/// one may have.
+/// Rounding of a second moment of the mass over the trace of the inertia.
 const LEAST_MOMENT: f64 = 1e-9;
 
 #[cfg(test)]
@@ -342,7 +349,7 @@ mod tests {
 
     #[test]
     fn moments_that_no_body_has_are_refused() {
-        for moments in [[0.9, 0.3, 0.4], [0.0, 0.1, 0.1], [-0.1, 0.2, 0.2], [f64::NAN, 0.1, 0.1]] {
+        for moments in [[0.9, 0.3, 0.4], [0.0; 3], [-0.1, 0.2, 0.2], [f64::NAN, 0.1, 0.1]] {
             let body = RigidBody::new("rod", 1.0, [0.0; 3], moments);
             assert!(matches!(Frame::new(&body, 0), Err(Error::Inertia { .. })), "{moments:?}");
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::attachments::Attachments;
 use super::carrier::Carrier;
+use super::component::Component;
 use super::constraint::Constraint;
 use super::constraint_step::ConstraintStep;
 use super::constraints::Constraints;
@@ -18,7 +19,9 @@ use crate::force::{Force, StepInput};
 use crate::input::{Joint, JointEnd, JointKind, TimeFunction};
 use crate::mesh::{Mesh, distance};
 use crate::nodal;
+use crate::number::short_vector;
 use crate::sparse::Pattern;
+use crate::tensor::cross;
 
 /// Rigid bodies, joints, and the constraints of both.
 #[derive(Debug, Default)]
@@ -28,6 +31,8 @@ pub(crate) struct Mechanism {
     pub constraints: Constraints,
     /// Of the directions of rigid bodies without mass.
     pub carriers: Vec<Carrier>,
+    /// The components between the joints; none without joints.
+    pub components: Vec<Component>,
     /// Whether joints or groups of rigid bodies have nodes of elastic parts.
     is_elastic: bool,
     outputs: Vec<JointOutput>,
@@ -112,7 +117,15 @@ impl Mechanism {
         };
         let is_elastic = joints.iter().any(has_elastic_node)
             || frames.iter().any(Frame::has_members) && mesh.cells().any(|cell| is_in_part(cell.nodes));
-        Ok(Mechanism { frames, joints, constraints, carriers: Vec::new(), is_elastic, outputs })
+        Ok(Mechanism {
+            frames,
+            joints,
+            constraints,
+            carriers: Vec::new(),
+            components: Vec::new(),
+            is_elastic,
+            outputs,
+        })
     }
 
     /// Whether a rigid body moves all nodes of a cell.
@@ -128,10 +141,14 @@ impl Mechanism {
     /// their carriers, `None` if there are none.
     ///
     /// # Errors
-    /// As [`Carrier::of`].
+    /// As [`Carrier::of`]; [`Error::Rigid`] for a rod that may spin about itself, which nothing determines.
     pub(crate) fn carry(&mut self, pattern: &Pattern, mass: &[f64]) -> Result<Option<Vec<f64>>> {
         for frame in &self.frames {
-            self.carriers.extend(Carrier::of(frame, pattern, mass)?);
+            let own = Carrier::of(frame, pattern, mass)?;
+            if own.len() > 1 {
+                self.check_rod(frame)?;
+            }
+            self.carriers.extend(own);
         }
         if self.carriers.is_empty() {
             return Ok(None);
@@ -139,6 +156,32 @@ impl Mechanism {
         let mut carried = mass.to_vec();
         self.carriers.iter().for_each(|carrier| carrier.add_to(pattern, &mut carried));
         Ok(Some(carried))
+    }
+
+    /// Checks that joints hold the spin of a rod about itself.
+    fn check_rod(&self, rod: &Frame) -> Result<()> {
+        let (axis, first) = (rod.rod_axis(), rod.nodes().start as usize);
+        let spin = |dof: usize| match (dof / 3).checked_sub(first) {
+            Some(end @ 1..4) => {
+                let mut arm = [0.0; 3];
+                arm[end - 1] = 1.0;
+                cross(axis, arm)[dof % 3]
+            }
+            _ => 0.0,
+        };
+        let holds = |row: &Constraint| {
+            let mut rate = 0.0;
+            row.for_each_gradient(&|_| 0.0, &mut |dof, value| rate += value * spin(dof));
+            rate.abs() > LEAST_RATE
+        };
+        if self.constraints.rows()[..self.n_constraints()].iter().any(holds) {
+            return Ok(());
+        }
+        let reason = format!(
+            "no joint holds its spin about {}, and it has no moment of inertia about that axis: give it a small one",
+            short_vector(axis)
+        );
+        Err(Error::Rigid { body: rod.name().to_string(), reason })
     }
 
     /// The same with some of its joints.
@@ -152,7 +195,17 @@ impl Mechanism {
         holds: impl Fn(&Joint) -> bool,
     ) -> Result<Self> {
         let rest = Mechanism::new(self.frames.clone(), self.joints.clone(), mesh, leaders, holds)?;
-        Ok(Mechanism { carriers: self.carriers.clone(), ..rest })
+        let components = if rest.n_constraints() > 0 { self.components.clone() } else { Vec::new() };
+        Ok(Mechanism { carriers: self.carriers.clone(), components, ..rest })
+    }
+
+    /// Finds the components of n nodes between the joints, given lists of nodes that cells and ties connect.
+    pub(crate) fn divide(&mut self, n: usize, connected: &[Vec<u32>]) {
+        if self.n_constraints() == 0 {
+            return;
+        }
+        let of_frames: Vec<Vec<u32>> = self.frames.iter().map(|frame| frame.nodes().collect()).collect();
+        self.components = Component::all(n, connected.iter().chain(&of_frames).map(Vec::as_slice));
     }
 
     /// The same with drives and motors of a time, in proportion to a load fraction that takes the place of time.
@@ -196,17 +249,10 @@ impl Mechanism {
         self.frames.is_empty() && self.joints.is_empty()
     }
 
-    /// Degrees of freedom among n of a body, but those of rigid bodies without nodes of a mesh.
-    pub(crate) fn dofs_of_others(&self, n: usize) -> Vec<std::ops::Range<usize>> {
-        let (mut others, mut begin) = (Vec::new(), 0);
-        for nodes in self.frames.iter().filter(|frame| !frame.has_members()).map(Frame::nodes) {
-            let [start, end] = [nodes.start, nodes.end].map(|node| nodal::dof(node as usize, 0));
-            others.push(begin..start);
-            begin = end;
-        }
-        others.push(begin..n);
-        others.retain(|range| !range.is_empty());
-        others
+    /// Whether a node is one of a rigid body without nodes of a mesh.
+    pub(crate) fn is_free_of_mesh(&self, node: usize) -> bool {
+        let mut alone = self.frames.iter().filter(|frame| !frame.has_members());
+        alone.any(|frame| frame.nodes().contains(&(node as u32)))
     }
 
     /// The nodes that each rigid body and each joint with a force couples.
@@ -319,6 +365,9 @@ impl Mechanism {
         }
     }
 }
+
+/// Rate of a constraint of unit gradient in the spin of a rod that is rounding.
+const LEAST_RATE: f64 = 1e-6;
 
 /// The diagonal of a box around the nodes and the places of the joints.
 fn size_of(mesh: &Mesh, joints: &[Joint]) -> f64 {

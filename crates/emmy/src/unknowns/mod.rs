@@ -9,6 +9,7 @@ mod affine;
 mod attachments;
 mod blocks;
 mod carrier;
+mod component;
 mod constraint;
 mod constraint_equations;
 mod constraint_step;
@@ -23,6 +24,7 @@ mod range;
 mod rank;
 
 pub(crate) use blocks::Blocks;
+pub(crate) use component::Component;
 pub(crate) use constraint_equations::Derivatives;
 pub(crate) use constraint_step::{ConstraintStep, Held};
 pub(crate) use constraints::Constraints;

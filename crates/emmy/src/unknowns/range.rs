@@ -3,18 +3,19 @@
 use super::constraint::Constraint;
 use super::constraints::Constraints;
 
-/// An orthonormal basis of the range of the gradients G of some constraints, by orthogonalisation of the columns of G
-/// with pivoting.
+/// The range of the gradients G of some constraints, by orthogonalisation of the columns of G with pivoting.
+///
+/// What is kept is an orthonormal basis Z of its complement, which has few vectors: the projection on the range is
+/// `P = 1 - Z Z^T`.
 #[derive(Debug, Default)]
 pub(crate) struct Range {
     n_rows: usize,
-    /// Vectors of the basis, `[rank][n_rows]`.
+    /// Vectors of an orthonormal basis of the range, then of its complement, `[n_rows][n_rows]`.
     basis: Vec<f64>,
+    rank: usize,
     /// Columns of G, `[n_dofs][n_rows]`, as far as they are not in the range yet.
     columns: Vec<f64>,
     squares: Vec<f64>,
-    /// Memory for a product.
-    product: Vec<f64>,
 }
 
 /// Length of a column beside the others, over that of the longest, that is rounding.
@@ -27,9 +28,9 @@ impl Range {
         Range {
             n_rows,
             basis: Vec::with_capacity(n_rows * n_rows),
+            rank: 0,
             columns: vec![0.0; n_dofs * n_rows],
-            squares: vec![0.0; n_dofs],
-            product: Vec::new(),
+            squares: vec![0.0; n_dofs.max(n_rows)],
         }
     }
 
@@ -54,13 +55,12 @@ impl Range {
                 }
             });
         }
-        let square = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>();
+        let n_dofs = self.columns.len() / n;
         let mut longest = 0.0f64;
-        for _ in 0..n.min(self.squares.len()) {
-            let columns = self.columns.chunks_exact(n);
-            self.squares.iter_mut().zip(columns).for_each(|(own, column)| *own = square(column));
-            let next = (0..self.squares.len())
-                .fold(0, |best, at| if self.squares[at] > self.squares[best] { at } else { best });
+        let columns = self.columns.chunks_exact(n);
+        self.squares.iter_mut().zip(columns).for_each(|(own, column)| *own = dot(column, column));
+        for _ in 0..n.min(n_dofs) {
+            let next = largest(&self.squares[..n_dofs]);
             let length = self.squares[next].sqrt();
             longest = longest.max(length);
             if length <= LEAST_LENGTH * longest {
@@ -68,67 +68,89 @@ impl Range {
             }
             let begin = self.basis.len();
             self.basis.extend(self.columns[next * n..(next + 1) * n].iter().map(|x| x / length));
-            let (before, new) = self.basis.split_at_mut(begin);
             // Once more: a column that is nearly in the range has lost digits.
-            before.chunks_exact(n).for_each(|basis| take(basis, new));
-            let length = square(new).sqrt();
-            new.iter_mut().for_each(|x| *x /= length);
-            self.columns.chunks_exact_mut(n).for_each(|column| take(new, column));
+            self.orthogonalise(begin);
+            let new = &self.basis[begin..];
+            let columns = self.squares.iter_mut().zip(self.columns.chunks_exact_mut(n));
+            for (square, column) in columns.filter(|(square, _)| **square > 0.0) {
+                if take(new, column) {
+                    *square = dot(column, column);
+                }
+            }
+            self.squares[next] = 0.0;
         }
-        self.rank()
+        self.rank = self.basis.len() / n;
+        self.complete();
+        self.rank
     }
 
-    /// The rank of the constraints.
-    pub(crate) fn rank(&self) -> usize {
-        self.basis.len() / self.n_rows.max(1)
+    /// Adds the vectors of the complement: what is left of unit vectors, the longest first.
+    fn complete(&mut self) {
+        let n = self.n_rows;
+        let left = &mut self.squares[..n];
+        left.fill(1.0);
+        for basis in self.basis.chunks_exact(n) {
+            left.iter_mut().zip(basis).for_each(|(left, b)| *left -= b * b);
+        }
+        for _ in self.rank..n {
+            let next = largest(&self.squares[..n]);
+            let begin = self.basis.len();
+            self.basis.extend((0..n).map(|row| if row == next { 1.0 } else { 0.0 }));
+            self.orthogonalise(begin);
+            self.orthogonalise(begin);
+            let new = &self.basis[begin..];
+            self.squares.iter_mut().zip(new).for_each(|(left, b)| *left -= b * b);
+        }
     }
 
-    /// Whether some constraints follow from the others.
-    pub(crate) fn is_redundant(&self) -> bool {
-        self.rank() < self.n_rows
+    /// Makes the last vector, which begins at a place in the basis, one of length one that the others leave.
+    fn orthogonalise(&mut self, begin: usize) {
+        let (before, new) = self.basis.split_at_mut(begin);
+        before.chunks_exact(self.n_rows).for_each(|basis| {
+            take(basis, new);
+        });
+        let length = dot(new, new).sqrt();
+        new.iter_mut().for_each(|x| *x /= length);
+    }
+
+    /// Vectors of an orthonormal basis of the complement, each `[n_rows]`.
+    pub(crate) fn complement(&self) -> impl Iterator<Item = &[f64]> {
+        self.basis[self.rank * self.n_rows..].chunks_exact(self.n_rows.max(1))
+    }
+
+    /// Number of the constraints that follow from the others.
+    pub(crate) fn n_redundant(&self) -> usize {
+        self.n_rows - self.rank
     }
 
     /// Projects numbers of the constraints, `[n_rows]`, on the range.
-    pub(crate) fn project(&mut self, values: &mut [f64]) {
-        if !self.is_redundant() {
-            return;
-        }
-        self.product.clear();
-        self.product.resize(values.len(), 0.0);
-        for basis in self.basis.chunks_exact(self.n_rows) {
-            let part: f64 = basis.iter().zip(&*values).map(|(b, x)| b * x).sum();
-            self.product.iter_mut().zip(basis).for_each(|(sum, b)| *sum += part * b);
-        }
-        values.copy_from_slice(&self.product);
-    }
-
-    /// Projects each column of a table, `[n_rows][n_columns]`.
-    pub(crate) fn project_columns(&mut self, table: &mut [f64], n_columns: usize) {
-        self.product.clear();
-        self.product.resize(table.len() + n_columns, 0.0);
-        let (sums, part) = self.product.split_at_mut(table.len());
-        for basis in self.basis.chunks_exact(self.n_rows) {
-            part.fill(0.0);
-            for (b, row) in basis.iter().zip(table.chunks_exact(n_columns)) {
-                part.iter_mut().zip(row).for_each(|(sum, x)| *sum += b * x);
-            }
-            for (b, row) in basis.iter().zip(sums.chunks_exact_mut(n_columns)) {
-                row.iter_mut().zip(&*part).for_each(|(sum, x)| *sum += b * x);
-            }
-        }
-        table.copy_from_slice(sums);
-    }
-
-    /// The part of a constraint that is not in the range for another one, an entry of `1 - C C^T`.
-    pub(crate) fn complement(&self, row: usize, column: usize) -> f64 {
-        let basis = self.basis.chunks_exact(self.n_rows);
-        let inside: f64 = basis.map(|basis| basis[row] * basis[column]).sum();
-        if row == column { 1.0 - inside } else { -inside }
+    pub(crate) fn project(&self, values: &mut [f64]) {
+        self.complement().for_each(|z| {
+            take(z, values);
+        });
     }
 }
 
-/// Takes the part along a unit vector from another vector.
-fn take(unit: &[f64], vector: &mut [f64]) {
-    let part: f64 = unit.iter().zip(&*vector).map(|(u, x)| u * x).sum();
-    vector.iter_mut().zip(unit).for_each(|(x, u)| *x -= part * u);
+fn largest(values: &[f64]) -> usize {
+    (0..values.len()).fold(0, |best, at| if values[at] > values[best] { at } else { best })
+}
+
+/// Dot product, in lanes that vectorise.
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    let ((x, last_x), (y, last_y)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (x, y) in x.iter().zip(y) {
+        (0..8).for_each(|lane| sums[lane] += x[lane] * y[lane]);
+    }
+    let rest: f64 = last_x.iter().zip(last_y).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Takes the part along a unit vector from another vector. Returns whether there is one.
+fn take(unit: &[f64], vector: &mut [f64]) -> bool {
+    let part = dot(unit, vector);
+    if part != 0.0 {
+        vector.iter_mut().zip(unit).for_each(|(x, u)| *x -= part * u);
+    }
+    part != 0.0
 }

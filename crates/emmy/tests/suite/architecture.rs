@@ -124,6 +124,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
         "unknowns",
         &[
             "blocks",
+            "component",
             "affine",
             "constraint",
             "constraints",
@@ -173,6 +174,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "time_element",
             "equations",
             "rigid_step",
+            "best_fit",
             "linear",
             "stage_system",
             "prediction",

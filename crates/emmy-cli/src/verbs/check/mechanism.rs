@@ -78,7 +78,8 @@ impl Report {
                 listed += &format!(" and {} more", names.len() - MAX_NAMED);
             }
             let which = if names.len() == 1 { "the joint" } else { "the joints" };
-            self.line("", &format!("they are constraints of {which} {listed}"));
+            let they = if n == 1 { "it is a constraint" } else { "they are constraints" };
+            self.line("", &format!("{they} of {which} {listed}"));
         }
     }
 

@@ -1,11 +1,9 @@
 //! The tangent of a step, approximated by one stiffness.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::mode_solvers::{ElasticStiffness, ModeSolvers, Stiffness, separated};
-use super::strain_rates::StrainRateTransform;
+use super::turning::Turning;
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, ReusedDamping};
 use crate::error::Result;
@@ -14,7 +12,7 @@ use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
 use crate::sparse::{Solver, SolverChoice};
 use crate::tensor::Mat3;
-use crate::tensor::rotation::{IDENTITY, exp, product, transposed};
+use crate::tensor::rotation::{IDENTITY, exp, product};
 use crate::time::Memory;
 use crate::time::rigid_step::RigidStep;
 use crate::time::stage_coefficients::StageCoefficients;
@@ -37,14 +35,14 @@ pub(crate) struct ApproximateTangent {
     orientation: Mat3<f64>,
     /// Rotation vector of the step.
     rotation: [f64; 3],
-    /// Rotations from the middle of the step to its Gauss points, `[k]`.
-    stage_rotations: Vec<Mat3<f64>>,
-    /// Whether the body rotates under a rule with strain rates.
-    turns: bool,
-    strain_rates: StrainRateTransform,
+    /// The parts that turn: the components between joints, or the body.
+    turning: Vec<Turning>,
+    /// Whether there are joints.
+    has_joints: bool,
+    /// Memory for the spins of a part.
+    spins: Vec<[f64; 3]>,
+    /// Memory for stages.
     turned: Vec<f64>,
-    /// Degrees of freedom that turn. The mass of a rigid body has no orientation.
-    turning: Vec<Range<usize>>,
     /// The time s of the stage equations in the present solvers.
     time_scale_of_factors: Option<f64>,
     /// Factor on viscosities in K.
@@ -93,11 +91,10 @@ impl ApproximateTangent {
             rule,
             orientation: IDENTITY,
             rotation: [0.0; 3],
-            stage_rotations: vec![IDENTITY; nodes.len()],
-            turns: false,
-            strain_rates: StrainRateTransform::new(nodes.len(), n),
+            turning: Turning::all(nodes.len(), body),
+            has_joints: !body.mechanism.components.is_empty(),
+            spins: vec![[0.0; 3]; nodes.len()],
             turned: vec![0.0; n * nodes.len()],
-            turning: body.mechanism.dofs_of_others(n),
             time_scale_of_factors: None,
             displacement: vec![0.0; n],
             rates: vec![0.0; n],
@@ -122,7 +119,7 @@ impl ApproximateTangent {
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub(crate) fn refactorize(
         &mut self,
-        body: &Body,
+        (body, rule): (&Body, &Rule),
         displacement: &[f64],
         rates: &[f64],
         local: &[f64],
@@ -130,6 +127,9 @@ impl ApproximateTangent {
     ) -> Result<()> {
         self.time_scale_of_factors = None;
         self.orientation = IDENTITY;
+        if let ([part], false) = (&mut self.turning[..], self.has_joints) {
+            part.orient(rotations(rule, &self.rotation, &IDENTITY));
+        }
         self.set_midpoint(displacement, rates);
         set_means(local, &mut self.local);
         // With the size of w, viscosities have the same weight as in the stage equations.
@@ -140,7 +140,9 @@ impl ApproximateTangent {
             self.assemble(body)?;
         }
         self.sum_rows(body);
-        self.set(body, time_scale)
+        self.set(body, time_scale)?;
+        self.turn_parts((body, rule), displacement, rates);
+        Ok(())
     }
 
     /// Keeps the data that the next steps depend on. The stiffness itself follows from displacement and rates.
@@ -187,10 +189,11 @@ impl ApproximateTangent {
         }
     }
 
-    /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
-    /// that K stays accurate in any rotation. Returns whether `P^-1` changes.
+    /// Advances to the next step, in which a body without joints rotates by a rotation vector: `M + lambda K` rotates
+    /// with it, so that K stays accurate in any rotation. Returns whether `P^-1` changes.
     pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) -> bool {
-        if self.turning.is_empty() {
+        let [part] = &mut self.turning[..] else { return false };
+        if self.has_joints {
             return false;
         }
         let changes = [self.rotation, step.rotation] != [[0.0; 3]; 2];
@@ -198,14 +201,20 @@ impl ApproximateTangent {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
         }
         self.rotation = step.rotation;
-        for (stage, c) in self.stage_rotations.iter_mut().zip(rule.nodes()) {
-            *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
-        }
-        self.turns = rule.is_energy_momentum() && step.rotation != [0.0; 3];
-        if self.turns {
-            self.strain_rates.set_spins(rule, &step.spins);
-        }
+        part.orient(rotations(rule, &step.rotation, &self.orientation));
+        part.set_spins(rule, &step.spins);
         changes
+    }
+
+    /// Turns the parts of a body with joints with the rates of a step from a displacement. Returns whether `P^-1`
+    /// changes.
+    pub(crate) fn turn_parts(&mut self, body: (&Body, &Rule), displacement: &[f64], rates: &[f64]) -> bool {
+        if !self.has_joints || !self.is_factorised() {
+            return false;
+        }
+        let ApproximateTangent { turning, positions, spins, .. } = self;
+        turning.iter_mut().for_each(|part| part.fit(body, positions, (displacement, rates), spins));
+        !self.turning.is_empty()
     }
 
     /// The solver, once there is one.
@@ -313,8 +322,7 @@ impl ApproximateTangent {
             // Supports do not move under a change of local unknowns.
             body.space.clear_inactive(&mut self.turned);
         }
-        let iterations = self.solvers.solve(&self.turned, z, tolerance);
-        body.space.follow(z);
+        let iterations = self.solve_turned(body, z, tolerance);
         let damping = ReusedDamping {
             viscous_rate: self.viscous_rate,
             inverse_time: self.time_scale_of_factors.map_or(0.0, f64::recip),
@@ -322,6 +330,25 @@ impl ApproximateTangent {
         };
         body.add_reused_local_response(rule, &self.assembly, &damping, z, local);
         self.turn_forward(z);
+        iterations
+    }
+
+    /// Solves for stage forces in the orientation of K.
+    pub(crate) fn solve_unturned(
+        &mut self,
+        body: &Body,
+        r: &[f64],
+        z: &mut [f64],
+        tolerance: f64,
+    ) -> Option<usize> {
+        self.turned.copy_from_slice(r);
+        self.solve_turned(body, z, tolerance)
+    }
+
+    /// Solves for the forces in `turned`, without turning forward.
+    fn solve_turned(&mut self, body: &Body, z: &mut [f64], tolerance: f64) -> Option<usize> {
+        let iterations = self.solvers.solve(&self.turned, z, tolerance);
+        body.space.follow(z);
         if iterations.is_none() {
             self.solvers.fall_back(body.space.is_shared());
             self.time_scale_of_factors = None;
@@ -329,17 +356,36 @@ impl ApproximateTangent {
         iterations
     }
 
+    /// Turns a table of the displacements of some nodes under unit forces on them, `[k][nodes][3]` in both directions,
+    /// from the orientation of K to that of the step; `memory`: for as many numbers.
+    pub(crate) fn turn_table(&self, nodes: &[u32], table: &mut [f64], memory: &mut [f64]) {
+        let n = table.len().isqrt();
+        let of_node = |node: u32| self.turning.iter().find(|part| part.has(node));
+        let turning =
+            || nodes.iter().enumerate().filter_map(|(number, &node)| Some((number, of_node(node)?)));
+        for (number, part) in turning() {
+            table.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
+        }
+        transpose(table, memory);
+        for (number, part) in turning() {
+            memory.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
+            if part.is_spinning() && !self.solvers.is_of_mass() {
+                table.copy_from_slice(memory);
+                let rows = table.chunks_exact(n).zip(memory.chunks_exact_mut(n));
+                rows.for_each(|(old, row)| part.from_straining_node(number, old, row));
+            }
+        }
+        transpose(memory, table);
+    }
+
     /// Adds the stage forces of local unknowns in the present orientation, times the square of the time scale, with the
     /// forces of unit local unknowns in K.
     pub(crate) fn add_local_force(&mut self, (body, rule): (&Body, &Rule), local: &[f64], r: &mut [f64]) {
         let Some(s) = self.time_scale_of_factors.filter(|_| !local.is_empty()) else { return };
-        let n = self.row_sums.len();
         let mut force = std::mem::take(&mut self.local_force);
         force.fill(0.0);
         body.add_reused_local_force(rule, &self.assembly, s * s, local, &mut force);
-        for (stage, R) in force.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &self.turning, &product(R, &self.orientation));
-        }
+        self.turning.iter().for_each(|part| part.turn_forward(&mut force));
         r.iter_mut().zip(&force).for_each(|(r, force)| *r += force);
         self.local_force = force;
     }
@@ -354,22 +400,20 @@ impl ApproximateTangent {
 
     /// Sets `turned` to the stages, rotated back to the orientation of K.
     fn turn_back(&mut self, stages: &[f64]) {
-        let n = self.row_sums.len();
         self.turned.copy_from_slice(stages);
-        for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &self.turning, &transposed(&product(R, &self.orientation)));
-        }
+        self.turning.iter().for_each(|part| part.turn_back(&mut self.turned));
     }
 
     /// Turns stages forward from the orientation of K.
     fn turn_forward(&mut self, stages: &mut [f64]) {
-        let n = self.row_sums.len();
-        for (stage, R) in stages.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, &self.turning, &product(R, &self.orientation));
-        }
+        self.turning.iter().for_each(|part| part.turn_forward(stages));
         // Where the mass dominates, the change of basis would harm the mass terms more than it helps K.
-        if self.turns && !self.solvers.is_of_mass() {
-            self.strain_rates.apply_inverse(stages, &self.turning);
+        if self.solvers.is_of_mass() || !self.turning.iter().any(Turning::is_spinning) {
+            return;
+        }
+        self.turned.copy_from_slice(stages);
+        for part in self.turning.iter().filter(|part| part.is_spinning()) {
+            part.from_straining(&self.turned, stages);
         }
     }
 
@@ -436,19 +480,19 @@ fn set_means(local: &[f64], means: &mut [f64]) {
 /// Times s that differ by less are equal: the halves of an interval differ by rounding.
 const SAME_SCALE: f64 = 1e-9;
 
-/// Nodes of one task.
-const NODES: usize = 2048;
+/// Rotations from the configuration of K to the Gauss points of a step with a rotation vector, given that to its middle.
+fn rotations<'r>(
+    rule: &'r Rule,
+    rotation: &'r [f64; 3],
+    to_middle: &'r Mat3<f64>,
+) -> impl Iterator<Item = Mat3<f64>> + 'r {
+    rule.nodes().iter().map(move |c| product(&exp(&rotation.map(|w| (c - 0.5) * w)), to_middle))
+}
 
-/// Turns the vectors of nodes, `[n_nodes][3]`, in some ranges of degrees of freedom.
-fn rotate(vectors: &mut [f64], turning: &[Range<usize>], R: &Mat3<f64>) {
-    if *R == IDENTITY {
-        return;
-    }
-    for range in turning {
-        vectors[range.clone()].par_chunks_mut(3 * NODES).for_each(|vectors| {
-            for v in vectors.as_chunks_mut::<3>().0 {
-                *v = [0, 1, 2].map(|a| R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2]);
-            }
-        });
+/// Sets the transpose of a square table.
+fn transpose(table: &[f64], transposed: &mut [f64]) {
+    let n = table.len().isqrt();
+    for (i, row) in table.chunks_exact(n).enumerate() {
+        row.iter().enumerate().for_each(|(j, x)| transposed[j * n + i] = *x);
     }
 }

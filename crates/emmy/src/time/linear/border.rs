@@ -8,6 +8,9 @@
 //! z = P^-1 (-R),    x_B + F (Q x_B + G^T dLambda) = z_B,    J x_B = -C,    dx = z - P^-1 (Q x_B + G^T dLambda)
 //! ```
 //!
+//! Constraints outside the range of all, with the orthonormal basis Z, need not hold: `J x_B - Z nu = -C` with the
+//! unknowns nu, and `Z^T dLambda = 0`.
+//!
 //! Q takes off what carriers add to the mass in P, `m_ij S`.
 
 use crate::body::Body;
@@ -27,12 +30,17 @@ pub(crate) struct Border {
     entries: Vec<usize>,
     /// Whether each of them is held: forces of constraints do not move it.
     is_held: Vec<bool>,
-    /// F, `[n][n]`, once it is computed.
-    flexibility: Vec<f64>,
+    /// F in the orientation of K, `[n][n]`, once it is computed.
+    unturned: Vec<f64>,
     is_computed: bool,
+    /// F, once it is turned.
+    flexibility: Vec<f64>,
+    is_turned: bool,
     /// Mean mass of a node.
     mass_of_node: f64,
     derivatives: Derivatives,
+    /// Z of a stage, `[vector][constraint]`.
+    complement: Vec<f64>,
     /// Q, if there are carriers; without them it is that of the derivatives.
     beside: Vec<f64>,
     /// Memory for the dense system, its right side, and a right side and a solution of the body.
@@ -58,6 +66,52 @@ impl Border {
     /// Forgets F: the approximate inverse is another one.
     pub(crate) fn forget(&mut self) {
         self.is_computed = false;
+        self.is_turned = false;
+    }
+
+    /// The parts of the body turned: F turns with them.
+    pub(crate) fn turn(&mut self) {
+        self.is_turned = false;
+    }
+
+    /// Sets F. `solve` solves in the orientation of K for stage forces, `[k][n_nodes][3]`; `turn` turns a table of the
+    /// joint nodes, with memory for another.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub(crate) fn set_flexibility(
+        &mut self,
+        n_rates: usize,
+        mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
+        turn: impl FnOnce(&mut [f64], &mut [f64]),
+    ) -> Result<()> {
+        let n = self.entries.len();
+        if !self.is_computed {
+            // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
+            self.force.resize(n_rates, 0.0);
+            self.column.resize(n_rates, 0.0);
+            self.unturned.resize(n * n, 0.0);
+            for (column, &at) in self.entries.iter().enumerate() {
+                self.force.fill(0.0);
+                self.force[at] = 1.0;
+                self.column.fill(0.0);
+                if !self.is_held[column] {
+                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
+                }
+                self.entries.iter().enumerate().for_each(|(row, &at)| {
+                    self.unturned[row * n + column] = self.column[at];
+                });
+            }
+            self.is_computed = true;
+        }
+        if !self.is_turned {
+            self.flexibility.clear();
+            self.flexibility.extend_from_slice(&self.unturned);
+            self.matrix.resize(n * n, 0.0);
+            turn(&mut self.flexibility, &mut self.matrix);
+            self.is_turned = true;
+        }
+        Ok(())
     }
 
     /// Mean mass of a node, which weighs the residuals of the constraints.
@@ -69,11 +123,13 @@ impl Border {
     pub(crate) fn set(
         &mut self,
         body: &Body,
-        step: (&StepInput<'_>, &mut ConstraintStep),
+        step: (&StepInput<'_>, &ConstraintStep),
         multipliers: &[f64],
         mass: impl Fn(usize, usize) -> f64,
     ) {
         let k = step.0.rule.degree();
+        self.complement.clear();
+        self.complement.extend(step.1.range().complement().flatten());
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
         self.beside.clear();
         if body.mechanism.carriers.is_empty() {
@@ -107,11 +163,16 @@ impl Border {
         (y, rows): (&mut [f64], &mut [f64]),
     ) {
         let n = self.entries.len();
-        let tables = self.derivatives.rates.chunks_exact(n);
-        let tables = tables.zip(self.derivatives.rest.chunks_exact(multipliers.len()));
-        for (row, (rates, rest)) in rows.iter_mut().zip(tables) {
-            let own: f64 = rest.iter().zip(multipliers).map(|(entry, x)| entry * x).sum();
-            *row = rates.iter().zip(&self.entries).map(|(entry, &at)| entry * x[at]).sum::<f64>() + own;
+        for (row, rates) in rows.iter_mut().zip(self.derivatives.rates.chunks_exact(n)) {
+            *row = rates.iter().zip(&self.entries).map(|(entry, &at)| entry * x[at]).sum();
+        }
+        let of_stage = self.derivatives.n_constraints;
+        for (rows, multipliers) in rows.chunks_exact_mut(of_stage).zip(multipliers.chunks_exact(of_stage)) {
+            for z in self.complement.chunks_exact(of_stage) {
+                let outside: f64 =
+                    z.iter().zip(multipliers.iter().zip(&*rows)).map(|(z, (l, r))| z * (l - r)).sum();
+                rows.iter_mut().zip(z).for_each(|(row, z)| *row += outside * z);
+            }
         }
         let mut x_B = std::mem::take(&mut self.right);
         x_B.clear();
@@ -135,13 +196,13 @@ impl Border {
 
     /// Corrects a solution of the body alone, so that it obeys the constraints; on input `multipliers` are the negative
     /// residuals -C, on output the changes of the multipliers. `solve` applies `P^-1` to stages, `[k][n_nodes][3]`, to
-    /// a relative tolerance; its last call is for the forces of the constraints, and gives the number of iterations.
+    /// a relative tolerance: to the forces of the constraints. Returns its number of iterations.
     ///
     /// # Errors
     /// Those of `solve`; [`Error::Linear`] if the system is singular.
     pub(crate) fn solve(
         &mut self,
-        mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
+        solve: impl FnOnce(&[f64], &mut [f64], f64) -> Result<usize>,
         tolerance: f64,
         solution: &mut [f64],
         multipliers: &mut [f64],
@@ -149,31 +210,16 @@ impl Border {
         let (n, m) = (self.entries.len(), multipliers.len());
         self.force.resize(solution.len(), 0.0);
         self.column.resize(solution.len(), 0.0);
-        if !self.is_computed {
-            // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
-            self.flexibility.resize(n * n, 0.0);
-            for (column, &at) in self.entries.iter().enumerate() {
-                self.force.fill(0.0);
-                self.force[at] = 1.0;
-                self.column.fill(0.0);
-                if !self.is_held[column] {
-                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
-                }
-                self.entries.iter().enumerate().for_each(|(row, &at)| {
-                    self.flexibility[row * n + column] = self.column[at];
-                });
-            }
-            self.is_computed = true;
-        }
-        self.set_matrix(n, m);
+        let n_outside = self.set_matrix(n, m);
         self.right.clear();
         self.right.extend(self.entries.iter().map(|&at| solution[at]));
         self.right.extend_from_slice(multipliers);
+        self.right.resize(n + m + n_outside, 0.0);
         if !eliminate(&mut self.matrix, &mut self.right, 1) {
             let reason = "the constraints depend on each other, or hold what nothing moves".to_string();
             return Err(Error::Linear { reason });
         }
-        let (x_B, changes) = self.right.split_at(n);
+        let (x_B, changes) = self.right[..n + m].split_at(n);
         multipliers.copy_from_slice(changes);
         let mut force = std::mem::take(&mut self.force);
         force.fill(0.0);
@@ -185,16 +231,19 @@ impl Border {
         solved
     }
 
-    /// `[1 + F Q, F G^T; J, 1 - P]`
-    fn set_matrix(&mut self, n: usize, m: usize) {
-        let size = n + m;
-        self.matrix.clear();
-        self.matrix.resize(size * size, 0.0);
-        let Derivatives { rates, rest, multipliers, .. } = &self.derivatives;
+    /// Sets `[1 + F Q, F G^T, 0; J, 0, -Z; 0, Z^T, 0]`. Returns the number of vectors of Z in all stages.
+    fn set_matrix(&mut self, n: usize, m: usize) -> usize {
+        let of_stage = self.derivatives.n_constraints;
+        let vectors = self.complement.len() / of_stage;
+        let n_outside = vectors * m / of_stage;
+        let size = n + m + n_outside;
         let mut matrix = std::mem::take(&mut self.matrix);
+        matrix.clear();
+        matrix.resize(size * size, 0.0);
+        let Derivatives { rates, multipliers, .. } = &self.derivatives;
         let forces = self.forces();
         for (row, flexibility) in self.flexibility.chunks_exact(n).enumerate() {
-            let own = &mut matrix[row * size..(row + 1) * size];
+            let own = &mut matrix[row * size..row * size + n + m];
             own[row] = 1.0;
             // Rigid bodies move their own nodes alone.
             for (l, f) in flexibility.iter().enumerate().filter(|(_, f)| **f != 0.0) {
@@ -205,11 +254,18 @@ impl Border {
                 multipliers.for_each(|(sum, entry)| *sum += f * entry);
             }
         }
-        let rows = matrix[n * size..].chunks_exact_mut(size);
-        for ((row, rates), rest) in rows.zip(rates.chunks_exact(n)).zip(rest.chunks_exact(m)) {
+        for (row, rates) in matrix[n * size..].chunks_exact_mut(size).zip(rates.chunks_exact(n)) {
             row[..n].copy_from_slice(rates);
-            row[n..].copy_from_slice(rest);
+        }
+        for (vector, z) in (0..n_outside).map(|at| (at, at % vectors)) {
+            let (stage, outside) = (vector / vectors, n + m + vector);
+            for (c, z) in self.complement[z * of_stage..(z + 1) * of_stage].iter().enumerate() {
+                let multiplier = n + stage * of_stage + c;
+                matrix[multiplier * size + outside] = -z;
+                matrix[outside * size + multiplier] = *z;
+            }
         }
         self.matrix = matrix;
+        n_outside
     }
 }

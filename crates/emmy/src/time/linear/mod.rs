@@ -7,6 +7,7 @@ mod linearised;
 mod mode_solvers;
 mod solver_choice;
 mod strain_rates;
+mod turning;
 
 #[cfg(test)]
 mod multigrid_tests;

@@ -497,7 +497,7 @@ const MOST_IN_SINGLE_PRECISION: f64 = 1e5;
 /// Stiffness number below which the mass dominates. On the L-block at r = 4, with h = 0.02 to 0.5 and degrees 1 to 3,
 /// the basis of the rates that strain a body costs up to a half below 20, nothing at 50, and saves a half and more from
 /// 170 on, where a step turns by 0.2 rad.
-const LEAST_OF_STIFFNESS: f64 = 100.0;
+const LEAST_OF_STIFFNESS: f64 = 30.0;
 
 /// Smallest part of M + s^2 K beside projected volumes for conjugate gradients without a factorisation.
 const MIN_SOFT_FRACTION: f64 = 1.0 / 30.0;

@@ -25,19 +25,13 @@ pub(super) struct StrainRateTransform {
     degree: usize,
     matrix: Vec<f64>,
     inverse: Vec<f64>,
-    old: Vec<f64>,
 }
 
 impl StrainRateTransform {
-    /// Memory for a degree and a number of degrees of freedom.
-    pub(super) fn new(degree: usize, n_dofs: usize) -> Self {
+    /// Memory for a degree.
+    pub(super) fn new(degree: usize) -> Self {
         let n = 3 * degree;
-        StrainRateTransform {
-            degree,
-            matrix: vec![0.0; n * n],
-            inverse: vec![0.0; n * n],
-            old: vec![0.0; degree * n_dofs],
-        }
+        StrainRateTransform { degree, matrix: vec![0.0; n * n], inverse: vec![0.0; n * n] }
     }
 
     /// Sets the matrix for the spins of a step; the identity if it is singular.
@@ -62,16 +56,15 @@ impl StrainRateTransform {
         }
     }
 
-    /// `x = C^-1 x` at the nodes of some degrees of freedom; x: `[k][n_nodes][3]`.
-    pub(super) fn apply_inverse(&mut self, x: &mut [f64], turning: &[Range<usize>]) {
+    /// `x = C^-1 x` at the nodes of some degrees of freedom; x: `[k][n_nodes][3]`, `old`: its copy.
+    pub(super) fn apply_inverse(&self, old: &[f64], x: &mut [f64], turning: &[Range<usize>]) {
         let k = self.degree;
         let n = x.len() / self.degree;
-        self.old.copy_from_slice(x);
         for i in 0..k {
             for node in turning.iter().flat_map(|range| range.start / 3..range.end / 3) {
                 for d in 0..3 {
                     let row = &self.inverse[(3 * i + d) * 3 * k..][..3 * k];
-                    let old = |column: usize| self.old[column / 3 * n + nodal::dof(node, column % 3)];
+                    let old = |column: usize| old[column / 3 * n + nodal::dof(node, column % 3)];
                     x[i * n + nodal::dof(node, d)] = (0..3 * k).map(|column| row[column] * old(column)).sum();
                 }
             }

@@ -1,6 +1,7 @@
 //! Balances of the momenta by a rigid motion, and the work of what an iteration leaves.
 
 use super::Prediction;
+use super::component::ComponentMotion;
 use crate::body::Body;
 use crate::error::Result;
 use crate::nodal;
@@ -53,7 +54,7 @@ impl Prediction {
     /// Removes the rigid motion with the present sums and moments of the stages from rates.
     fn remove_resultants(&mut self, stage: &StageCoefficients, turns: [bool; 3], rates: &mut [f64]) {
         let k = self.changes.len();
-        self.rigid.balance(&self.moment, turns, &mut self.changes);
+        self.motions[0].rigid.balance(&self.moment, turns, &mut self.changes);
         for (j, rates) in rates.chunks_exact_mut(self.arm.len()).enumerate() {
             let shift = [0, 1, 2].map(|d| {
                 let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * self.sums[i][d]).sum();
@@ -100,6 +101,8 @@ impl Prediction {
         let space = &equations.body.space;
         let rule = &equations.coefficients.rule;
         let (n, k) = (self.arm.len(), self.moment.len());
+        // With joints no iteration ends here.
+        let ComponentMotion { rigid, translation, .. } = &self.motions[0];
         // Incompatible modes are not points of the body.
         let n_moving = equations.body.mesh().n_nodes();
         let mut work = 0.0;
@@ -110,11 +113,11 @@ impl Prediction {
                 let mut rate = [0, 1, 2].map(|d| x[i * n + at + d]);
                 if node < n_moving {
                     let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
-                    for (j, (a, shift)) in a.iter().zip(&self.translation).enumerate() {
+                    for (j, (a, shift)) in a.iter().zip(translation).enumerate() {
                         (0..3).for_each(|d| q[d] += a * (x[j * n + at + d] - shift[d]));
                     }
-                    let turned = cross(self.rigid.spins[i], q);
-                    (0..3).for_each(|d| rate[d] -= self.translation[i][d] + turned[d]);
+                    let turned = cross(rigid.spins[i], q);
+                    (0..3).for_each(|d| rate[d] -= translation[i][d] + turned[d]);
                 }
                 work += b * (0..3).map(|d| forces[at + d] * rate[d]).sum::<f64>();
             }

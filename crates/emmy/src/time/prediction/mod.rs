@@ -2,9 +2,11 @@
 //! rigid motion.
 
 mod balance;
+mod component;
 #[cfg(test)]
 mod tests;
 
+use self::component::ComponentMotion;
 use super::equations::Equations;
 use super::rigid_step::{self, RigidStep};
 use super::stage_coefficients::StageCoefficients;
@@ -37,11 +39,15 @@ pub(super) enum Carry {
 /// momenta and loads; neither needs the internal force. `z_l` is the deviation of the last step's rates from its rigid
 /// motion, in the frame of the body, which rotates by `Q(alpha) = exp(alpha w)`; e are the coefficients of a [`Carry`].
 /// If the supports permit no rigid motion, the last polynomial is continued.
+///
+/// Between joints, whose forces are unknown, each component has a rigid motion of its own: its translation and spins of
+/// the last step are continued as polynomials.
 #[derive(Debug)]
 pub(super) struct Prediction {
-    rigid: RigidStep,
-    /// Translation rates X_j.
-    translation: Vec<[f64; 3]>,
+    /// Rigid motions of the components; without joints the body is one.
+    motions: Vec<ComponentMotion>,
+    /// Whether there are joints.
+    has_joints: bool,
     /// Axes that supports leave free, for translations and rotations.
     free: Free,
     /// Mass of the body; 0 if it has no rigid motion.
@@ -81,10 +87,11 @@ impl Free {
 }
 
 impl Prediction {
-    pub(super) fn new(k: usize, n: usize) -> Self {
+    pub(super) fn new(k: usize, body: &Body) -> Self {
+        let n = body.n_dofs();
         Prediction {
-            rigid: RigidStep::new(k),
-            translation: vec![[0.0; 3]; k],
+            motions: ComponentMotion::all(k, body),
+            has_joints: !body.mechanism.components.is_empty(),
             free: Free::default(),
             mass: 0.0,
             arm: vec![0.0; n],
@@ -113,6 +120,10 @@ impl Prediction {
     pub(super) fn save(&self, memory: &mut Memory) {
         memory.save_nodal("prediction.deviation", &self.deviation);
         memory.save_option("prediction.last_size", self.last_size);
+        if self.has_joints {
+            let last: Vec<f64> = self.motions.iter().flat_map(ComponentMotion::last).collect();
+            memory.save("prediction.components", &last);
+        }
     }
 
     /// Restores the data of [`Prediction::save`].
@@ -122,6 +133,13 @@ impl Prediction {
     pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("prediction.deviation", &mut self.deviation)?;
         self.last_size = memory.option("prediction.last_size")?;
+        if self.has_joints {
+            let k = self.moment.len();
+            let mut last = vec![0.0; 6 * k * self.motions.len()];
+            memory.fill("prediction.components", &mut last)?;
+            let of_each = last.chunks_exact(6 * k);
+            self.motions.iter_mut().zip(of_each).for_each(|(motion, last)| motion.restore(last));
+        }
         Ok(())
     }
 
@@ -133,13 +151,15 @@ impl Prediction {
         self.free = Free::of(body);
         let mass = body.total_mass();
         self.mass = 0.0;
-        self.translation.fill([0.0; 3]);
-        self.rigid.set_rest();
+        self.motions.iter_mut().for_each(ComponentMotion::set_rest);
         let is_first = self.is_first();
         if is_first {
             self.deviation
                 .chunks_exact_mut(state.velocity.len())
                 .for_each(|z| z.copy_from_slice(&state.velocity));
+        }
+        if self.has_joints {
+            return self.start_components(body, &equations.displacement, &state.velocity);
         }
         let Free { shifts, turns } = self.free;
         if mass <= 0.0 || shifts == [false; 3] {
@@ -148,14 +168,15 @@ impl Prediction {
         self.mass = mass;
         self.set_arm(body, &equations.displacement, mass);
         self.set_known(equations);
-        for (j, rate) in self.translation.iter_mut().enumerate() {
+        let Prediction { motions, sums, .. } = self;
+        for (j, rate) in motions[0].translation.iter_mut().enumerate() {
             for d in (0..3).filter(|d| shifts[*d]) {
-                let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * self.sums[i][d]).sum();
+                let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * sums[i][d]).sum();
                 rate[d] = total / mass;
             }
         }
         let inertia = self.tensor(body, &self.weighted_arm);
-        self.rigid.solve(stage, &inertia, &self.moments, turns);
+        self.motions[0].rigid.solve(stage, &inertia, &self.moments, turns);
         if is_first {
             let linear = body.space.sum(&state.momentum).map(|p| p / mass);
             let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
@@ -231,9 +252,22 @@ impl Prediction {
             .sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
     }
 
-    /// The rotation of the rigid motion.
+    /// Sets the arms of the components, and before the first step their rigid motions and deviations to those of the
+    /// velocity.
+    fn start_components(&mut self, body: &Body, displacement: &[f64], velocity: &[f64]) {
+        let (n, is_first) = (self.arm.len(), self.is_first());
+        for motion in &mut self.motions {
+            motion.set_arm(body, displacement, &mut self.arm);
+            if is_first {
+                motion.fit_velocity(&self.arm, velocity);
+                self.deviation.chunks_exact_mut(n).for_each(|z| motion.take_velocity(&self.arm, z));
+            }
+        }
+    }
+
+    /// The rotation of the rigid motion of a body without joints.
     pub(super) fn rotation(&self) -> &RigidStep {
-        &self.rigid
+        &self.motions[0].rigid
     }
 
     /// Predicts the rates of the step that was started.
@@ -246,25 +280,35 @@ impl Prediction {
     ) {
         let k = stage.rule.degree();
         let n = self.arm.len();
+        if self.has_joints {
+            match self.last_size {
+                Some(last_size) => self.set_continuation(Carry::Continued, stage, step_size / last_size),
+                None => self.set_continuation(Carry::Repeated, stage, step_size),
+            }
+            self.motions.iter_mut().for_each(|motion| motion.continue_last(stage, &self.continuation));
+        }
         match self.last_size {
             Some(last_size) => self.set_continuation(carry, stage, step_size / last_size),
             // The deviation is a velocity, equal in all stages.
             None if carry == Carry::Nothing => self.set_continuation(carry, stage, 0.0),
             None => self.set_continuation(Carry::Repeated, stage, step_size),
         }
-        for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
-            let turn = exp(&self.rigid.rotation.map(|w| stage.rule.nodes()[i] * w));
-            let move_on = self.translation[i];
-            let D = &self.rigid.rates[i];
-            let nodes = rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)).enumerate();
-            for (node, (x, y)) in nodes {
-                let mut carried = [0.0; 3];
-                for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
-                    (0..3).for_each(|d| carried[d] += e * z[nodal::dof(node, d)]);
+        for motion in &self.motions {
+            for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
+                let turn = exp(&motion.rigid.rotation.map(|w| stage.rule.nodes()[i] * w));
+                let move_on = motion.translation[i];
+                let D = &motion.rigid.rates[i];
+                for node in motion.nodes() {
+                    let at = nodal::dof(node, 0);
+                    let (x, y) = (&mut rates[at..at + 3], &self.arm[at..at + 3]);
+                    let mut carried = [0.0; 3];
+                    for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
+                        (0..3).for_each(|d| carried[d] += e * z[at + d]);
+                    }
+                    let rigid = image(D, y);
+                    let carried = image(&turn, &carried);
+                    (0..3).for_each(|d| x[d] = move_on[d] + rigid[d] + carried[d]);
                 }
-                let rigid = image(D, y);
-                let carried = image(&turn, &carried);
-                (0..3).for_each(|d| x[d] = move_on[d] + rigid[d] + carried[d]);
             }
         }
     }
@@ -284,16 +328,21 @@ impl Prediction {
     /// Keeps the deviation of the rates of the present step from its rigid motion.
     pub(super) fn remember(&mut self, stage: &StageCoefficients, rates: &[f64], step_size: f64) {
         let n = self.arm.len();
-        let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
-        for (i, (rates, deviation)) in stages {
-            let turn = exp(&self.rigid.rotation.map(|w| (1.0 - stage.rule.nodes()[i]) * w));
-            let move_on = self.translation[i];
-            let D = &self.rigid.rates[i];
-            let nodes = rates.chunks_exact(3).zip(self.arm.chunks_exact(3));
-            for (z, (x, y)) in deviation.chunks_exact_mut(3).zip(nodes) {
-                let rigid = image(D, y);
-                let difference = [0, 1, 2].map(|d| x[d] - move_on[d] - rigid[d]);
-                z.copy_from_slice(&image(&turn, &difference));
+        for motion in &mut self.motions {
+            if self.has_joints {
+                motion.fit(stage, &self.arm, rates);
+            }
+            let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
+            for (i, (rates, deviation)) in stages {
+                let turn = exp(&motion.rigid.rotation.map(|w| (1.0 - stage.rule.nodes()[i]) * w));
+                let move_on = motion.translation[i];
+                let D = &motion.rigid.rates[i];
+                for node in motion.nodes() {
+                    let at = nodal::dof(node, 0);
+                    let rigid = image(D, &self.arm[at..at + 3]);
+                    let difference = [0, 1, 2].map(|d| rates[at + d] - move_on[d] - rigid[d]);
+                    deviation[at..at + 3].copy_from_slice(&image(&turn, &difference));
+                }
             }
         }
         self.last_size = Some(step_size);

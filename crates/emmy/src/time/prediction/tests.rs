@@ -40,7 +40,7 @@ fn spinning(body: &Body, angular_velocity: [f64; 3]) -> State {
 /// The rotation of the whole step, `I + sum_j b_j D_j`.
 fn whole_turn(prediction: &Prediction, system: &Equations<'_>) -> Mat3<f64> {
     let mut end = IDENTITY;
-    for (D, b) in prediction.rigid.rates.iter().zip(system.coefficients.rule.weights()) {
+    for (D, b) in prediction.motions[0].rigid.rates.iter().zip(system.coefficients.rule.weights()) {
         (0..3).for_each(|i| (0..3).for_each(|j| end[i][j] += b * D[i][j]));
     }
     end
@@ -58,19 +58,19 @@ fn a_step_turns_the_body_by_an_orthogonal_tensor_without_strain_rates() {
     let state = spinning(&body, [0.7, -1.1, 0.9]);
     for k in 1..=4 {
         let mut system = system(&body, k);
-        let mut prediction = Prediction::new(k, body.n_dofs());
+        let mut prediction = Prediction::new(k, &body);
         start(&mut system, &mut prediction, &state, 0.4);
         let end = whole_turn(&prediction, &system);
         assert_close(&product_transposed(&end, &end), &IDENTITY, 1e-14);
-        assert_close(&exp(&prediction.rigid.rotation), &end, 1e-14);
+        assert_close(&exp(&prediction.motions[0].rigid.rotation), &end, 1e-14);
         for i in 0..k {
             let mut place = IDENTITY;
-            for (j, D) in prediction.rigid.rates.iter().enumerate() {
+            for (j, D) in prediction.motions[0].rigid.rates.iter().enumerate() {
                 let a = system.coefficients.rule.coefficients()[i * k + j];
                 (0..9).for_each(|at| place[at / 3][at % 3] += a * D[at / 3][at % 3]);
             }
             let transposed = [0, 1, 2].map(|r| [0, 1, 2].map(|c| place[c][r]));
-            let rate = product(&transposed, &prediction.rigid.rates[i]);
+            let rate = product(&transposed, &prediction.motions[0].rigid.rates[i]);
             (0..9).for_each(|at| assert!((rate[at / 3][at % 3] + rate[at % 3][at / 3]).abs() < 1e-14));
         }
     }
@@ -84,10 +84,10 @@ fn a_spin_about_a_principal_axis_has_the_angle_of_the_time_element() {
     let state = spinning(&body, [0.0, 0.0, 1.3]);
     for k in 1..=3 {
         let mut system = system(&body, k);
-        let mut prediction = Prediction::new(k, body.n_dofs());
+        let mut prediction = Prediction::new(k, &body);
         let errors = [0.8, 0.4].map(|h| {
             start(&mut system, &mut prediction, &state, h);
-            let [x, y, angle] = prediction.rigid.rotation;
+            let [x, y, angle] = prediction.motions[0].rigid.rotation;
             assert!(x.abs() < 1e-14 && y.abs() < 1e-14);
             if k == 1 {
                 assert!((angle - 2.0 * (0.5 * 1.3 * h).atan()).abs() < 1e-14);
@@ -107,14 +107,14 @@ fn a_steady_rotation_is_predicted_to_rounding() {
     for k in 1..=3 {
         let mut system = system(&body, k);
         let n = body.n_dofs();
-        let mut prediction = Prediction::new(k, n);
+        let mut prediction = Prediction::new(k, &body);
         start(&mut system, &mut prediction, &state, 0.3);
         let mut rates = vec![0.0; k * n];
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
         // At first only the rigid motion: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
             let move_on = prediction.translation[i];
-            let D = prediction.rigid.rates[i];
+            let D = prediction.motions[0].rigid.rates[i];
             for (x, y) in rates.chunks_exact(3).zip(prediction.arm.chunks_exact(3)) {
                 let rigid = image(&D, y);
                 (0..3).for_each(|d| assert!((x[d] - move_on[d] - rigid[d]).abs() < 1e-13, "k = {k}"));
@@ -123,7 +123,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
         rates.iter_mut().enumerate().for_each(|(at, x)| *x = 0.5 * (1.3 * at as f64).sin());
         prediction.remember(&system.coefficients, &rates, 0.3);
 
-        let turn = exp(&prediction.rigid.rotation);
+        let turn = exp(&prediction.motions[0].rigid.rotation);
         let mut next = spinning(&body, [0.0; 3]);
         let nodes = body.mesh().points().iter().zip(next.displacement.chunks_exact_mut(3));
         for (X, u) in nodes {
@@ -150,7 +150,7 @@ fn a_translation_is_predicted_at_any_step_size() {
     for k in 1..=3 {
         let mut system = system(&body, k);
         let n = body.n_dofs();
-        let mut prediction = Prediction::new(k, n);
+        let mut prediction = Prediction::new(k, &body);
         start(&mut system, &mut prediction, &state, 0.3);
         let at_speed = |h: f64| state.velocity.iter().cycle().take(k * n).map(move |v| h * v);
         prediction.remember(&system.coefficients, &at_speed(0.3).collect::<Vec<f64>>(), 0.3);
@@ -173,9 +173,9 @@ fn lines_planes_and_supports_are_no_special_cases() {
     for k in 1..=3 {
         let mut system = system(&plane, k);
         let n = plane.n_dofs();
-        let mut prediction = Prediction::new(k, n);
+        let mut prediction = Prediction::new(k, &body);
         start(&mut system, &mut prediction, &state, 0.4);
-        let [x, y, angle] = prediction.rigid.rotation;
+        let [x, y, angle] = prediction.motions[0].rigid.rotation;
         assert!(x == 0.0 && y == 0.0 && (angle - 1.3 * 0.4).abs() < 0.02);
         assert!(prediction.translation.iter().all(|rate| rate[2] == 0.0));
     }
@@ -205,9 +205,9 @@ fn lines_planes_and_supports_are_no_special_cases() {
         .build()
         .unwrap();
     let mut system = system(&held, 1);
-    let mut prediction = Prediction::new(1, held.n_dofs());
+    let mut prediction = Prediction::new(1, &held);
     start(&mut system, &mut prediction, &spinning(&held, [0.7, -1.1, 0.9]), 0.4);
-    assert!(prediction.rigid.rotation == [0.0; 3] && prediction.translation == [[0.0; 3]]);
+    assert!(prediction.motions[0].rigid.rotation == [0.0; 3] && prediction.translation == [[0.0; 3]]);
 }
 
 /// A solution with a superposed rigid motion has resultants and moments; they are removed, also in a loaded body.
@@ -218,7 +218,7 @@ fn resultants_and_moments_are_balanced_to_rounding() {
     for k in 1..=3 {
         let mut system = system(&body, k);
         let n = body.n_dofs();
-        let mut prediction = Prediction::new(k, n);
+        let mut prediction = Prediction::new(k, &body);
         start(&mut system, &mut prediction, &state, 0.3);
         let (mut rates, mut residual) = (vec![0.0; k * n], vec![0.0; k * n]);
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);

@@ -30,6 +30,8 @@ pub(super) struct StageSystem<'a> {
     floor: f64,
     /// How far the iteration goes beyond its tolerance.
     pub ending: Ending,
+    /// Corrections since the iteration began.
+    n_corrections: usize,
 }
 
 impl<'a> StageSystem<'a> {
@@ -50,6 +52,7 @@ impl<'a> StageSystem<'a> {
             condensed: vec![0.0; if blocks.local > 0 { blocks.rates } else { 0 }],
             floor: 0.0,
             ending: Ending::Rounding,
+            n_corrections: 0,
             equations,
         })
     }
@@ -69,12 +72,27 @@ impl<'a> StageSystem<'a> {
         )
     }
 
-    /// Rotates the approximate tangent with the body in the present step.
+    /// Rotates the approximate tangent with a body without joints in the present step.
     pub(super) fn turn(&mut self, rotation: &RigidStep) {
-        let turned = self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule);
+        if self.approximate_tangent.turn(rotation, &self.equations.coefficients.rule) {
+            self.border.turn();
+        }
         // F contains the force of a dissipative scheme, which differs from step to step.
-        if turned || !self.equations.scheme_force.is_zero() {
+        if !self.equations.scheme_force.is_zero() {
             self.border.forget();
+        }
+    }
+
+    /// Begins an iteration from some rates: turns the approximate tangent with the parts of a body with joints.
+    pub(super) fn begin_iteration(&mut self, rates: &[f64]) {
+        self.n_corrections = 0;
+        self.turn_parts(rates);
+    }
+
+    fn turn_parts(&mut self, rates: &[f64]) {
+        let Equations { body, coefficients, displacement, .. } = &self.equations;
+        if self.approximate_tangent.turn_parts((body, &coefficients.rule), displacement, rates) {
+            self.border.turn();
         }
     }
 

@@ -1,5 +1,7 @@
 //! The stage equations as a system for Newton's iteration.
 
+use std::cell::RefCell;
+
 use super::StageSystem;
 use crate::error::{Error, Result};
 use crate::newton::{Ending, ROUND_OFF, Sizes, System, Tangent};
@@ -20,8 +22,37 @@ impl StageSystem<'_> {
     fn refactorize(&mut self, unknowns: &[f64]) -> Result<()> {
         let [x, _, local] = self.equations.blocks.split(unknowns);
         self.border.forget();
-        let Equations { body, displacement, time_scale, .. } = &self.equations;
-        self.approximate_tangent.refactorize(body, displacement, x, local, *time_scale)
+        let Equations { body, coefficients, displacement, time_scale, .. } = &self.equations;
+        let rule = &coefficients.rule;
+        self.approximate_tangent.refactorize((body, rule), displacement, x, local, *time_scale)
+    }
+
+    /// Sets the flexibility of the joint nodes.
+    fn set_flexibility(&mut self) -> Result<()> {
+        let StageSystem { equations, approximate_tangent, border, local_of_border, .. } = self;
+        let Equations { body, coefficients, scheme_force, force, blocks, .. } = equations;
+        if body.constraints().is_empty() {
+            return Ok(());
+        }
+        let is_unturned = scheme_force.is_zero();
+        let (nodes, tangent) = (body.constraints().nodes(), RefCell::new(approximate_tangent));
+        let solve = |right: &[f64], dx: &mut [f64], tolerance: f64| {
+            let mut tangent = tangent.borrow_mut();
+            let iterations = if is_unturned {
+                tangent.solve_unturned(body, right, dx, tolerance)
+            } else {
+                force.copy_from_slice(right);
+                scheme_force.correct(body, force);
+                local_of_border.fill(0.0);
+                tangent.solve((body, &coefficients.rule), force, (dx, local_of_border), tolerance)
+            };
+            iterations.ok_or_else(|| missed(tolerance))
+        };
+        border.set_flexibility(blocks.rates, solve, |table, memory| {
+            if is_unturned {
+                tangent.borrow().turn_table(nodes, table, memory);
+            }
+        })
     }
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
@@ -35,9 +66,7 @@ impl StageSystem<'_> {
             force.copy_from_slice(right);
             scheme_force.correct(body, force);
             let iterations = approximate_tangent.solve((body, rule), force, (dx, local), tolerance);
-            iterations.ok_or_else(|| Error::Linear {
-                reason: format!("conjugate gradients did not reach {tolerance:e}"),
-            })
+            iterations.ok_or_else(|| missed(tolerance))
         };
         let iterations = solve(&negative[..blocks.rates], dx, local, tolerance)?;
         if multipliers.is_empty() {
@@ -139,6 +168,10 @@ impl StageSystem<'_> {
     }
 }
 
+fn missed(tolerance: f64) -> Error {
+    Error::Linear { reason: format!("conjugate gradients did not reach {tolerance:e}") }
+}
+
 impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let [inertia, internal, external] = self.equations.full_residual(x, residual)?;
@@ -175,7 +208,13 @@ impl System for StageSystem<'_> {
         if self.approximate_tangent.rescale(self.equations.body, self.equations.time_scale)? {
             self.border.forget();
         }
+        // The first correction is the largest: it may turn parts whose motion joints decide.
+        if self.n_corrections == 1 {
+            self.turn_parts(&x[..n_rates]);
+        }
+        self.n_corrections += 1;
         self.set_floor(x);
+        self.set_flexibility()?;
         let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {

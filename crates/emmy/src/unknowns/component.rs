@@ -1,0 +1,114 @@
+//! The components of a body between its joints.
+
+use std::ops::Range;
+
+use crate::tensor::Mat3;
+
+/// Nodes that cells, ties or a rigid body connect. Joints do not: a component moves nearly like a rigid body, whatever
+/// the others do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Component {
+    /// Its nodes in ascending ranges.
+    ranges: Vec<Range<usize>>,
+}
+
+impl Component {
+    /// The components of n nodes, given lists of nodes that are connected, in the order of their first nodes.
+    pub(crate) fn all<'l>(n: usize, connected: impl Iterator<Item = &'l [u32]>) -> Vec<Component> {
+        let mut parents: Vec<usize> = (0..n).collect();
+        for list in connected {
+            for pair in list.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|node| root(&mut parents, node as usize));
+                parents[a.max(b)] = a.min(b);
+            }
+        }
+        let mut components: Vec<Component> = Vec::new();
+        let mut number = vec![usize::MAX; n];
+        for node in 0..n {
+            let root = root(&mut parents, node);
+            if number[root] == usize::MAX {
+                number[root] = components.len();
+                components.push(Component { ranges: Vec::new() });
+            }
+            extend(&mut components[number[root]].ranges, node);
+        }
+        components
+    }
+
+    /// A component of all of n nodes.
+    pub(crate) fn whole(n: usize) -> Component {
+        Component { ranges: vec![0..n] }
+    }
+
+    /// The same with some of its nodes.
+    pub(crate) fn retained(&self, retains: impl Fn(usize) -> bool) -> Component {
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        for node in self.nodes().filter(|&node| retains(node)) {
+            extend(&mut ranges, node);
+        }
+        Component { ranges }
+    }
+
+    /// Its nodes, ascending.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.ranges.iter().cloned().flatten()
+    }
+
+    /// Ranges of its degrees of freedom.
+    pub(crate) fn dofs(&self) -> Vec<Range<usize>> {
+        self.ranges.iter().map(|range| 3 * range.start..3 * range.end).collect()
+    }
+
+    /// Mean of a vector over its nodes.
+    pub(crate) fn mean(&self, vector: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for node in self.nodes() {
+            let own = vector(node);
+            (0..3).for_each(|d| sum[d] += own[d]);
+        }
+        let n: usize = self.ranges.iter().map(Range::len).sum();
+        sum.map(|sum| sum / n as f64)
+    }
+
+    /// Sum of the products `a b^T` of two vectors over its nodes.
+    pub(crate) fn products(&self, vectors: impl Fn(usize) -> [[f64; 3]; 2]) -> Mat3<f64> {
+        let mut sum = [[0.0; 3]; 3];
+        for node in self.nodes() {
+            let [a, b] = vectors(node);
+            (0..3).for_each(|d| (0..3).for_each(|e| sum[d][e] += a[d] * b[e]));
+        }
+        sum
+    }
+}
+
+/// Adds a node after those of some ranges.
+fn extend(ranges: &mut Vec<Range<usize>>, node: usize) {
+    match ranges.last_mut() {
+        Some(last) if last.end == node => last.end += 1,
+        _ => ranges.push(node..node + 1),
+    }
+}
+
+/// The representative of a node, with shorter ways to it for the next time.
+fn root(parents: &mut [usize], mut node: usize) -> usize {
+    while parents[node] != node {
+        parents[node] = parents[parents[node]];
+        node = parents[node];
+    }
+    node
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_are_connected_nodes() {
+        let lists: [&[u32]; 4] = [&[3, 4], &[0, 2], &[5, 6], &[6, 3]];
+        let components = Component::all(8, lists.into_iter());
+        let ranges: Vec<&[Range<usize>]> = components.iter().map(|component| &component.ranges[..]).collect();
+        assert_eq!(ranges, [&[0..1, 2..3][..], &[1..2], &[3..7], &[7..8]]);
+        let last = components[2].mean(|node| [node as f64, 0.0, 1.0]);
+        assert_eq!(last, [4.5, 0.0, 1.0]);
+    }
+}
