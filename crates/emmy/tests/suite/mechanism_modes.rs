@@ -260,8 +260,7 @@ fn beam(cells: [usize; 3]) -> Mesh {
 fn a_rigid_face_on_a_fixed_joint_is_a_support() {
     for (cells, count) in [([2, 1, 1], 12), ([8, 2, 2], 8)] {
         for formulation in [None, Some(Formulation::IncompatibleModes)] {
-            let region =
-                || formulation.iter().fold(steel(), |region, own| region.with_formulation(own.clone()));
+            let region = || formulation.iter().fold(steel(), |region, own| region.with_formulation(*own));
             let face = Joint::new("wall", JointKind::Fixed, [rigid("plate"), JointEnd::Ground], [0.0; 3]);
             let joined =
                 Body::builder(beam(cells)).region(region()).rigid(RigidBody::group("plate", "x-min"));
