@@ -46,6 +46,9 @@ impl Held {
     }
 }
 
+/// Receives the entries of a gradient: degree of freedom and number.
+type Visit<'v> = dyn FnMut(usize, f64) + 'v;
+
 impl Body {
     /// Checks that supports, springs, attractions and joints hold each part of a body with rigid bodies or joints.
     ///
@@ -75,7 +78,7 @@ impl Body {
                 }
             }
         };
-        let mut hold = |for_each: &dyn Fn(&mut dyn FnMut(usize, f64))| {
+        let mut hold = |for_each: &dyn Fn(&mut Visit<'_>)| {
             let mut row = BTreeMap::new();
             for_each(&mut |dof, factor| add(&mut row, dof, factor));
             // A joint inside one part does not hold it, but for rounding.

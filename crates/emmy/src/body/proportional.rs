@@ -4,8 +4,8 @@ use super::system::Body;
 
 impl Body {
     /// The body under the loads and given displacements of a time, before a jump there, all in proportion to a load
-    /// fraction from 0 to 1 that takes the place of time; given motions and motors of joints, too. Attractions act in full. Supports and joints released by that
-    /// time are gone; none is released later.
+    /// fraction from 0 to 1 that takes the place of time; given motions and motors of joints, too. Attractions act in
+    /// full. Supports and joints released by that time are gone; none is released later.
     ///
     /// ```
     /// use emmy::prelude::*;

@@ -109,8 +109,8 @@ pub fn increments(load_steps: usize) -> Result<StepPlan> {
 }
 
 /// Internal force less loads, `f(u) - F(u, t)`, of a displacement `[n_nodes][3]` at a time: in equilibrium the reaction
-/// at fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\]. Rigid bodies
-/// and joints carry as much of it as they can.
+/// at fixed and driven degrees of freedom, and zero but for rounding at free ones, `[n_nodes][3]` \[force\]. Rigid
+/// bodies and joints carry as much of it as they can.
 ///
 /// ```
 /// use emmy::prelude::*;

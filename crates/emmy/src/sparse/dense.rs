@@ -167,10 +167,8 @@ impl DenseLu {
     /// Solves for columns in place, `x: [columns][n]`.
     pub(crate) fn solve(&self, x: &mut [f64]) {
         let n = self.0.U().nrows();
-        if n > 0 {
-            let columns = x.len() / n;
-            self.0.solve_in_place(MatMut::from_column_major_slice_mut(x, n, columns));
-        }
+        let columns = x.len() / n.max(1);
+        self.0.solve_in_place(MatMut::from_column_major_slice_mut(x, n, columns));
     }
 }
 

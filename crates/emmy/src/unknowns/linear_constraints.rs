@@ -179,7 +179,8 @@ impl LinearConstraints {
 }
 
 /// Brings a table of `[rows, columns, width]` to the reduced echelon form in its first columns, by elimination with
-/// full pivoting. Returns the column of each pivot: the first rows have a one there and zeros in the columns of the others.
+/// full pivoting. Returns the column of each pivot: the first rows have a one there and zeros in the columns of the
+/// others.
 fn reduce(table: &mut [f64], [n_rows, n_columns, width]: [usize; 3]) -> Vec<usize> {
     let mut pivots = Vec::new();
     let mut largest = 0.0f64;

@@ -170,13 +170,12 @@ fn free_hinged_bodies_have_six_rigid_modes() {
     assert_eq!(all_modes(&body(0.0)), [0.0; 7]);
 }
 
-/// Three equal cranks and two couplers between their tops, which move in parallel; six constraints follow from the
-/// others. T = (3 J / 2 + m) omega^2 with J = 1/3 and m = 1.
-#[test]
-fn constraints_that_follow_from_others_do_no_harm() {
+/// Three equal cranks and two couplers between their tops, of rods with a moment about themselves. They move in
+/// parallel, and six constraints follow from the others.
+fn parallel_cranks(about: f64) -> Body {
     let rod = |name: &str, centre: [f64; 3], along: usize| {
         let mut moments = [1.0 / 12.0; 3];
-        moments[along] = 1e-3;
+        moments[along] = about;
         RigidBody::new(name, 1.0, centre, moments)
     };
     let mut builder = Body::builder(Mesh::without_cells());
@@ -194,10 +193,55 @@ fn constraints_that_follow_from_others_do_no_harm() {
             builder = builder.joint(hinge(&format!("top-{i}-{side}"), ends, [side as f64, 1.0, 0.0]));
         }
     }
-    let body = builder.build().unwrap();
-    assert_eq!(body.mobility().n_redundant, 6);
-    assert_close(&all_modes(&body), &[2.0f64.sqrt()], 1e-12);
+    builder.build().unwrap()
 }
+
+/// T = (3 J / 2 + m) omega^2 with J = 1/3 and m = 1. Without a moment about themselves rods have two directions without
+/// mass.
+#[test]
+fn constraints_that_follow_from_others_do_no_harm() {
+    for about in [1e-3, 0.0] {
+        let body = parallel_cranks(about);
+        assert_eq!(body.mobility().n_redundant, 6);
+        assert_close(&all_modes(&body), &[2.0f64.sqrt()], 1e-12);
+    }
+}
+
+/// A chain of equal masses on equal rods swings with omega^2 = x g / l, x the zeros of Laguerre's polynomial (Bernoulli
+/// 1738), in two directions alike. The stiffness is that of the forces of the rods alone.
+#[test]
+fn a_hanging_chain_has_the_zeros_of_laguerres_polynomial() {
+    let chain = |n: usize| {
+        let ball = |i: usize| format!("ball-{i}");
+        let mut builder = Body::builder(Mesh::without_cells()).load(Load::acceleration([0.0, -GRAVITY, 0.0]));
+        for i in 1..=n {
+            let at = [0.0, -0.5 * i as f64, 0.0];
+            let (to, other) = match i {
+                1 => ([0.0; 3], JointEnd::Ground),
+                _ => ([0.0, at[1] + 0.5, 0.0], rigid(&ball(i - 1))),
+            };
+            builder = builder.rigid(RigidBody::point(ball(i), 0.2, at));
+            let rod =
+                Joint::new(format!("rod-{i}"), JointKind::Distance { to }, [rigid(&ball(i)), other], at);
+            builder = builder.joint(rod);
+        }
+        builder.build().unwrap()
+    };
+    let zeros =
+        [(3, [0.415_774_556_783_479, 2.294_280_360_279_042, 6.289_945_082_937_479]), (80, SMALLEST_OF_80)];
+    for (n, zeros) in zeros {
+        let body = chain(n);
+        assert_eq!(n_modes(&body), 2 * n);
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let found = frequencies(&modes_about(&body, &state, 6).unwrap());
+        let expected = zeros.iter().flat_map(|x| [(x * GRAVITY / 0.5).sqrt(); 2]);
+        assert_close(&found, &expected.collect::<Vec<f64>>(), 1e-10);
+    }
+}
+
+/// The three smallest zeros of the polynomial of degree 80.
+const SMALLEST_OF_80: [f64; 3] =
+    [0.017_960_423_300_698_91, 0.094_639_912_994_355_65, 0.232_622_868_125_865_5];
 
 fn steel() -> Region {
     Region::new(NeoHooke::from_engineering(3e4, 0.3).unwrap(), 2.0)
@@ -216,8 +260,7 @@ fn beam(cells: [usize; 3]) -> Mesh {
 fn a_rigid_face_on_a_fixed_joint_is_a_support() {
     for (cells, count) in [([2, 1, 1], 12), ([8, 2, 2], 8)] {
         for formulation in [None, Some(Formulation::IncompatibleModes)] {
-            let region =
-                || formulation.iter().fold(steel(), |region, own| region.with_formulation(own.clone()));
+            let region = || formulation.iter().fold(steel(), |region, own| region.with_formulation(*own));
             let face = Joint::new("wall", JointKind::Fixed, [rigid("plate"), JointEnd::Ground], [0.0; 3]);
             let joined =
                 Body::builder(beam(cells)).region(region()).rigid(RigidBody::group("plate", "x-min"));
