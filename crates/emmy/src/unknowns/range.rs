@@ -16,6 +16,8 @@ pub(crate) struct Range {
     /// Columns of G, `[n_dofs][n_rows]`, as far as they are not in the range yet.
     columns: Vec<f64>,
     squares: Vec<f64>,
+    /// Squares of the columns before their parts in the range were taken.
+    whole: Vec<f64>,
 }
 
 /// Length of a column beside the others, over that of the longest, that is rounding.
@@ -31,6 +33,7 @@ impl Range {
             rank: 0,
             columns: vec![0.0; n_dofs * n_rows],
             squares: vec![0.0; n_dofs.max(n_rows)],
+            whole: vec![0.0; n_dofs],
         }
     }
 
@@ -59,6 +62,7 @@ impl Range {
         let mut longest = 0.0f64;
         let columns = self.columns.chunks_exact(n);
         self.squares.iter_mut().zip(columns).for_each(|(own, column)| *own = dot(column, column));
+        self.whole.copy_from_slice(&self.squares[..n_dofs]);
         for _ in 0..n.min(n_dofs) {
             let next = largest(&self.squares[..n_dofs]);
             let length = self.squares[next].sqrt();
@@ -68,8 +72,10 @@ impl Range {
             }
             let begin = self.basis.len();
             self.basis.extend(self.columns[next * n..(next + 1) * n].iter().map(|x| x / length));
-            // Once more: a column that is nearly in the range has lost digits.
-            self.orthogonalise(begin);
+            // Once more if the column has lost digits; twice is enough.
+            if self.squares[next] < 0.5 * self.whole[next] {
+                self.orthogonalise(begin);
+            }
             let new = &self.basis[begin..];
             let columns = self.squares.iter_mut().zip(self.columns.chunks_exact_mut(n));
             for (square, column) in columns.filter(|(square, _)| **square > 0.0) {

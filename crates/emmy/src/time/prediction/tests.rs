@@ -206,7 +206,9 @@ fn lines_planes_and_supports_are_no_special_cases() {
     let mut system = system(&held, 1);
     let mut prediction = Prediction::new(1, &held);
     start(&mut system, &mut prediction, &spinning(&held, [0.7, -1.1, 0.9]), 0.4);
-    assert!(prediction.motions[0].rigid.rotation == [0.0; 3] && prediction.motions[0].translation == [[0.0; 3]]);
+    assert!(
+        prediction.motions[0].rigid.rotation == [0.0; 3] && prediction.motions[0].translation == [[0.0; 3]]
+    );
 }
 
 /// A solution with a superposed rigid motion has resultants and moments; they are removed, also in a loaded body.
