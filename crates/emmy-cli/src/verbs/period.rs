@@ -47,7 +47,10 @@ fn of_start(report: &mut Report, problem: &Problem, start: Option<&State>) {
     };
     match found {
         Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, (n_rigid, about)),
-        Ok(None) => report.line("period", &format!("none: the lowest modes {about} are rigid or unstable")),
+        Ok(None) => {
+            let modes = format!("the lowest modes {about}");
+            report.line("period", &format!("none: {} are rigid or unstable", modes.trim_end()));
+        }
         Err(error) => report.line("period", &format!("not found: {error}")),
     }
 }
