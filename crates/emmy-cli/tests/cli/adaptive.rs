@@ -182,7 +182,7 @@ fn a_resumed_run_equals_the_uninterrupted_one() {
         let place = Place::with(&input.replace("degree = 1", &format!("degree = {degree}")));
         place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
         let mut run = start(&place, &["run", "box.toml"]);
-        wait_for_rows(&place, "out", 30);
+        wait_for_rows(&place, "out", 10);
         assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
         assert_eq!(run.wait().unwrap().code(), Some(130));
         assert!(place.summary("out")["steps"].as_u64() < place.summary("whole")["steps"].as_u64());

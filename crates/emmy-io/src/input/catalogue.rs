@@ -28,7 +28,7 @@ pub(super) static ROOT: Described = Described::new(|| {
         "rigid",
         tables(0, &rigid::RIGID),
         "",
-        "Rigid bodies, without cells or groups of the mesh; none, one or more",
+        "Rigid bodies, without cells or of groups of the mesh; none, one or more",
     )
     .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
     .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")

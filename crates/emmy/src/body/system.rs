@@ -280,8 +280,8 @@ impl Body {
         self.viscous_time
     }
 
-    /// Whether the viscosities are no multiple of the stiffness at rest: some parts have others or none, or dampers have
-    /// some.
+    /// Whether the viscosities are no multiple of the stiffness at rest: some parts have others or none, or there are
+    /// dampers.
     pub(crate) fn has_uneven_viscosity(&self) -> bool {
         let is_multiple = |viscosity: &Viscosity| viscosity.shear == 0.0 && viscosity.bulk == 0.0;
         let first = self.viscosities().next();

@@ -76,7 +76,7 @@ pub(crate) fn log(R: &Mat3<f64>) -> [f64; 3] {
     [factor * x, factor * y, factor * z]
 }
 
-/// The rotation R of `A = R S`, with a symmetric positive semi-definite S; the identity if S has more than one direction
+/// The rotation R of `A = R S`, with a symmetric positive semi-definite S; the identity if S has several directions
 /// without stretch, as of points on a line.
 ///
 /// Newton's iteration (Higham 1986) on `A + cof A`, each of unit size, which has the same R, also if A is singular, as

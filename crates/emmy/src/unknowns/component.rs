@@ -37,7 +37,7 @@ impl Component {
 
     /// A component of all of n nodes.
     pub(crate) fn whole(n: usize) -> Component {
-        Component { ranges: vec![0..n] }
+        Component { ranges: std::iter::once(0..n).collect() }
     }
 
     /// The same with some of its nodes.
@@ -106,8 +106,8 @@ mod tests {
     fn components_are_connected_nodes() {
         let lists: [&[u32]; 4] = [&[3, 4], &[0, 2], &[5, 6], &[6, 3]];
         let components = Component::all(8, lists.into_iter());
-        let ranges: Vec<&[Range<usize>]> = components.iter().map(|component| &component.ranges[..]).collect();
-        assert_eq!(ranges, [&[0..1, 2..3][..], &[1..2], &[3..7], &[7..8]]);
+        let nodes: Vec<Vec<usize>> = components.iter().map(|component| component.nodes().collect()).collect();
+        assert_eq!(nodes, [vec![0, 2], vec![1], vec![3, 4, 5, 6], vec![7]]);
         let last = components[2].mean(|node| [node as f64, 0.0, 1.0]);
         assert_eq!(last, [4.5, 0.0, 1.0]);
     }

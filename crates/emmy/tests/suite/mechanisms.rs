@@ -60,7 +60,7 @@ fn rods_need_a_joint_that_holds_their_spin() {
     assert!(built(hinge("foot", [rigid("rod"), JointEnd::Ground], ends[0], [0.0, 0.0, 1.0])).is_ok());
     for joint in [ball("foot", ends[0]), ball("top", ends[1])] {
         let error = built(joint).unwrap_err().to_string();
-        assert!(error.contains("no joint holds its spin about (0, 1, 0)"), "{error}");
+        assert!(error.contains("no joint holds its spin about [0, 1, 0]"), "{error}");
     }
 }
 
@@ -176,6 +176,7 @@ fn four_bars_move_as_their_cranks() {
 #[test]
 fn joints_take_what_they_do_not_allow_from_the_start() {
     let (body, shear) = four_bars(1);
+    let shear = InitialVelocity { velocity: [0.3, 0.2, 0.0], ..shear };
     let [given, allowed] = body.initial_energies(0.0, std::slice::from_ref(&shear)).unwrap();
     assert!(allowed < given && allowed > 0.0, "{given} {allowed}");
     let state = State::initial(&body, 0.0, &[shear]).unwrap();
@@ -603,8 +604,8 @@ fn dissipative_schemes_keep_joints() {
     }
 }
 
-/// Two discs on one axis turn steadily against each other, each in a relative equilibrium: for k = 1 no dissipation acts
-/// on that, as the motion of one body relative to the other is no deformation.
+/// Two discs on one axis turn steadily against each other, each in a relative equilibrium: for k = 1 nothing dissipates
+/// that, as the motion of one body relative to the other is no deformation.
 #[test]
 fn dissipation_spares_bodies_that_turn_against_each_other() {
     let axis = [0.0, 0.0, 1.0];

@@ -372,7 +372,7 @@ impl ApproximateTangent {
             if part.is_spinning() && !self.solvers.is_of_mass() {
                 table.copy_from_slice(memory);
                 let rows = table.chunks_exact(n).zip(memory.chunks_exact_mut(n));
-                rows.for_each(|(old, row)| part.from_straining_node(number, old, row));
+                rows.for_each(|(old, row)| part.unstrain_node(number, old, row));
             }
         }
         transpose(memory, table);
@@ -413,7 +413,7 @@ impl ApproximateTangent {
         }
         self.turned.copy_from_slice(stages);
         for part in self.turning.iter().filter(|part| part.is_spinning()) {
-            part.from_straining(&self.turned, stages);
+            part.unstrain(&self.turned, stages);
         }
     }
 
@@ -480,7 +480,7 @@ fn set_means(local: &[f64], means: &mut [f64]) {
 /// Times s that differ by less are equal: the halves of an interval differ by rounding.
 const SAME_SCALE: f64 = 1e-9;
 
-/// Rotations from the configuration of K to the Gauss points of a step with a rotation vector, given that to its middle.
+/// Rotations from the configuration of K to the Gauss points of a step with a rotation vector, given that to the middle.
 fn rotations<'r>(
     rule: &'r Rule,
     rotation: &'r [f64; 3],

@@ -108,7 +108,7 @@ impl Turning {
     }
 
     /// Changes the rates that strain the part to rates; `old`: a copy of them.
-    pub(super) fn from_straining(&self, old: &[f64], stages: &mut [f64]) {
+    pub(super) fn unstrain(&self, old: &[f64], stages: &mut [f64]) {
         self.strain_rates.apply_inverse(old, stages, &self.dofs);
     }
 
@@ -127,7 +127,7 @@ impl Turning {
     }
 
     /// Changes the rates of a node that strain the part to rates; `old`: a copy of them.
-    pub(super) fn from_straining_node(&self, node: usize, old: &[f64], stages: &mut [f64]) {
+    pub(super) fn unstrain_node(&self, node: usize, old: &[f64], stages: &mut [f64]) {
         let dofs = nodal::dofs(node);
         self.strain_rates.apply_inverse(old, stages, &[dofs]);
     }
