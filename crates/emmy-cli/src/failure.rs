@@ -195,7 +195,7 @@ impl From<StartError> for Failure {
                 Failure::Study { message: with_causes(&error), help: help.to_string() }
             }
             StartError::March(MarchError::Step(error @ emmy::Error::NotHeld { .. })) => {
-                let help = "[equilibrium] needs supports: `fix`, `move`, `rotate`, `symmetry` or `spring` in [[support]], or joints";
+                let help = "[equilibrium] needs supports: `fix`, `move`, `rotate`, `symmetry` or `spring` in [[support]], or joints that hold every part, by a `spring` if they may turn or slide";
                 Failure::Usage { message: error.to_string(), help: Some(help.to_string()) }
             }
             StartError::Unstable(error) => Failure::Input(error),

@@ -290,7 +290,7 @@ pub(super) fn is_moment(load: &Load) -> bool {
     matches!(load.kind, LoadKind::Moment { .. })
 }
 
-/// Part of the kinetic energy that joints take out of the initial velocities and that is worth a note.
+/// Part of the kinetic energy that joints take out of the initial velocities, or put in, and that is worth a note.
 const WORTH_A_NOTE: f64 = 1e-9;
 
 /// The note on initial velocities that the joints do not allow.
@@ -300,14 +300,22 @@ pub(super) fn note_on_start(
     start: f64,
     units: Units,
 ) -> Option<String> {
-    if body.n_constraints() == 0 || initial.is_empty() {
+    if body.n_constraints() == 0 {
         return None;
     }
     // Faults of the fields have their own messages.
     let [given, allowed] = body.initial_energies(start, initial).ok()?;
-    let taken = given - allowed;
-    (taken > WORTH_A_NOTE * given).then(|| {
-        let [taken, given] = [taken, given].map(|energy| units.number(energy, "energy"));
-        format!("the joints take {taken} of {given} of the kinetic energy out of the initial velocities")
+    let change = allowed - given;
+    if change.abs() <= WORTH_A_NOTE * given.max(allowed) {
+        return None;
+    }
+    let [size, given] = [change.abs(), given].map(|energy| units.number(energy, "energy"));
+    Some(match change < 0.0 {
+        true => {
+            format!("the joints take {size} of {given} of the kinetic energy out of the initial velocities")
+        }
+        false => format!(
+            "the given motions of the joints begin with a speed: they put {size} of kinetic energy into the start"
+        ),
     })
 }

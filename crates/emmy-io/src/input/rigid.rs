@@ -15,7 +15,7 @@ pub(super) const GROUND: &str = "ground";
 
 /// `[[rigid]]`.
 pub(super) static RIGID: Described = Described::new(|| {
-    let moments = exactly(3, Kind::Number(Bounds::Above(0.0)));
+    let moments = exactly(3, Kind::Number(Bounds::AtLeast(0.0)));
     Section::new(
         "[[rigid]]",
         "A rigid body by its mass, a point mass, or a group of the mesh that moves as one",

@@ -294,7 +294,15 @@ impl Sections {
         let quantities = self.requested.quantities(&body, |name| mechanism.place(name), &mut notes)?;
         let initial = values(self.initial);
         notes.extend(tie::notes_on_start(&body, &initial));
-        notes.extend(super::mechanism::note_on_start(&body, &initial, self.time.plan.start(), self.units));
+        // The velocities of another run obey its joints.
+        if !matches!(self.start, Start::Run(_)) {
+            notes.extend(super::mechanism::note_on_start(
+                &body,
+                &initial,
+                self.time.plan.start(),
+                self.units,
+            ));
+        }
         source.agree(places.check(&body, &loads, &initial, &self.time.plan).map_err(InputError::from))?;
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());

@@ -264,7 +264,8 @@ impl Frame {
     pub(crate) fn point(&self, point: [f64; 3]) -> Option<Affine> {
         let arm = [0, 1, 2].map(|d| point[d] - self.centre[d]);
         let mut affine = self.vector(arm).or_else(|| {
-            let is_centre = arm.map(f64::abs) <= point.map(|x| ROUNDING * x.abs());
+            let size = |vector: [f64; 3]| vector.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let is_centre = size(arm) <= ROUNDING * size(point);
             is_centre.then(|| Affine { nodes: vec![self.first], weights: vec![0.0], reference: point })
         })?;
         affine.weights[0] += 1.0;
@@ -345,6 +346,18 @@ mod tests {
             assert!((own - tip.reference[d]).abs() < 1e-14);
         }
         assert!(frame.constraints().iter().all(|row| row.value(&|_| 0.0).abs() < 1e-15));
+    }
+
+    #[test]
+    fn a_point_mass_has_no_other_point() {
+        let mass = RigidBody { inertia: None, ..RigidBody::new("mass", 1.0, [1.0, 0.0, -2.0], [0.0; 3]) };
+        let mass = Frame::new(&mass, 0).unwrap();
+        assert!(mass.point([1.0, 1e-13, -2.0]).is_some());
+        for other in
+            [[1.0, 0.0, 0.0], [0.0, 0.0, -2.0], [1.0, 5.0, -2.0], [1.0 + 1e-9, 0.0, -2.0], [1.0, 0.0, -2.5]]
+        {
+            assert!(mass.point(other).is_none(), "{other:?}");
+        }
     }
 
     #[test]
