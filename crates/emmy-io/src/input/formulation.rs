@@ -251,8 +251,8 @@ impl<'a> RegionCells<'a> {
         ))
     }
 
-    /// Number of linear cells over the edge of their bounding box that has the fewest, or the shortest of those, if it is
-    /// below [`THIN`].
+    /// Number of linear cells over the edge of their bounding box that has the fewest, or the shortest of those, if it
+    /// is below [`THIN`].
     fn thickness(&self) -> Option<String> {
         let linear = self.cells.iter().filter(|(kind, _)| kind.info().n_modes > 0);
         let (kinds, cells): (Vec<&str>, Vec<&Vec<usize>>) =

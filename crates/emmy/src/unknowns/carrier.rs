@@ -2,9 +2,9 @@
 //!
 //! The nodes of a plane face leave the direction off the plane of their frame without mass: M n = 0 for the motion n of
 //! the four nodes that vanishes on the plane. The constraints of the frame determine it, but the approximate inverse of
-//! the equations of a step has no finite value there. The same holds for two directions of a rod whose spin about itself
-//! a joint holds. A carrier S = sigma n n^T is added to the mass in the factors,
-//! and the exact derivative of the equations of the joint nodes takes it off again. It is in no momentum and no energy.
+//! the equations of a step has no finite value there. The same holds for two directions of a rod, whose spin about
+//! itself a joint holds. A carrier S = sigma n n^T is added to the mass in the factors, and the exact derivative of the
+//! equations of the joint nodes takes it off again. It is in no momentum and no energy.
 
 use super::frame::{Frame, without_directions};
 use crate::error::{Error, Result};

@@ -5,7 +5,8 @@ use super::constraints::Constraints;
 
 /// The range of the gradients G of some constraints, by orthogonalisation of the columns of G with pivoting.
 ///
-/// It also has an orthonormal basis Z of the complement, of few vectors: the projection on the range is `P = 1 - Z Z^T`.
+/// It also has an orthonormal basis Z of the complement, of few vectors: the projection on the range is
+/// `P = 1 - Z Z^T`.
 #[derive(Debug, Default)]
 pub(crate) struct Range {
     n_rows: usize,

@@ -480,7 +480,8 @@ fn set_means(local: &[f64], means: &mut [f64]) {
 /// Times s that differ by less are equal: the halves of an interval differ by rounding.
 const SAME_SCALE: f64 = 1e-9;
 
-/// Rotations from the configuration of K to the Gauss points of a step with a rotation vector, given that to the middle.
+/// Rotations from the configuration of K to the Gauss points of a step with a rotation vector, given the one to its
+/// middle.
 fn rotations<'r>(
     rule: &'r Rule,
     rotation: &'r [f64; 3],
