@@ -56,6 +56,7 @@ def motion(body, tree):
         extremes=output.get("extremes"),
         values=output.get("values"),
         reactions=output.get("reactions"),
+        joints=output.get("joints"),
         **tree["newton"],
     )
 
