@@ -422,6 +422,26 @@ fn an_equilibrium_of_a_pendulum_on_a_spring() {
     }
 }
 
+/// A leaf with J = 0.1 + 1 0.5^2 about its hinge turns by 2 rad/s from the first instant on: J w^2 / 2 = 0.7.
+#[test]
+fn given_motions_that_begin_with_a_speed_are_noted() {
+    let place = Place::with(
+        r#"
+rigid = [{ name = "leaf", mass = 1.0, centre = [0.5, 0, 0], inertia = [0.1, 0.1, 0.1] }]
+joint = [{ revolute = { between = ["leaf", "ground"], at = [0, 0, 0], axis = [0, 0, 1] }, angle = "2*t" }]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 0.1, size = 0.05 }] }
+output = { directory = "out", every = 0 }
+"#,
+    );
+    let note = "given motions of joints begin with a speed, which adds 0.7 of kinetic energy at the start\n";
+    for verb in ["check", "run"] {
+        let outcome = place.succeed(&[verb, "box.toml"]);
+        let text = outcome.stdout + &outcome.stderr;
+        assert!(text.contains(note), "{verb}: {text}");
+    }
+    assert_near([place.history("out")["kinetic_energy"][0], 0.0, 0.0], [0.7, 0.0, 0.0], 1e-12);
+}
+
 /// A velocity along the axis of the hinge is not a motion of the pendulum: all of its energy, m v^2 / 2, is taken out.
 #[test]
 fn velocities_that_joints_do_not_allow_are_taken_out_with_a_note() {

@@ -315,7 +315,7 @@ pub(super) fn note_on_start(
             format!("the joints take {size} of {given} of the kinetic energy out of the initial velocities")
         }
         false => format!(
-            "the given motions of the joints begin with a speed: they put {size} of kinetic energy into the start"
+            "given motions of joints begin with a speed, which adds {size} of kinetic energy at the start"
         ),
     })
 }

@@ -3,6 +3,7 @@
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
+use super::couplings;
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
@@ -12,7 +13,6 @@ use crate::mesh::{Cell, Mesh, Share};
 use crate::space::geometry::{MassKind, for_each_volume_point};
 use crate::space::{InternalNodes, Space, Supports, Ties};
 
-use crate::sparse::Pattern;
 use crate::team::{Alone, Subdomain, Team};
 use crate::unknowns::{Frame, Mechanism};
 
@@ -363,10 +363,9 @@ impl Body {
         let n_own = ranks.n_own();
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let mut mechanism = Mechanism::new(frames, joints, &mesh, |node| ties.leaders_of(node), |_| true)?;
-        let connected = connected(&mesh, &internal, &ties, &mechanism);
+        mechanism.divide(internal.n_all(), || couplings::of_cells(&mesh, &internal, &ties));
         let pattern =
-            couplings(&mesh, &internal, &connected, &mechanism).with_inner_rows_from(mesh.n_nodes());
-        mechanism.divide(internal.n_all(), &connected);
+            couplings::pattern(&mesh, &internal, &ties, &mechanism).with_inner_rows_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
         // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
@@ -506,31 +505,4 @@ fn forces_of<'a>(
     site: &'a Site<'a>,
 ) -> impl Iterator<Item = Result<Arc<dyn Force>>> + 'a {
     sources.iter().enumerate().map(|(number, source)| source.force(number, site))
-}
-
-/// The nodes that each cell connects, with those that tied nodes follow; none if the cells alone tell.
-fn connected(mesh: &Mesh, internal: &InternalNodes, ties: &Ties, mechanism: &Mechanism) -> Vec<Vec<u32>> {
-    if internal.dofs().is_empty() && ties.is_empty() && mechanism.is_empty() {
-        return Vec::new();
-    }
-    let nodes = |(index, cell): (usize, Cell<'_>)| -> Vec<u32> {
-        let leaders = cell.nodes.iter().filter_map(|&node| ties.leaders_of(node)).flatten();
-        let others = leaders.map(|(leader, _)| *leader).chain(internal.of_cell(index as u32));
-        cell.nodes.iter().copied().chain(others).collect()
-    };
-    mesh.cells().enumerate().map(nodes).collect()
-}
-
-/// The pattern of the nodes that cells, as far as they are not `connected`, rigid bodies and springs of joints couple.
-fn couplings(
-    mesh: &Mesh,
-    internal: &InternalNodes,
-    connected: &[Vec<u32>],
-    mechanism: &Mechanism,
-) -> Pattern {
-    if connected.is_empty() && mechanism.is_empty() {
-        return Pattern::new(internal.n_all(), mesh.cells().map(|cell| cell.nodes));
-    }
-    let others: Vec<Vec<u32>> = mechanism.coupled_nodes().collect();
-    Pattern::new(internal.n_all(), connected.iter().chain(&others).map(Vec::as_slice))
 }

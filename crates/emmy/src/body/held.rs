@@ -1,5 +1,6 @@
 //! Rigid motions that neither supports nor the ground hold.
 
+use super::couplings;
 use super::forces::Assembly;
 use super::system::Body;
 use crate::average::Rule;
@@ -11,6 +12,7 @@ use crate::number::short_vector;
 use crate::quadrature::gauss;
 use crate::sparse::null_space;
 use crate::tensor::cross;
+use crate::unknowns::Component;
 
 /// Components of a rigid motion: rotations about x, y, z through a centre, then translations along x, y, z.
 pub(super) const MOTIONS: usize = 6;
@@ -53,6 +55,9 @@ impl Body {
     /// The first cell of each connected part of the body, in the whole mesh, and its own nodes here, ascending; rigid
     /// bodies alone come last.
     pub(super) fn connected_parts(&self) -> Vec<(usize, Vec<u32>)> {
+        if !self.space.is_shared() {
+            return self.own_parts();
+        }
         let nodes_of = |cells: &Vec<u32>| {
             let mut nodes: Vec<u32> =
                 cells.iter().flat_map(|&cell| self.mesh().cell(cell as usize).nodes).copied().collect();
@@ -62,11 +67,6 @@ impl Body {
         };
         let here: Vec<(Vec<u32>, Vec<u32>)> =
             self.mesh().parts().into_iter().map(|cells| (nodes_of(&cells), cells)).collect();
-        if !self.space.is_shared() {
-            let parts = here.into_iter().map(|(nodes, cells)| (cells[0] as usize, nodes));
-            let frames = self.mechanism.frames.iter().map(|frame| (usize::MAX, frame.nodes().collect()));
-            return self.tied(parts.chain(frames).collect());
-        }
         let ranks = self.ranks();
         // The parts of all ranks that meet at guests get the lowest cell among them.
         let whole = |cells: &[u32]| cells.iter().map(|&cell| ranks.cells()[cell as usize]).min();
@@ -104,33 +104,28 @@ impl Body {
         }
     }
 
-    /// The connected parts, those that ties connect as one, without the nodes that follow others.
-    fn tied(&self, parts: Vec<(usize, Vec<u32>)>) -> Vec<(usize, Vec<u32>)> {
-        let ties = self.space.ties();
-        if ties.is_empty() {
-            return parts;
+    /// The connected parts of a body that is no part of a team, without the nodes that follow others.
+    fn own_parts(&self) -> Vec<(usize, Vec<u32>)> {
+        let (mesh, ties) = (self.mesh(), self.space.ties());
+        let of_cells = couplings::of_cells(mesh, self.space.internal(), ties);
+        let components = self.mechanism.connected(self.n_dofs() / 3, &of_cells);
+        let mut number_of = vec![0; self.n_dofs() / 3];
+        for (number, component) in components.iter().enumerate() {
+            component.nodes().for_each(|node| number_of[node] = number);
         }
-        let mut part_of = vec![0; self.mesh().n_nodes()];
-        for (number, (_, nodes)) in parts.iter().enumerate() {
-            nodes.iter().for_each(|&node| part_of[node as usize] = number);
+        let mut first = vec![usize::MAX; components.len()];
+        for (index, cell) in mesh.cells().enumerate() {
+            let own = &mut first[number_of[cell.nodes[0] as usize]];
+            *own = index.min(*own);
         }
-        // The first of the parts that are one with each.
-        let mut first: Vec<usize> = (0..parts.len()).collect();
-        for &node in ties.followers() {
-            let leaders = ties.leaders_of(node).unwrap_or_default().iter().map(|(leader, _)| *leader);
-            let joined: Vec<usize> =
-                leaders.chain([node]).map(|node| first[part_of[node as usize]]).collect();
-            let least = joined.iter().copied().min().unwrap_or(0);
-            first.iter_mut().filter(|first| joined.contains(first)).for_each(|first| *first = least);
-        }
-        let mut all: Vec<(usize, Vec<u32>)> = parts.iter().map(|(cell, _)| (*cell, Vec::new())).collect();
-        for (number, (_, nodes)) in parts.into_iter().enumerate() {
-            let free = nodes.into_iter().filter(|node| ties.leaders_of(*node).is_none());
-            all[first[number]].1.extend(free);
-        }
-        all.iter_mut().for_each(|(_, nodes)| nodes.sort_unstable());
-        all.retain(|(_, nodes)| !nodes.is_empty());
-        all
+        let leads = |node: &usize| *node < mesh.n_nodes() && ties.leaders_of(*node as u32).is_none();
+        let nodes = |component: &Component| component.nodes().filter(leads).map(|node| node as u32).collect();
+        let mut parts: Vec<(usize, Vec<u32>)> = first.into_iter().zip(components.iter().map(nodes)).collect();
+        // Nodes without cells are no part, but for those of rigid bodies.
+        let is_part = |cell: usize, node: u32| cell < usize::MAX || self.mechanism.is_rigid(node as usize);
+        parts.retain(|(cell, nodes)| nodes.first().is_some_and(|&node| is_part(*cell, node)));
+        parts.sort_by_key(|(cell, _)| *cell);
+        parts
     }
 
     /// Force of springs and attractions on a displacement.

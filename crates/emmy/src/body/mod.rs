@@ -4,6 +4,7 @@
 
 mod builder;
 mod constrained_velocity;
+mod couplings;
 pub(crate) mod entries;
 mod fields;
 pub(crate) mod forces;

@@ -14,18 +14,11 @@ impl Mesh {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn parts(&self) -> Vec<Vec<u32>> {
-        let mut roots: Vec<u32> = (0..self.n_nodes() as u32).collect();
-        for cell in self.cells() {
-            for &node in &cell.nodes[1..] {
-                let a = root(&mut roots, cell.nodes[0]);
-                let b = root(&mut roots, node);
-                roots[a.max(b) as usize] = a.min(b);
-            }
-        }
+        let roots = roots(self.n_nodes(), self.cells().map(|cell| cell.nodes));
         let mut part_of_root = HashMap::new();
         let mut parts = Vec::<Vec<u32>>::new();
         for (index, cell) in self.cells().enumerate() {
-            let part = *part_of_root.entry(root(&mut roots, cell.nodes[0])).or_insert(parts.len());
+            let part = *part_of_root.entry(roots[cell.nodes[0] as usize]).or_insert(parts.len());
             if part == parts.len() {
                 parts.push(Vec::new());
             }
@@ -108,6 +101,18 @@ impl Mesh {
         self.cells().for_each(|cell| *counts.entry(cell.kind).or_default() += 1);
         counts.into_iter().collect()
     }
+}
+
+/// The lowest of the nodes with which each of n nodes is connected, given lists of nodes that are.
+pub(crate) fn roots<'l>(n: usize, connected: impl Iterator<Item = &'l [u32]>) -> Vec<u32> {
+    let mut roots: Vec<u32> = (0..n as u32).collect();
+    for list in connected {
+        for &node in list {
+            let [a, b] = [list[0], node].map(|node| root(&mut roots, node));
+            roots[a.max(b) as usize] = a.min(b);
+        }
+    }
+    (0..n as u32).map(|node| root(&mut roots, node)).collect()
 }
 
 /// The representative of all nodes connected with one; the path to it is halved on the way.

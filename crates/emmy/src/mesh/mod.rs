@@ -10,6 +10,7 @@ pub(crate) mod shapes;
 mod share;
 
 pub use builder::MeshBuilder;
+pub(crate) use connectivity::roots;
 pub use groups::{Facet, Groups};
 pub(crate) use nearest::{Nearest, Patch, distance};
 pub use quality::{Quality, Worst, check, quality};

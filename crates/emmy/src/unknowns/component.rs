@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::mesh::roots;
 use crate::tensor::Mat3;
 
 /// Nodes that cells, ties or a rigid body connect. Joints do not: a component moves nearly like a rigid body, whatever
@@ -15,22 +16,15 @@ pub(crate) struct Component {
 impl Component {
     /// The components of n nodes, given lists of nodes that are connected, in the order of their first nodes.
     pub(crate) fn all<'l>(n: usize, connected: impl Iterator<Item = &'l [u32]>) -> Vec<Component> {
-        let mut parents: Vec<usize> = (0..n).collect();
-        for list in connected {
-            for pair in list.windows(2) {
-                let [a, b] = [pair[0], pair[1]].map(|node| root(&mut parents, node as usize));
-                parents[a.max(b)] = a.min(b);
-            }
-        }
         let mut components: Vec<Component> = Vec::new();
-        let mut number = vec![usize::MAX; n];
-        for node in 0..n {
-            let root = root(&mut parents, node);
-            if number[root] == usize::MAX {
-                number[root] = components.len();
+        let mut numbers = vec![0; n];
+        for (node, root) in roots(n, connected).into_iter().enumerate() {
+            let root = root as usize;
+            if root == node {
+                numbers[node] = components.len();
                 components.push(Component { ranges: Vec::new() });
             }
-            extend(&mut components[number[root]].ranges, node);
+            extend(&mut components[numbers[root]].ranges, node);
         }
         components
     }
@@ -87,15 +81,6 @@ fn extend(ranges: &mut Vec<Range<usize>>, node: usize) {
         Some(last) if last.end == node => last.end += 1,
         _ => ranges.push(node..node + 1),
     }
-}
-
-/// The representative of a node, with shorter ways to it for the next time.
-fn root(parents: &mut [usize], mut node: usize) -> usize {
-    while parents[node] != node {
-        parents[node] = parents[parents[node]];
-        node = parents[node];
-    }
-    node
 }
 
 #[cfg(test)]

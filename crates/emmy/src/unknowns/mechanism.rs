@@ -199,13 +199,17 @@ impl Mechanism {
         Ok(Mechanism { carriers: self.carriers.clone(), components, ..rest })
     }
 
-    /// Finds the components of n nodes between the joints, given lists of nodes that cells and ties connect.
-    pub(crate) fn divide(&mut self, n: usize, connected: &[Vec<u32>]) {
-        if self.n_constraints() == 0 {
-            return;
+    /// Finds the components of n nodes between the joints; `of_cells`: lists of nodes that cells and ties connect.
+    pub(crate) fn divide(&mut self, n: usize, of_cells: impl FnOnce() -> Vec<Vec<u32>>) {
+        if self.n_constraints() > 0 {
+            self.components = self.connected(n, &of_cells());
         }
+    }
+
+    /// The components of n nodes, given lists of nodes that cells and ties connect.
+    pub(crate) fn connected(&self, n: usize, of_cells: &[Vec<u32>]) -> Vec<Component> {
         let of_frames: Vec<Vec<u32>> = self.frames.iter().map(|frame| frame.nodes().collect()).collect();
-        self.components = Component::all(n, connected.iter().chain(&of_frames).map(Vec::as_slice));
+        Component::all(n, of_cells.iter().chain(&of_frames).map(Vec::as_slice))
     }
 
     /// The same with drives and motors of a time, in proportion to a load fraction that takes the place of time.
@@ -233,15 +237,19 @@ impl Mechanism {
 
     /// Whether a node is the end of an axis of a rigid body.
     pub(crate) fn is_end(&self, node: usize) -> bool {
+        self.frame_of(node).is_some_and(|frame| frame.nodes().start as usize != node)
+    }
+
+    /// The frame to which a node belongs.
+    fn frame_of(&self, node: usize) -> Option<&Frame> {
         let after = self.frames.partition_point(|frame| frame.nodes().start as usize <= node);
-        let own = after.checked_sub(1).map(|own| self.frames[own].nodes());
-        own.is_some_and(|nodes| nodes.start as usize != node && nodes.end as usize > node)
+        let last = after.checked_sub(1).map(|own| &self.frames[own]);
+        last.filter(|frame| frame.nodes().contains(&(node as u32)))
     }
 
     /// Whether a node belongs to the frame of a rigid body.
     pub(crate) fn is_rigid(&self, node: usize) -> bool {
-        let after = self.frames.partition_point(|frame| frame.nodes().start as usize <= node);
-        after.checked_sub(1).is_some_and(|own| self.frames[own].nodes().contains(&(node as u32)))
+        self.frame_of(node).is_some()
     }
 
     /// Whether it has neither rigid bodies nor joints.
@@ -251,8 +259,7 @@ impl Mechanism {
 
     /// Whether a node is one of a rigid body without nodes of a mesh.
     pub(crate) fn is_free_of_mesh(&self, node: usize) -> bool {
-        let mut alone = self.frames.iter().filter(|frame| !frame.has_members());
-        alone.any(|frame| frame.nodes().contains(&(node as u32)))
+        self.frame_of(node).is_some_and(|frame| !frame.has_members())
     }
 
     /// The nodes that each rigid body and each joint with a force couples.

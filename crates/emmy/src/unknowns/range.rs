@@ -90,7 +90,8 @@ impl Range {
         self.rank
     }
 
-    /// Adds the vectors of the complement: what is left of unit vectors, the longest first.
+    /// Adds a basis of the complement. Each vector is a unit vector without its parts along the vectors before; the unit
+    /// vector that keeps most of its length comes next.
     fn complete(&mut self) {
         let n = self.n_rows;
         let left = &mut self.squares[..n];

@@ -145,6 +145,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
     (
         "body",
         &[
+            "couplings",
             "system",
             "forces",
             "loads",

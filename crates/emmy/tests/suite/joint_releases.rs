@@ -2,15 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::shared::joints::rigid;
 use crate::shared::schemes::{DGM, at};
 use emmy::motion::{Adaptivity, Event, EventKind, NewtonSettings, Observer, ObserverResult, Record, View};
 use emmy::prelude::*;
 
 const G: f64 = 9.81;
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
 
 fn started<'a>(body: &'a Body, k: usize, start: &[InitialVelocity]) -> Motion<'a> {
     let state = State::initial(body, 0.0, start).unwrap();

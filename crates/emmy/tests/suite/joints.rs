@@ -3,15 +3,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::shared::joints::rigid;
 use crate::shared::schemes::{DGM, at};
 use emmy::motion::{NewtonSettings, Record};
 use emmy::prelude::*;
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
 
 fn joint(kind: JointKind, between: [JointEnd; 2], at: [f64; 3]) -> Joint {
     Joint::new("joint", kind, between, at)

@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::shared::joints::{plane_hinge, rigid};
 use emmy::Error;
 use emmy::body::Formulation;
 use emmy::mesh::MeshBuilder;
@@ -10,14 +11,6 @@ use emmy::modes::{Mode, lowest_elastic_mode, modes, modes_about, n_modes};
 use emmy::prelude::*;
 
 const GRAVITY: f64 = 9.81;
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
-
-fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3]) -> Joint {
-    Joint::new(name, JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, between, at)
-}
 
 fn frequencies(modes: &[Mode]) -> Vec<f64> {
     modes.iter().map(|mode| mode.angular_frequency).collect()
@@ -38,7 +31,7 @@ fn pendulum(along: [f64; 3], joint: impl Fn(Joint) -> Joint) -> Body {
     let bar = RigidBody::new("bar", 2.0, along.map(|x| 0.5 * x), [0.3, 0.3, 0.4]);
     Body::builder(Mesh::without_cells())
         .rigid(bar)
-        .joint(joint(hinge("pin", [rigid("bar"), JointEnd::Ground], [0.0; 3])))
+        .joint(joint(plane_hinge("pin", [rigid("bar"), JointEnd::Ground], [0.0; 3])))
         .load(Load::acceleration([0.0, -GRAVITY, 0.0]))
         .build()
         .unwrap()
@@ -110,8 +103,8 @@ fn double_pendulum(along: [f64; 3], joints: [impl Fn(Joint) -> Joint; 2]) -> Bod
     Body::builder(Mesh::without_cells())
         .rigid(RigidBody::new("a", 2.0, at(0.4), [0.1, 0.25, 0.3]))
         .rigid(RigidBody::new("b", 1.5, at(1.6), [0.1, 0.15, 0.2]))
-        .joint(ground(hinge("ground", [rigid("a"), JointEnd::Ground], [0.0; 3])))
-        .joint(knee(hinge("knee", [rigid("b"), rigid("a")], at(1.0))))
+        .joint(ground(plane_hinge("ground", [rigid("a"), JointEnd::Ground], [0.0; 3])))
+        .joint(knee(plane_hinge("knee", [rigid("b"), rigid("a")], at(1.0))))
         .load(Load::acceleration([0.0, -GRAVITY, 0.0]))
         .build()
         .unwrap()
@@ -153,7 +146,7 @@ fn driven_joints_are_held() {
 #[test]
 fn free_hinged_bodies_have_six_rigid_modes() {
     let body = |stiffness: f64| {
-        let knee = hinge("knee", [rigid("b"), rigid("a")], [0.0; 3]);
+        let knee = plane_hinge("knee", [rigid("b"), rigid("a")], [0.0; 3]);
         Body::builder(Mesh::without_cells())
             .rigid(RigidBody::new("a", 2.0, [-0.4, 0.0, 0.0], [0.1, 0.25, 0.3]))
             .rigid(RigidBody::new("b", 1.5, [0.6, 0.0, 0.0], [0.1, 0.15, 0.2]))
@@ -181,7 +174,7 @@ fn parallel_cranks(about: f64) -> Body {
     let mut builder = Body::builder(Mesh::without_cells());
     for i in 0..3 {
         let (x, name) = (i as f64, format!("crank-{i}"));
-        let foot = hinge(&format!("foot-{i}"), [rigid(&name), JointEnd::Ground], [x, 0.0, 0.0]);
+        let foot = plane_hinge(&format!("foot-{i}"), [rigid(&name), JointEnd::Ground], [x, 0.0, 0.0]);
         let foot = if i == 1 { foot.with_spring(6.0, Some(0.3)) } else { foot };
         builder = builder.rigid(rod(&name, [x, 0.5, 0.0], 1)).joint(foot);
     }
@@ -190,7 +183,7 @@ fn parallel_cranks(about: f64) -> Body {
         builder = builder.rigid(rod(&name, [x + 0.5, 1.0, 0.0], 0));
         for side in [i, i + 1] {
             let ends = [rigid(&name), rigid(&format!("crank-{side}"))];
-            builder = builder.joint(hinge(&format!("top-{i}-{side}"), ends, [side as f64, 1.0, 0.0]));
+            builder = builder.joint(plane_hinge(&format!("top-{i}-{side}"), ends, [side as f64, 1.0, 0.0]));
         }
     }
     builder.build().unwrap()

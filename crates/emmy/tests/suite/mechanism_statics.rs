@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+use crate::shared::joints::{plane_hinge, rigid};
 use emmy::Error;
 use emmy::equilibrium::{Equilibrium, unbalanced_force};
 use emmy::mesh::{CellKind, MeshBuilder};
@@ -11,14 +12,6 @@ use emmy::motion::{MarchError, NewtonSettings};
 use emmy::prelude::*;
 
 const GRAVITY: f64 = 9.81;
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
-
-fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3]) -> Joint {
-    Joint::new(name, JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, between, at)
-}
 
 fn weight() -> Load {
     Load::acceleration([0.0, -GRAVITY, 0.0])
@@ -56,7 +49,7 @@ fn zero(function: impl Fn(f64) -> f64) -> f64 {
 fn bar(joint: impl Fn(Joint) -> Joint, loads: &[Load]) -> Body {
     Body::builder(Mesh::without_cells())
         .rigid(RigidBody::new("bar", 2.0, [0.5, 0.0, 0.0], [0.3, 0.3, 0.4]))
-        .joint(joint(hinge("pin", [rigid("bar"), JointEnd::Ground], [0.0; 3])))
+        .joint(joint(plane_hinge("pin", [rigid("bar"), JointEnd::Ground], [0.0; 3])))
         .loads(loads)
         .build()
         .unwrap()
@@ -111,8 +104,8 @@ fn driven_joints_are_where_they_are_at_the_time() {
     let body = Body::builder(Mesh::without_cells())
         .rigid(RigidBody::new("a", 2.0, [0.4, 0.0, 0.0], [0.1, 0.25, 0.3]))
         .rigid(RigidBody::new("b", 1.5, [1.6, 0.0, 0.0], [0.1, 0.15, 0.2]))
-        .joint(hinge("ground", [rigid("a"), JointEnd::Ground], [0.0; 3]).driven(drive))
-        .joint(hinge("knee", [rigid("b"), rigid("a")], [1.0, 0.0, 0.0]).with_spring(20.0, None))
+        .joint(plane_hinge("ground", [rigid("a"), JointEnd::Ground], [0.0; 3]).driven(drive))
+        .joint(plane_hinge("knee", [rigid("b"), rigid("a")], [1.0, 0.0, 0.0]).with_spring(20.0, None))
         .load(weight())
         .build()
         .unwrap();
@@ -134,7 +127,7 @@ fn cranks_in_parallel_balance() {
     let mut builder = Body::builder(Mesh::without_cells());
     for i in 0..3 {
         let (x, name) = (i as f64, format!("crank-{i}"));
-        let foot = hinge(&format!("foot-{i}"), [rigid(&name), JointEnd::Ground], [x, 0.0, 0.0]);
+        let foot = plane_hinge(&format!("foot-{i}"), [rigid(&name), JointEnd::Ground], [x, 0.0, 0.0]);
         let foot = if i == 0 { foot.with_spring(60.0, None) } else { foot };
         builder = builder.rigid(rod(&name, [x, 0.5, 0.0], 1)).joint(foot);
     }
@@ -143,7 +136,7 @@ fn cranks_in_parallel_balance() {
         builder = builder.rigid(rod(&name, [x + 0.5, 1.0, 0.0], 0));
         for side in [i, i + 1] {
             let ends = [rigid(&name), rigid(&format!("crank-{side}"))];
-            builder = builder.joint(hinge(&format!("top-{i}-{side}"), ends, [side as f64, 1.0, 0.0]));
+            builder = builder.joint(plane_hinge(&format!("top-{i}-{side}"), ends, [side as f64, 1.0, 0.0]));
         }
     }
     let body = builder.load(Load::acceleration([GRAVITY, 0.0, 0.0])).build().unwrap();
@@ -281,7 +274,7 @@ fn parts_that_can_turn_are_named() {
         let body = Body::builder(beam([4, 1, 1])).region(rubber()).rigid(edge).load(weight()).joint(pin);
         body.build().unwrap()
     };
-    let pin = || hinge("pin", [rigid("leaf"), JointEnd::Ground], [0.0, 0.5, 0.0]);
+    let pin = || plane_hinge("pin", [rigid("leaf"), JointEnd::Ground], [0.0, 0.5, 0.0]);
     says(&hinged(pin()), "nothing holds the part `leaf` against rotation about z through [0, 0.5, 0]");
     equilibrium(&hinged(pin().with_spring(500.0, None)), 0.0);
     let floating = Body::builder(beam([4, 1, 1])).region(rubber()).support(Support::fixed("x-min"));

@@ -5,17 +5,10 @@
 
 use std::f64::consts::PI;
 
+use crate::shared::joints::{hinge, rigid};
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm};
 use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
-
-fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3], axis: [f64; 3]) -> Joint {
-    Joint::new(name, JointKind::Revolute { axis }, between, at)
-}
 
 /// Two free bodies with a joint, which tumble.
 fn tumbling(joint: Joint) -> (Body, State) {
@@ -459,6 +452,23 @@ fn given_motions_may_have_kinks() {
     }
 }
 
+/// Where steps end at the kinks of a given motion, its force has no part in the impulse there, whose work is booked.
+#[test]
+fn impulses_at_kinks_are_in_no_force() {
+    let speeds = TimeFunction::new(vec![(0.0, 0.0), (0.2, 0.0), (0.6, 0.8), (1.0, 0.8)]).unwrap();
+    let rail = JointKind::Prismatic { axis: [1.0, 0.0, 0.0] };
+    let slider = Joint::new("rail", rail, [rigid("cart"), JointEnd::Ground], [0.0; 3]).driven(speeds);
+    let cart = RigidBody::new("cart", 3.0, [0.0; 3], [0.5, 0.6, 0.8]);
+    let body = Body::builder(Mesh::without_cells()).rigid(cart).joint(slider).build().unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap();
+    for step in 1..=10 {
+        let record = motion.step(0.1).unwrap();
+        assert!(record.joints[0].drive.abs() < 1e-7, "step {step}: {record:?}");
+        let kinetic = if (2..6).contains(&step) { 1.5 * 4.0 } else { 0.0 };
+        assert!((record.external_work - kinetic).abs() < 1e-11, "step {step}: {record:?}");
+    }
+}
+
 /// A ball on a spring of zero length in rest to the ground: an ellipse, whose period is that of the oscillator; and a
 /// damped and driven hinge, whose energies are booked.
 #[test]
@@ -579,6 +589,29 @@ fn adaptive_steps_know_joints() {
             assert!(motion.record().constraint_residual < 1e-13);
             last = error;
         }
+    }
+}
+
+/// The torque of a drive, J 3.6 t^2, is that in the middle of the step up to an error of order h^2 at every degree.
+#[test]
+fn torques_belong_to_the_middle_of_a_step() {
+    let law = TimeFunction::smooth("0.3*t^4", |t| [0.3 * t.powi(4), 1.2 * t.powi(3), 3.6 * t * t]);
+    let pin = hinge("pin", [rigid("bar"), JointEnd::Ground], [0.0; 3], [0.0, 0.0, 1.0]).driven(law);
+    let bar = RigidBody::new("bar", 2.0, [0.5, 0.0, 0.0], [0.3, 0.3, 0.4]);
+    let body = Body::builder(Mesh::without_cells()).rigid(bar).joint(pin).build().unwrap();
+    for k in 1..=3 {
+        let [coarse, fine] = [0.025, 0.0125].map(|h: f64| {
+            let mut motion = Motion::new(&body, at(DGM, k)).unwrap();
+            let mut error = 0.0f64;
+            for _ in 0..(1.0 / h).round() as usize {
+                let record = motion.step(h).unwrap();
+                let exact = 0.9 * 3.6 * (record.time - 0.5 * h).powi(2);
+                error = error.max((record.joints[0].drive - exact).abs());
+            }
+            error
+        });
+        assert!((1.8..2.2).contains(&(coarse / fine).log2()), "k = {k}: {coarse:e} {fine:e}");
+        assert!(fine < 0.01, "k = {k}: {fine:e}");
     }
 }
 

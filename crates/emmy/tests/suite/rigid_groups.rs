@@ -2,19 +2,12 @@
 
 #![allow(non_snake_case)]
 
+use crate::shared::joints::{hinge, rigid};
 use crate::shared::schemes::{DGM, at, dgm};
 use emmy::body::{Formulation, PointTerms, RegionSummary};
 use emmy::mesh::MeshBuilder;
 use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
-
-fn rigid(name: &str) -> JointEnd {
-    JointEnd::Rigid(name.into())
-}
-
-fn hinge(name: &str, between: [JointEnd; 2], at: [f64; 3], axis: [f64; 3]) -> Joint {
-    Joint::new(name, JointKind::Revolute { axis }, between, at)
-}
 
 fn rubber(density: f64) -> Region {
     Region::new(NeoHooke::new(4000.0, 2000.0).unwrap(), density)

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::mode_solvers::{ElasticStiffness, ModeSolvers, Stiffness, separated};
-use super::turning::Turning;
+use super::turning::{Turning, turn_table};
 use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, ReusedDamping};
 use crate::error::Result;
@@ -359,23 +359,7 @@ impl ApproximateTangent {
     /// Turns a table of the displacements of some nodes under unit forces on them, `[k][nodes][3]` in both directions,
     /// from the orientation of K to that of the step; `memory`: for as many numbers.
     pub(crate) fn turn_table(&self, nodes: &[u32], table: &mut [f64], memory: &mut [f64]) {
-        let n = table.len().isqrt();
-        let of_node = |node: u32| self.turning.iter().find(|part| part.has(node));
-        let turning =
-            || nodes.iter().enumerate().filter_map(|(number, &node)| Some((number, of_node(node)?)));
-        for (number, part) in turning() {
-            table.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
-        }
-        transpose(table, memory);
-        for (number, part) in turning() {
-            memory.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
-            if part.is_spinning() && !self.solvers.is_of_mass() {
-                table.copy_from_slice(memory);
-                let rows = table.chunks_exact(n).zip(memory.chunks_exact_mut(n));
-                rows.for_each(|(old, row)| part.unstrain_node(number, old, row));
-            }
-        }
-        transpose(memory, table);
+        turn_table(&self.turning, !self.solvers.is_of_mass(), nodes, (table, memory));
     }
 
     /// Adds the stage forces of local unknowns in the present orientation, times the square of the time scale, with the
@@ -488,12 +472,4 @@ fn rotations<'r>(
     to_middle: &'r Mat3<f64>,
 ) -> impl Iterator<Item = Mat3<f64>> + 'r {
     rule.nodes().iter().map(move |c| product(&exp(&rotation.map(|w| (c - 0.5) * w)), to_middle))
-}
-
-/// Sets the transpose of a square table.
-fn transpose(table: &[f64], transposed: &mut [f64]) {
-    let n = table.len().isqrt();
-    for (i, row) in table.chunks_exact(n).enumerate() {
-        row.iter().enumerate().for_each(|(j, x)| transposed[j * n + i] = *x);
-    }
 }

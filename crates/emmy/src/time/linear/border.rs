@@ -74,44 +74,48 @@ impl Border {
         self.is_turned = false;
     }
 
-    /// Sets F. `solve` solves in the orientation of K for stage forces, `[k][n_nodes][3]`; `turn` turns a table of the
-    /// joint nodes, with memory for another.
+    /// Sets F in the orientation of K, unless it is known; `solve` solves there for stage forces, `[k][n_nodes][3]`.
     ///
     /// # Errors
     /// Those of `solve`.
-    pub(crate) fn set_flexibility(
+    pub(crate) fn set_unturned(
         &mut self,
         n_rates: usize,
         mut solve: impl FnMut(&[f64], &mut [f64], f64) -> Result<usize>,
-        turn: impl FnOnce(&mut [f64], &mut [f64]),
     ) -> Result<()> {
+        if self.is_computed {
+            return Ok(());
+        }
+        // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
         let n = self.entries.len();
-        if !self.is_computed {
-            // A part of the set-up, as factorising is: a resumed motion repeats it, so its iterations do not count.
-            self.force.resize(n_rates, 0.0);
-            self.column.resize(n_rates, 0.0);
-            self.unturned.resize(n * n, 0.0);
-            for (column, &at) in self.entries.iter().enumerate() {
-                self.force.fill(0.0);
-                self.force[at] = 1.0;
-                self.column.fill(0.0);
-                if !self.is_held[column] {
-                    solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
-                }
-                self.entries.iter().enumerate().for_each(|(row, &at)| {
-                    self.unturned[row * n + column] = self.column[at];
-                });
+        self.force.resize(n_rates, 0.0);
+        self.column.resize(n_rates, 0.0);
+        self.unturned.resize(n * n, 0.0);
+        for (column, &at) in self.entries.iter().enumerate() {
+            self.force.fill(0.0);
+            self.force[at] = 1.0;
+            self.column.fill(0.0);
+            if !self.is_held[column] {
+                solve(&self.force, &mut self.column, FLEXIBILITY_TOLERANCE)?;
             }
-            self.is_computed = true;
+            self.entries.iter().enumerate().for_each(|(row, &at)| {
+                self.unturned[row * n + column] = self.column[at];
+            });
         }
-        if !self.is_turned {
-            self.flexibility.clear();
-            self.flexibility.extend_from_slice(&self.unturned);
-            self.matrix.resize(n * n, 0.0);
-            turn(&mut self.flexibility, &mut self.matrix);
-            self.is_turned = true;
-        }
+        self.is_computed = true;
         Ok(())
+    }
+
+    /// Sets F from that in the orientation of K, unless it is known; `turn` turns a table of the joint nodes, with
+    /// memory for another.
+    pub(crate) fn set_turned(&mut self, turn: impl FnOnce(&mut [f64], &mut [f64])) {
+        if self.is_turned {
+            return;
+        }
+        self.flexibility.clone_from(&self.unturned);
+        self.matrix.resize(self.unturned.len(), 0.0);
+        turn(&mut self.flexibility, &mut self.matrix[..self.unturned.len()]);
+        self.is_turned = true;
     }
 
     /// Mean mass of a node, which weighs the residuals of the constraints.

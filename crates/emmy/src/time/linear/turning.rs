@@ -133,6 +133,41 @@ impl Turning {
     }
 }
 
+/// Turns a table of the displacements of some nodes under unit forces on them, `[k][nodes][3]` in both directions, from
+/// the orientation of K to that of the step. `unstrains`: whether rates that strain a part become rates; `memory`: for
+/// as many numbers.
+pub(super) fn turn_table(
+    parts: &[Turning],
+    unstrains: bool,
+    nodes: &[u32],
+    (table, memory): (&mut [f64], &mut [f64]),
+) {
+    let n = table.len().isqrt();
+    let of_node = |node: u32| parts.iter().find(|part| part.has(node));
+    let turning = || nodes.iter().enumerate().filter_map(|(number, &node)| Some((number, of_node(node)?)));
+    for (number, part) in turning() {
+        table.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
+    }
+    transpose(table, memory);
+    for (number, part) in turning() {
+        memory.chunks_exact_mut(n).for_each(|row| part.turn_node(number, row));
+        if unstrains && part.is_spinning() {
+            table.copy_from_slice(memory);
+            let rows = table.chunks_exact(n).zip(memory.chunks_exact_mut(n));
+            rows.for_each(|(old, row)| part.unstrain_node(number, old, row));
+        }
+    }
+    transpose(memory, table);
+}
+
+/// Sets the transpose of a square table.
+fn transpose(table: &[f64], transposed: &mut [f64]) {
+    let n = table.len().isqrt();
+    for (i, row) in table.chunks_exact(n).enumerate() {
+        row.iter().enumerate().for_each(|(j, x)| transposed[j * n + i] = *x);
+    }
+}
+
 /// Nodes of one task.
 const NODES: usize = 2048;
 

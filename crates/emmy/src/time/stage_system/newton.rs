@@ -1,7 +1,5 @@
 //! The stage equations as a system for Newton's iteration.
 
-use std::cell::RefCell;
-
 use super::StageSystem;
 use crate::error::{Error, Result};
 use crate::newton::{Ending, ROUND_OFF, Sizes, System, Tangent};
@@ -35,24 +33,24 @@ impl StageSystem<'_> {
             return Ok(());
         }
         let is_unturned = scheme_force.is_zero();
-        let (nodes, tangent) = (body.constraints().nodes(), RefCell::new(approximate_tangent));
-        let solve = |right: &[f64], dx: &mut [f64], tolerance: f64| {
-            let mut tangent = tangent.borrow_mut();
+        border.set_unturned(blocks.rates, |right, dx, tolerance| {
             let iterations = if is_unturned {
-                tangent.solve_unturned(body, right, dx, tolerance)
+                approximate_tangent.solve_unturned(body, right, dx, tolerance)
             } else {
                 force.copy_from_slice(right);
                 scheme_force.correct(body, force);
                 local_of_border.fill(0.0);
-                tangent.solve((body, &coefficients.rule), force, (dx, local_of_border), tolerance)
+                let rule = &coefficients.rule;
+                approximate_tangent.solve((body, rule), force, (dx, local_of_border), tolerance)
             };
             iterations.ok_or_else(|| missed(tolerance))
-        };
-        border.set_flexibility(blocks.rates, solve, |table, memory| {
+        })?;
+        border.set_turned(|table, memory| {
             if is_unturned {
-                tangent.borrow().turn_table(nodes, table, memory);
+                approximate_tangent.turn_table(body.constraints().nodes(), table, memory);
             }
-        })
+        });
+        Ok(())
     }
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.

@@ -4,6 +4,7 @@ pub(crate) mod blocks;
 pub(crate) mod cells;
 pub(crate) mod faces;
 pub(crate) mod flight;
+pub(crate) mod joints;
 pub(crate) mod patch;
 pub(crate) mod plane_patch;
 pub(crate) mod points;
