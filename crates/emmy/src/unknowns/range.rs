@@ -90,8 +90,8 @@ impl Range {
         self.rank
     }
 
-    /// Adds a basis of the complement. Each vector is a unit vector without its parts along the vectors before; the unit
-    /// vector that keeps most of its length comes next.
+    /// Adds a basis of the complement. Each vector is a unit vector without its parts along the vectors before; the
+    /// unit vector that keeps most of its length comes next.
     fn complete(&mut self) {
         let n = self.n_rows;
         let left = &mut self.squares[..n];
