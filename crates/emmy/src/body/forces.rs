@@ -158,6 +158,17 @@ impl Body {
         }
     }
 
+    /// Memory for a stiffness that is kept while bodies turn against each other: without the forces whose derivatives
+    /// are taken with those of the constraints.
+    pub(crate) fn assembly_to_keep(&self, rule: &Rule) -> Assembly {
+        let mut assembly = self.assembly(rule);
+        if !self.constraints().is_empty() {
+            let acts = self.others().map(|force| !force.acts_on_joint_nodes());
+            assembly.acting.acts.iter_mut().zip(acts).for_each(|(own, acts)| *own = acts);
+        }
+        assembly
+    }
+
     fn acting(&self, rule: &Rule) -> Acting {
         let memories: Vec<ForceMemory> = self.others().map(|force| force.memory(rule)).collect();
         let [steady, varying] = [(); 2].map(|()| vec![0.0; rule.degree() * self.n_dofs()]);

@@ -280,13 +280,14 @@ impl Body {
         self.viscous_time
     }
 
-    /// Whether the viscosities are no multiple of the stiffness at rest: some parts have others or none, or there are
-    /// dampers.
+    /// Whether the viscosities in a kept stiffness are no multiple of that at rest: some parts have others or none, or
+    /// there are dampers.
     pub(crate) fn has_uneven_viscosity(&self) -> bool {
         let is_multiple = |viscosity: &Viscosity| viscosity.shear == 0.0 && viscosity.bulk == 0.0;
         let first = self.viscosities().next();
         let is_even = self.viscosities().all(|own| is_multiple(own) && Some(own) == first);
-        self.is_viscous() && !(is_even && self.stores_energy_in_cells_alone()) || self.has_dampers()
+        self.is_viscous() && !(is_even && self.stores_energy_in_cells_alone())
+            || self.constraints().is_empty() && self.has_dampers()
     }
 
     /// Viscosity of each region.

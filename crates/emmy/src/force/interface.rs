@@ -51,6 +51,12 @@ pub trait Force: fmt::Debug + Send + Sync {
         self.book() == Book::Stored && self.side() == Side::Outside
     }
 
+    /// Whether it acts on the nodes of joints alone. Where a body has constraints, its derivatives are taken exactly
+    /// together with theirs, not into the kept stiffness.
+    fn acts_on_joint_nodes(&self) -> bool {
+        false
+    }
+
     /// Nodes and quadrature points of a cell, for the memory of an assembly.
     fn scratch_size(&self) -> [usize; 2] {
         [0; 2]

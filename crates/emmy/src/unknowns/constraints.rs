@@ -8,7 +8,7 @@ use crate::nodal;
 #[derive(Debug, Default)]
 pub(crate) struct Constraints {
     rows: Vec<Constraint>,
-    /// Nodes of the constraints, ascending.
+    /// Nodes of the constraints, and of forces between joint nodes, ascending.
     nodes: Vec<u32>,
     /// Size of the body \[length\].
     size: f64,
@@ -18,16 +18,20 @@ pub(crate) struct Constraints {
 }
 
 impl Constraints {
-    /// Some constraints of a body of some size; `is_grounded`: whether one of them joins the body to the ground;
-    /// `release`: when the first of them end.
+    /// Some constraints of a body of some size; `further`: nodes of forces that are taken with them; `is_grounded`:
+    /// whether one of them joins the body to the ground; `release`: when the first of them end.
     pub(crate) fn new(
         rows: impl Iterator<Item = Constraint>,
+        further: impl Iterator<Item = u32>,
         size: f64,
         is_grounded: bool,
         release: Option<f64>,
     ) -> Self {
         let rows: Vec<Constraint> = rows.map(Constraint::normalised).collect();
         let mut nodes: Vec<u32> = rows.iter().flat_map(Constraint::nodes).collect();
+        if !rows.is_empty() {
+            nodes.extend(further);
+        }
         nodes.sort_unstable();
         nodes.dedup();
         Constraints { rows, nodes, size, is_grounded, release }

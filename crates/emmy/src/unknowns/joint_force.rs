@@ -173,6 +173,81 @@ impl JointLaw {
         // A coordinate at rest has a gap of rounding over a rate of rounding.
         Ok(if gap.abs() > self.spring.stiffness * noise * stretch { gap / square } else { 0.0 })
     }
+
+    fn local(&self, node: u32) -> usize {
+        self.nodes.partition_point(|&own| own < node)
+    }
+
+    fn gradient(&self, u: &dyn Fn(usize) -> f64) -> [f64; MAX_DOFS] {
+        let mut gradient = [0.0; MAX_DOFS];
+        self.measure.for_each_gradient(u, &mut |dof, value| {
+            gradient[nodal::dof(self.local((dof / 3) as u32), dof % 3)] += value;
+        });
+        gradient
+    }
+
+    /// Degrees of freedom in their order.
+    fn dofs(&self) -> impl Iterator<Item = usize> {
+        self.nodes.iter().flat_map(|&node| nodal::dofs(node as usize))
+    }
+
+    /// Calls a function with the derivatives of a force `t g` in a stage by the rates in all: stage, degrees of freedom
+    /// among those of the nodes, and `s^2` times
+    ///
+    /// ```math
+    /// d(t g)/dx_j = g (c a_ij g + d (delta_ij g + a_ij g' x_i)) + t a_ij g',    dt = c dx + d dx'
+    /// ```
+    fn for_each_derivative(
+        &self,
+        (step, i): (&StepInput<'_>, usize),
+        [t, c, d]: [f64; 3],
+        visit: &mut dyn FnMut(usize, [usize; 2], f64),
+    ) {
+        let n = 3 * self.nodes.len();
+        let u = |dof: usize| step.displacement_in(i, dof);
+        let x = &step.rates[i * step.displacement.len()..];
+        let gradient = self.gradient(&u);
+        let mut curvature = [0.0; MAX_DOFS * MAX_DOFS];
+        let curvature = &mut curvature[..n * n];
+        self.measure.add_curvature(&u, &|node| self.local(node), (curvature, n));
+        let mut turning = [0.0; MAX_DOFS];
+        for (sum, row) in turning.iter_mut().zip(curvature.chunks_exact(n)) {
+            *sum = row.iter().zip(self.dofs()).map(|(entry, dof)| entry * x[dof]).sum();
+        }
+        for j in 0..step.rule.degree() {
+            let a_ij = step.rule.coefficients()[i * step.rule.degree() + j];
+            for (own, other) in (0..n * n).map(|at| (at / n, at % n)) {
+                let same = if i == j { d * gradient[other] } else { 0.0 };
+                let rate = c * a_ij * gradient[other] + same + d * a_ij * turning[other];
+                let sum = gradient[own] * rate + t * a_ij * curvature[own * n + other];
+                visit(j, [own, other], step.tangent_factor * sum);
+            }
+        }
+    }
+
+    /// Calls a function with the derivatives of the forces of spring and damper in a step, as
+    /// [`JointLaw::for_each_derivative`]: both stages, both degrees of freedom of the body, and the number.
+    pub(crate) fn for_each_stored_derivative(
+        &self,
+        step: &StepInput<'_>,
+        visit: &mut dyn FnMut([usize; 2], [usize; 2], f64),
+    ) {
+        // A step that the spring refuses has no residual.
+        let Ok(total) = self.total_damping(step) else { return };
+        let dof = |own: usize| nodal::dof(self.nodes[own / 3] as usize, own % 3);
+        for i in 0..step.rule.degree() {
+            let factors = self.factors(step, self.stored_force(step, i, total));
+            self.for_each_derivative((step, i), factors, &mut |j, pair, value| {
+                visit([i, j], pair.map(dof), value);
+            });
+        }
+    }
+
+    /// Force t of spring and damper, and its derivatives by the coordinate and its rate.
+    fn factors(&self, step: &StepInput<'_>, force: f64) -> [f64; 3] {
+        // `r x'` hardly changes, though r is large where the coordinate is nearly at rest.
+        [force, self.spring.stiffness, self.damping * step.damping.inverse_step_size]
+    }
 }
 
 /// A law with its place in the pattern.
@@ -185,23 +260,6 @@ struct Coupled {
 }
 
 impl Coupled {
-    fn local(&self, node: u32) -> usize {
-        self.law.nodes.partition_point(|&own| own < node)
-    }
-
-    fn gradient(&self, u: &dyn Fn(usize) -> f64) -> [f64; MAX_DOFS] {
-        let mut gradient = [0.0; MAX_DOFS];
-        self.law.measure.for_each_gradient(u, &mut |dof, value| {
-            gradient[nodal::dof(self.local((dof / 3) as u32), dof % 3)] += value;
-        });
-        gradient
-    }
-
-    /// Degrees of freedom in their order.
-    fn dofs(&self) -> impl Iterator<Item = usize> {
-        self.law.nodes.iter().flat_map(|&node| nodal::dofs(node as usize))
-    }
-
     /// Adds the force `factor g` of a stage to the rows of a part.
     fn add_force(&self, (i, factor): (usize, f64), gradient: &[f64; MAX_DOFS], sink: &mut RowPart) {
         for (&node, g) in self.law.nodes.iter().zip(gradient.as_chunks::<3>().0) {
@@ -211,44 +269,16 @@ impl Coupled {
         }
     }
 
-    /// Adds the derivatives of a force in a stage by the rates in all: `factor` times
-    ///
-    /// ```math
-    /// d(t g)/dx_j = g (s a_ij g + d (delta_ij g + a_ij g' x_i)) + t a_ij g'
-    /// ```
-    fn add_derivatives(
-        &self,
-        step: &StepInput<'_>,
-        (i, gradient): (usize, &[f64; MAX_DOFS]),
-        [t, s, d]: [f64; 3],
-        sink: &mut RowPart,
-    ) {
-        let (k, n) = (step.rule.degree(), 3 * self.law.nodes.len());
-        let u = |dof: usize| step.displacement_in(i, dof);
-        let x = &step.rates[i * step.displacement.len()..];
-        let mut curvature = [0.0; MAX_DOFS * MAX_DOFS];
-        let curvature = &mut curvature[..n * n];
-        self.law.measure.add_curvature(&u, &|node| self.local(node), (curvature, n));
-        let mut turning = [0.0; MAX_DOFS];
-        for (sum, row) in turning.iter_mut().zip(curvature.chunks_exact(n)) {
-            *sum = row.iter().zip(self.dofs()).map(|(entry, dof)| entry * x[dof]).sum();
-        }
-        for (a, b) in (0..self.law.nodes.len()).flat_map(|a| (0..self.law.nodes.len()).map(move |b| (a, b))) {
-            if !sink.owns(self.law.nodes[a]) {
-                continue;
+    /// Adds the derivatives of a force in a stage to the blocks of a part, as
+    /// [`JointLaw::for_each_derivative`].
+    fn add_derivatives(&self, stage: (&StepInput<'_>, usize), factors: [f64; 3], sink: &mut RowPart) {
+        let (k, n) = (stage.0.rule.degree(), self.law.nodes.len());
+        self.law.for_each_derivative(stage, factors, &mut |j, [own, other], value| {
+            if sink.owns(self.law.nodes[own / 3]) {
+                let position = self.positions[own / 3 * n + other / 3] as usize;
+                sink.block_mut(position, stage.1 * k + j)[3 * (own % 3) + other % 3] += value;
             }
-            for j in 0..k {
-                let a_ij = step.rule.coefficients()[i * k + j];
-                let block = sink.block_mut(self.positions[a * self.law.nodes.len() + b] as usize, i * k + j);
-                for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
-                    let (own, other) = (3 * a + row, 3 * b + column);
-                    let same = if i == j { d * gradient[other] } else { 0.0 };
-                    let rate = s * a_ij * gradient[other] + same + d * a_ij * turning[other];
-                    let sum = gradient[own] * rate + t * a_ij * curvature[own * n + other];
-                    block[3 * row + column] += step.tangent_factor * sum;
-                }
-            }
-        }
+        });
     }
 }
 
@@ -292,16 +322,18 @@ impl Force for SpringAndDamper {
         let Coupled { law, .. } = &self.0;
         let damping = law.total_damping(step)?;
         for i in 0..step.rule.degree() {
-            let gradient = self.0.gradient(&|dof| step.displacement_in(i, dof));
+            let gradient = law.gradient(&|dof| step.displacement_in(i, dof));
             let force = law.stored_force(step, i, damping);
             self.0.add_force((i, force), &gradient, sink);
             if request != Request::Stress {
-                // `r x'` hardly changes, though r is large where the coordinate is nearly at rest.
-                let damping = law.damping * step.damping.inverse_step_size;
-                self.0.add_derivatives(step, (i, &gradient), [force, law.spring.stiffness, damping], sink);
+                self.0.add_derivatives((step, i), law.factors(step, force), sink);
             }
         }
         Ok(())
+    }
+
+    fn acts_on_joint_nodes(&self) -> bool {
+        true
     }
 
     fn dissipates(&self) -> bool {
@@ -359,10 +391,10 @@ impl Force for Motor {
         sink: &mut RowPart,
     ) -> Result<()> {
         for (i, &value) in memory.of::<Vec<f64>>().iter().enumerate() {
-            let gradient = self.0.gradient(&|dof| step.displacement_in(i, dof));
+            let gradient = self.0.law.gradient(&|dof| step.displacement_in(i, dof));
             self.0.add_force((i, value), &gradient, sink);
             if request != Request::Stress {
-                self.0.add_derivatives(step, (i, &gradient), [-value, 0.0, 0.0], sink);
+                self.0.add_derivatives((step, i), [-value, 0.0, 0.0], sink);
             }
         }
         Ok(())

@@ -106,7 +106,9 @@ impl Mechanism {
         let held = || joints.iter().filter(|joint| holds(joint));
         let is_grounded = held().any(|joint| joint.between.contains(&JointEnd::Ground));
         let release = held().filter_map(|joint| joint.until).min_by(f64::total_cmp);
-        let constraints = Constraints::new(rows.into_iter(), size_of(mesh, &joints), is_grounded, release);
+        let size = size_of(mesh, &joints);
+        let of_laws = outputs.iter().filter_map(JointOutput::law).flat_map(|law| law.nodes()).copied();
+        let constraints = Constraints::new(rows.into_iter(), of_laws, size, is_grounded, release);
         let moves = |node: u32| frames.iter().any(|frame| frame.moves(&[node], leaders));
         let has_elastic_node = |joint: &Joint| {
             joint.between.iter().any(|end| matches!(end, JointEnd::Node(node) if !moves(*node)))
@@ -276,9 +278,14 @@ impl Mechanism {
         laws.flat_map(|(law, is_grounded)| joint_force::forces(law, is_grounded, pattern)).collect()
     }
 
+    /// The laws of the joints with a spring, a damper or a motor.
+    pub(crate) fn laws(&self) -> impl Iterator<Item = &Arc<JointLaw>> {
+        self.outputs.iter().filter_map(JointOutput::law)
+    }
+
     /// The laws of the joints with a spring.
     pub(crate) fn springs(&self) -> impl Iterator<Item = &Arc<JointLaw>> {
-        self.outputs.iter().filter_map(JointOutput::law).filter(|law| law.has_spring())
+        self.laws().filter(|law| law.has_spring())
     }
 
     /// Sets the forces of the joints in a solved step, and in the place of the coordinates the changes of the angles.

@@ -86,7 +86,7 @@ impl ApproximateTangent {
             viscous_rate: 0.0,
             dissipation: coefficients.scheme_excess(),
             integrals: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
-            assembly: body.assembly(&rule),
+            assembly: body.assembly_to_keep(&rule),
             elastic,
             rule,
             orientation: IDENTITY,

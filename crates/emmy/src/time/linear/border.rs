@@ -11,7 +11,8 @@
 //! Constraints outside the range of all, with the orthonormal basis Z, need not hold: `J x_B - Z nu = -C` with the
 //! unknowns nu, and `Z^T dLambda = 0`.
 //!
-//! Q takes off what carriers add to the mass in P, `m_ij S`.
+//! Q contains the derivatives of springs and dampers in joints, which P leaves out, and takes off what carriers add to
+//! the mass in P, `m_ij S`.
 
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -41,7 +42,7 @@ pub(crate) struct Border {
     derivatives: Derivatives,
     /// Z of a stage, `[vector][constraint]`.
     complement: Vec<f64>,
-    /// Q, if there are carriers; without them it is that of the derivatives.
+    /// Q, if there are carriers, springs or dampers; without them it is that of the derivatives.
     beside: Vec<f64>,
     /// Memory for the dense system, its right side, and a right side and a solution of the body.
     matrix: Vec<f64>,
@@ -136,20 +137,24 @@ impl Border {
         self.complement.extend(step.1.range().complement().flatten());
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
         self.beside.clear();
-        if body.mechanism.carriers.is_empty() {
+        if body.mechanism.carriers.is_empty() && body.mechanism.laws().next().is_none() {
             return;
         }
         self.beside.extend_from_slice(&self.derivatives.forces);
         let n = self.entries.len();
-        let local = |stage: usize, node: u32, d: usize| {
-            stage * (n / k) + body.constraints().local_dof(nodal::dof(node as usize, d))
-        };
+        let local = |stage: usize, dof: usize| stage * (n / k) + body.constraints().local_dof(dof);
+        for law in body.mechanism.laws() {
+            law.for_each_stored_derivative(step.0, &mut |[i, j], [own, other], value| {
+                self.beside[local(i, own) * n + local(j, other)] += value;
+            });
+        }
         for carrier in &body.mechanism.carriers {
             for ((a, own), (b, other)) in
                 carrier.weights().flat_map(|a| carrier.weights().map(move |b| (a, b)))
             {
                 for (i, j, d) in (0..k * k * 3).map(|at| (at / (3 * k), at / 3 % k, at % 3)) {
-                    self.beside[local(i, a, d) * n + local(j, b, d)] -= mass(i, j) * own * other;
+                    let [a, b] = [a, b].map(|node| nodal::dof(node as usize, d));
+                    self.beside[local(i, a) * n + local(j, b)] -= mass(i, j) * own * other;
                 }
             }
         }

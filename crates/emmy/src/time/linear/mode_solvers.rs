@@ -48,7 +48,7 @@ impl ElasticStiffness {
     }
 
     fn assemble(&mut self, body: &Body, undamped: &StepInput<'_>) -> Result<&StageMatrix> {
-        let assembly = self.assembly.get_or_insert_with(|| body.assembly(undamped.rule));
+        let assembly = self.assembly.get_or_insert_with(|| body.assembly_to_keep(undamped.rule));
         if !self.is_current {
             body.assemble(undamped, Request::Tangent, &[0.0], assembly)?;
             self.is_current = true;
