@@ -158,6 +158,7 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     let step_size = problem.plan.phases()[0].size;
     let rates: Vec<f64> = state.velocity.iter().map(|v| step_size * v).collect::<Vec<_>>().repeat(k);
     let step = StepInput {
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
         rule: &rule,

@@ -53,7 +53,7 @@ class Joint(Table):
     slide : history, optional
         Given slide of the first body relative to the second along the axis, from 0 on.
     spring : dict, optional
-        A spring in the angle, up to half a turn from the drawing, the slide or the length of a line: its ``stiffness``,
+        A spring in the angle, over any number of turns, the slide or the length of a line: its ``stiffness``,
         and ``rest``, the angle or slide from the drawing, or the length, at which it has no force; as drawn if not
         given.
     damping : float, optional

@@ -93,6 +93,7 @@ impl Step {
             tangent_factor: 1e-4,
             displacement,
             rates,
+            coordinates: &[],
             damping: StepDamping::default(),
             local: None,
         };

@@ -46,6 +46,7 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, request: Request) {
         tangent_factor: 1e-4,
         displacement: &displacement,
         rates: &rates,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

@@ -476,14 +476,6 @@ pub enum Error {
         /// Smallest determinant seen.
         det: f64,
     },
-    /// A spring of a joint beyond half a turn, where its angle is not known.
-    #[error(
-        "the spring of joint \"{joint}\" is wound up by more than half a turn from the drawing, where it ends"
-    )]
-    WoundUp {
-        /// Name of the joint.
-        joint: String,
-    },
     /// A configuration in which a force is not defined.
     #[error("{reason}")]
     Refused {

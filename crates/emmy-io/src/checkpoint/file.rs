@@ -223,8 +223,10 @@ pub(super) fn is_finite(state: &State) -> bool {
         momentum_error,
         is_equilibrium: _,
         history,
+        coordinates,
     } = state;
-    let lists = [displacement, momentum, velocity, displacement_low, &momentum_error[..], history];
+    let lists =
+        [displacement, momentum, velocity, displacement_low, &momentum_error[..], history, coordinates];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }
 

@@ -443,8 +443,8 @@ impl Body {
     }
 
     /// Strain energy and smallest det F of the forces that count here.
-    pub(super) fn own_strain_state(&self, displacement: &[f64]) -> StrainState {
-        let states = self.counted_forces().map(|force| force.strain_state(displacement));
+    pub(super) fn own_strain_state(&self, displacement: &[f64], coordinates: &[f64]) -> StrainState {
+        let states = self.counted_forces().map(|force| force.strain_state(displacement, coordinates));
         states.fold(StrainState::NONE, StrainState::with)
     }
 

@@ -63,7 +63,8 @@ impl Body {
         sum[0]
     }
 
-    /// Strain energy V of a displacement, with the potential of springs and attractions to the ground \[energy\].
+    /// Strain energy V of a displacement, with the potential of springs and attractions to the ground, and of the springs
+    /// of joints, whose angles are within half a turn \[energy\].
     pub fn strain_energy(&self, displacement: &[f64]) -> f64 {
         self.strain_state(displacement).strain_energy
     }
@@ -80,7 +81,12 @@ impl Body {
     /// ```
     #[doc(hidden)]
     pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        self.strain_state_of_ranks(self.own_strain_state(displacement))
+        self.strain_state_near(displacement, &[])
+    }
+
+    /// The same with the coordinates of the joints to half a turn, `[n_joints]`.
+    pub(crate) fn strain_state_near(&self, displacement: &[f64], coordinates: &[f64]) -> StrainState {
+        self.strain_state_of_ranks(self.own_strain_state(displacement, coordinates))
     }
 
     /// The strain state of all ranks from that of the cells that count here; the cell is one of the whole mesh.

@@ -82,9 +82,9 @@ impl<'a> Equilibrium<'a> {
         let mut motion = Motion::starting(&self.loaded, Scheme::Static, settings, rest)?;
         motion.allow_cuts(None);
         motion.march(&self.plan, observers)?;
-        let displacement = motion.state().displacement.clone();
+        let State { displacement, coordinates, .. } = motion.state().clone();
         let state = State::displaced(self.body, self.time, displacement, fields)?;
-        Ok(State { is_equilibrium: true, ..state })
+        Ok(State { is_equilibrium: true, coordinates, ..state })
     }
 }
 

@@ -112,8 +112,9 @@ pub trait Force: fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// Stored energy, and smallest det F, at a displacement.
-    fn strain_state(&self, _displacement: &[f64]) -> StrainState {
+    /// Stored energy, and smallest det F, at a displacement; `coordinates` of the joints as in [`StepInput`], to half a
+    /// turn.
+    fn strain_state(&self, _displacement: &[f64], _coordinates: &[f64]) -> StrainState {
         StrainState::NONE
     }
 

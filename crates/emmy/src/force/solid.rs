@@ -440,7 +440,7 @@ impl Force for SolidForce {
         self.add_start_gradient_of_cells(step, adjoint, gradient);
     }
 
-    fn strain_state(&self, displacement: &[f64]) -> StrainState {
+    fn strain_state(&self, displacement: &[f64], _: &[f64]) -> StrainState {
         self.strain_state_sum(0..self.cells.len(), displacement)
     }
 

@@ -117,7 +117,7 @@ impl Force for GroundSprings {
         }
     }
 
-    fn strain_state(&self, displacement: &[f64]) -> StrainState {
+    fn strain_state(&self, displacement: &[f64], _: &[f64]) -> StrainState {
         let at = |node: u32| nodal::at(displacement, node as usize);
         let product = |a: u32, b: u32| at(a).iter().zip(at(b)).map(|(a, b)| a * b).sum::<f64>();
         let energies = self.pairs.iter().map(|&(row, column, k)| 0.5 * k * product(row, column));

@@ -15,6 +15,9 @@ pub struct StepInput<'a> {
     pub displacement: &'a [f64],
     /// Rates x_j of the displacement, `[k][n_nodes][3]`.
     pub rates: &'a [f64],
+    /// Coordinates of the joints at the start, angles counted over full turns, `[n_joints]`; empty: angles within half a
+    /// turn.
+    pub coordinates: &'a [f64],
     /// Damping of the strain rates.
     pub damping: StepDamping,
     /// Local unknowns, such as the pressures of cells with a projected volume, `[function][l]`; `None`: those of the
@@ -30,6 +33,7 @@ impl<'a> StepInput<'a> {
             tangent_factor: 0.0,
             displacement,
             rates,
+            coordinates: &[],
             damping: StepDamping::default(),
             local: None,
         }

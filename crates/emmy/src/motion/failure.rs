@@ -22,9 +22,7 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
 
 /// Whether a smaller step may succeed where one has failed.
 pub(super) fn may_shrink_after(error: &Error) -> bool {
-    let is_final = |cause: &Error| {
-        matches!(cause, Error::NotFiniteAt { .. } | Error::NotOnTeam { .. } | Error::WoundUp { .. })
-    };
+    let is_final = |cause: &Error| matches!(cause, Error::NotFiniteAt { .. } | Error::NotOnTeam { .. });
     !is_final(cause_of(error)) && !is_lost(error)
 }
 

@@ -25,11 +25,10 @@ impl MechanismRecorder {
         Ok(Some(MechanismRecorder { velocity: ConstrainedVelocity::new(body)?, allowed: Vec::new() }))
     }
 
-    /// Sets joints and rigid bodies in the record of a state. The forces of the joints are set; angles are counted on
-    /// from those of the last record.
+    /// Sets joints and rigid bodies in the record of a state, whose forces of joints are set.
     pub(super) fn set(&mut self, body: &Body, state: &State, record: &mut Record) {
         let u = |dof: usize| state.displacement[dof];
-        body.mechanism.set_coordinates(&u, &mut record.joints);
+        body.mechanism.set_coordinates(&u, &state.coordinates, &mut record.joints);
         self.allowed.clear();
         self.allowed.extend_from_slice(&state.velocity);
         // A position in which no velocity is allowed is reported by the next step.

@@ -113,7 +113,7 @@ pub struct Record {
 impl Record {
     /// The record with the energies and momenta of a state.
     pub(super) fn at(self, body: &Body, state: &State) -> Record {
-        self.with_invariants(body, state, body.strain_state(&state.displacement))
+        self.with_invariants(body, state, body.strain_state_near(&state.displacement, &state.coordinates))
     }
 
     /// The same, from a given strain energy and det F.

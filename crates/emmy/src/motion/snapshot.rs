@@ -58,6 +58,7 @@ impl Snapshot {
             momentum_error: _,
             is_equilibrium: _,
             history: _,
+            coordinates: _,
         } = &mut self.state;
         let of_state = [
             ("displacement", displacement),

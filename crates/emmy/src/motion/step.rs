@@ -98,10 +98,8 @@ impl Motion<'_> {
         self.state.time = end;
         self.state.step += 1;
         self.state.is_equilibrium = false;
-        let mut joints = self.stepper.joints().to_vec();
-        joints.iter_mut().zip(&self.record.joints).for_each(|(new, old)| new.coordinate += old.coordinate);
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
-        self.record.joints = joints;
+        self.record.joints = self.stepper.joints().to_vec();
         if let Some(recorder) = &mut self.mechanism {
             recorder.set(self.body, &self.state, &mut self.record);
             self.note_turn(step_size);

@@ -149,6 +149,7 @@ impl<'a> Motion<'a> {
         body.space.agree(check_state(body, &state))?;
         // Central differences, whose state it may be, have momenta at guests.
         body.space.clear_guests(&mut state.momentum);
+        body.mechanism.fit_coordinates(&state.displacement, &mut state.coordinates);
         // Nodes that supports held until then may move.
         let released = |now: &&'a Body| due_release(now, state.time, 0.0).map(|(_, next)| next);
         let due = std::iter::successors(Some(body), released).last().unwrap_or(body);
@@ -363,8 +364,10 @@ impl<'a> Motion<'a> {
             self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
             let message = format!("{} released (until = {})", what_ends(self.body, body, time), short(time));
             if !Arc::ptr_eq(&self.body.mechanism, &body.mechanism) {
-                let [before, after] =
-                    [self.body, body].map(|body| body.strain_state(&self.state.displacement).strain_energy);
+                let [before, after] = [self.body, body].map(|body| {
+                    let State { displacement, coordinates, .. } = &self.state;
+                    body.strain_state_near(displacement, coordinates).strain_energy
+                });
                 self.record.strain_energy += after - before;
                 self.record.total_energy += after - before;
                 self.record.external_work += after - before;

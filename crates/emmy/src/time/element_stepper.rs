@@ -41,6 +41,8 @@ pub struct TimeElementStepper<'a> {
     is_loaded: bool,
     reactions: Vec<Reaction>,
     joints: Vec<JointState>,
+    /// Coordinates of the joints at the end of the step.
+    coordinates: Vec<f64>,
     /// Velocities after kinks of the given motions of joints and at releases; `None` if there are none.
     allowed: Option<ConstrainedVelocity>,
     /// Origin of the displacement in the stage system.
@@ -71,6 +73,7 @@ impl<'a> TimeElementStepper<'a> {
             is_loaded: false,
             reactions: body.space.no_reactions(),
             joints: vec![JointState::default(); body.joints().len()],
+            coordinates: Vec::with_capacity(body.joints().len()),
             allowed: if body.constraints().have_kinks() {
                 Some(ConstrainedVelocity::new(body)?)
             } else {
@@ -163,7 +166,10 @@ impl<'a> TimeElementStepper<'a> {
         {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
-        self.step.system.equations.body.strain_state(&self.position).check_not_inverted()
+        let equations = &self.step.system.equations;
+        self.coordinates.clone_from(&equations.coordinates);
+        equations.count_on(self.step.rates(), &mut self.coordinates);
+        equations.body.strain_state_near(&self.position, &self.coordinates).check_not_inverted()
     }
 
     /// Adds the rates of the step to a displacement.
@@ -231,6 +237,7 @@ impl<'a> TimeElementStepper<'a> {
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         self.displace(state);
         self.step.system.equations.update_history(self.step.rates(), &mut state.history);
+        self.step.system.equations.count_on(self.step.rates(), &mut state.coordinates);
         if self.step.system.equations.body.is_driven() {
             self.update_momentum(state, h);
             self.set_driven_end(state, h, impulses)?;

@@ -26,6 +26,8 @@ pub(super) struct Equations<'a> {
     pub time_scale: f64,
     /// Displacement at the start of the step, relative to [`super::State::origin`].
     pub displacement: Vec<f64>,
+    /// Coordinates of the joints at the start of the step.
+    pub coordinates: Vec<f64>,
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
     /// Rate of the drag \[1/time\]; none without inertia.
@@ -68,6 +70,7 @@ impl<'a> Equations<'a> {
             assembly: body.assembly(&coefficients.rule),
             time_scale: 0.0,
             displacement: vec![0.0; n],
+            coordinates: Vec::with_capacity(body.joints().len()),
             known: vec![0.0; k * n],
             drag: if coefficients.is_static() { 0.0 } else { body.drag() },
             damped_mass: coefficients.mass.clone(),
@@ -100,6 +103,7 @@ impl<'a> Equations<'a> {
     pub(super) fn begin(&mut self, span: Span, state: &State) -> Result<bool> {
         let StageCoefficients { rule, sampling, .. } = &self.coefficients;
         self.scheme_force.begin(&state.momentum);
+        self.coordinates.clone_from(&state.coordinates);
         let is_loaded = self.body.begin(rule, (span, *sampling), &state.history, &mut self.assembly)?;
         self.driven.set(&self.body.space, rule, span, &self.displacement)?;
         if !self.body.mechanism.is_empty() {
@@ -122,7 +126,8 @@ impl<'a> Equations<'a> {
             return Held::Yes;
         }
         let body = (self.body.constraints(), self.body.space.inactive());
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), rates);
         self.constraint_step.hold(body, &step)
     }
 
@@ -217,7 +222,8 @@ impl<'a> Equations<'a> {
             return 0.0;
         }
         let Equations { constraint_step: times, constraint_force: force, .. } = self;
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
         constraints.set_residual(&step, times, of_constraints);
         let n = self.body.n_dofs();
         let mut square = 0.0;
@@ -315,7 +321,8 @@ impl<'a> Equations<'a> {
             return Ok(());
         }
         // With the dampers of joints to the ground.
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
         self.body.ground_force(&step, &mut self.assembly, &mut self.on_ground)
     }
 
@@ -357,7 +364,7 @@ impl<'a> Equations<'a> {
         self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
-    /// Sets the forces of the joints in a solved step, and the changes of their angles. Returns the work of the given
+    /// Sets the forces of the joints in a solved step. Returns the work of the given
     /// motions.
     pub(super) fn set_joint_forces(&self, unknowns: &[f64], joints: &mut [JointState]) -> f64 {
         let Equations { body, constraint_step: times, .. } = self;
@@ -365,7 +372,8 @@ impl<'a> Equations<'a> {
             return 0.0;
         }
         let [x, multipliers, _] = self.blocks.split(unknowns);
-        let step = self.step_at(x);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
         body.mechanism.set_states((&step, times), multipliers, body.mesh().points(), joints);
         body.constraints().work(&step, times, multipliers)
     }
@@ -381,7 +389,8 @@ impl<'a> Equations<'a> {
     /// # Errors
     /// The reason of a force that refuses the step.
     pub(super) fn evaluate_external(&mut self, x: &[f64]) -> Result<()> {
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
         self.body.evaluate_external(&step, &mut self.assembly)
     }
 
@@ -399,7 +408,7 @@ impl<'a> Equations<'a> {
             return Ok([0.0; 2]);
         }
         let s = self.time_scale;
-        let step = step_input(&self.coefficients, s, &self.displacement, x);
+        let step = step_input(&self.coefficients, s, (&self.displacement, &self.coordinates), x);
         let mut lost = 0.0;
         if self.body.loss_force(&step, &mut self.assembly, &mut self.force)? {
             let n = self.body.n_dofs();
@@ -427,12 +436,22 @@ impl<'a> Equations<'a> {
 
     /// The step at some rates.
     pub(super) fn step_at<'s>(&'s self, rates: &'s [f64]) -> StepInput<'s> {
-        step_input(&self.coefficients, self.time_scale, &self.displacement, rates)
+        step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), rates)
     }
 
     /// Takes the history variables of forces to the end of the step with some rates.
     pub(super) fn update_history(&self, rates: &[f64], history: &mut [f64]) {
         self.body.update_history(&self.step_at(rates), &self.assembly, history);
+    }
+
+    /// Takes the coordinates of the joints to the end of the step with some rates.
+    pub(super) fn count_on(&self, rates: &[f64], coordinates: &mut [f64]) {
+        self.body.mechanism.count_on((&self.step_at(rates), &self.constraint_step), coordinates);
+    }
+
+    /// Strain energy at the start of the step \[energy\].
+    pub(super) fn strain_energy_at_start(&self) -> f64 {
+        self.body.strain_state_near(&self.displacement, &self.coordinates).strain_energy
     }
 
     fn set_mass_rates(&mut self, x: &[f64]) {
@@ -451,7 +470,8 @@ impl<'a> Equations<'a> {
     /// [`crate::Error::Inverted`], and the reasons of other forces.
     pub(super) fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
         let [x, _, local] = self.blocks.split(unknowns);
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
         let step = StepInput { local: (!local.is_empty()).then_some(local), ..step };
         self.body.assemble(&step, request, &self.damped_mass, &mut self.assembly)
     }
@@ -461,7 +481,8 @@ impl<'a> Equations<'a> {
     /// # Errors
     /// As [`Equations::evaluate_external`].
     pub(super) fn add_external_tangent(&mut self, rates: &[f64]) -> Result<()> {
-        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), rates);
         self.body.add_external_tangent(&step, &mut self.assembly)
     }
 
@@ -486,7 +507,7 @@ fn mass_parts<'a>(
 pub(super) fn step_input<'a>(
     coefficients: &'a StageCoefficients,
     s: f64,
-    displacement: &'a [f64],
+    (displacement, coordinates): (&'a [f64], &'a [f64]),
     rates: &'a [f64],
 ) -> StepInput<'a> {
     let dissipation = coefficients.scheme_excess();
@@ -494,6 +515,7 @@ pub(super) fn step_input<'a>(
     let damping = StepDamping { inverse_step_size, dissipation };
     StepInput {
         tangent_factor: s * s,
+        coordinates,
         damping,
         ..StepInput::undamped(&coefficients.rule, displacement, rates)
     }

@@ -224,9 +224,7 @@ impl Iteration {
         let could_not_start = |cause| Error::StepFailed { step, time, cause };
         // An iteration that ran is more informative than one that could not start, unless a force has refused it.
         Err(match (failure, cause) {
-            (_, Some(cause)) if matches!(*cause, Error::Refused { .. } | Error::WoundUp { .. }) => {
-                could_not_start(cause)
-            }
+            (_, Some(cause)) if matches!(*cause, Error::Refused { .. }) => could_not_start(cause),
             (Some(failure), _) => failure,
             (None, Some(cause)) => could_not_start(cause),
             (None, None) => Error::Linear { reason: format!("no starting point for step {step}") },
@@ -338,8 +336,7 @@ impl Iteration {
         let [work, impulse, moment] = self.prediction.imbalance(&system.equations, rates, residual);
         let kinetic = 0.5 * system.equations.body.space.dot(&state.momentum, &state.velocity);
         let moved = system.equations.mean_kinetic_energy(rates);
-        let energy = kinetic.max(moved)
-            + system.equations.body.strain_state(&system.equations.displacement).strain_energy.abs();
+        let energy = kinetic.max(moved) + system.equations.strain_energy_at_start().abs();
         if energy == 0.0 {
             return Ok(0.0);
         }

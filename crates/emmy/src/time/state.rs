@@ -38,6 +38,10 @@ pub struct State {
     /// History variables of the forces, in their order; later steps depend on them besides the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub history: Vec<f64>,
+    /// Angles \[rad\], slides and distances \[length\] of the joints, in their order; angles are counted on over full
+    /// turns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub coordinates: Vec<f64>,
 }
 
 impl State {
@@ -73,6 +77,7 @@ impl State {
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, &displacement, fields)?;
         let displacement_low = vec![0.0; body.n_dofs()];
+        let coordinates = body.mechanism.coordinates(&displacement);
         Ok(State {
             time,
             step: 0,
@@ -83,6 +88,7 @@ impl State {
             momentum_error: [0.0; 3],
             is_equilibrium: false,
             history: vec![0.0; body.n_history()],
+            coordinates,
         })
     }
 
@@ -102,6 +108,8 @@ impl State {
         body.check_start(time, &self.displacement)?;
         let mut velocity = self.velocity;
         let momentum = body.momentum_of(time, &mut velocity)?;
+        let mut coordinates = self.coordinates;
+        body.mechanism.fit_coordinates(&self.displacement, &mut coordinates);
         Ok(State {
             time,
             step: 0,
@@ -110,6 +118,7 @@ impl State {
             momentum_error: [0.0; 3],
             is_equilibrium: false,
             history: vec![0.0; body.n_history()],
+            coordinates,
             ..self
         })
     }
@@ -124,6 +133,7 @@ impl State {
         self.momentum_error = other.momentum_error;
         self.is_equilibrium = other.is_equilibrium;
         self.history.clone_from(&other.history);
+        self.coordinates.clone_from(&other.coordinates);
     }
 
     /// Current position of a node.

@@ -149,7 +149,7 @@ pub trait Stepper: fmt::Debug + Send {
         &[]
     }
 
-    /// Forces of the joints in the last step, in the order of [`Body::joints`]; their coordinates mean nothing.
+    /// Forces of the joints in the last step, in the order of [`Body::joints`]; their coordinates are zero.
     fn joints(&self) -> &[JointState] {
         &[]
     }

@@ -20,7 +20,6 @@ use crate::sparse::{Pattern, RowPart};
 /// A spring, a damper and a motor in the coordinate of a joint.
 #[derive(Debug)]
 pub(crate) struct JointLaw {
-    joint: String,
     number: usize,
     measure: Measure,
     /// Nodes, ascending.
@@ -70,7 +69,6 @@ impl JointLaw {
             return fault("stiffness and damping must be at least 0, and the rest a number".to_string());
         }
         Ok(Some(JointLaw {
-            joint: joint.name.clone(),
             number,
             nodes,
             spring,
@@ -104,8 +102,8 @@ impl JointLaw {
     /// The torques or forces on the first body in the stages of a solved step: of spring, damping and motor.
     pub(crate) fn forces(&self, step: &StepInput<'_>, span: Span) -> Vec<f64> {
         let mut forces = vec![0.0; step.rule.degree()];
-        // A step that spring or motor refuse is not solved.
-        let damping = self.total_damping(step).unwrap_or(f64::NAN);
+        let damping = self.total_damping(step);
+        // A step that the motor refuses is not solved.
         if self.set_motor(step.rule, span, &mut forces).is_err() {
             forces.fill(f64::NAN);
         }
@@ -128,12 +126,29 @@ impl JointLaw {
         found.map_err(|found| target.not_finite(motor.text().unwrap_or_default(), found))
     }
 
+    /// The coordinate at the start of a step.
+    fn start(&self, step: &StepInput<'_>) -> f64 {
+        let value = self.measure.value(&|dof| step.displacement[dof]);
+        self.counted(value, step.coordinates)
+    }
+
+    /// A value with the full turns of the coordinates of all joints; without them within half a turn.
+    fn counted(&self, value: f64, coordinates: &[f64]) -> f64 {
+        coordinates.get(self.number).map_or(value, |&before| self.measure.counted(value, before))
+    }
+
+    /// The coordinate in a stage, counted on from the start through the stages before.
+    fn value(&self, step: &StepInput<'_>, stage: usize) -> f64 {
+        let value = |i: usize| self.measure.value(&|dof| step.displacement_in(i, dof));
+        (0..=stage).fold(self.start(step), |before, i| self.measure.counted(value(i), before))
+    }
+
     /// The coordinate and its rate in a stage.
     fn stage(&self, step: &StepInput<'_>, i: usize) -> Stage {
         let (u, x) = (|dof: usize| step.displacement_in(i, dof), &step.rates[i * step.displacement.len()..]);
         let mut rate = 0.0;
         self.measure.for_each_gradient(&u, &mut |dof, value| rate += value * x[dof]);
-        Stage { value: self.measure.value(&u), rate }
+        Stage { value: self.value(step, i), rate }
     }
 
     /// `V'(x_i) + d x'_i` with the damping d of [`JointLaw::total_damping`].
@@ -147,31 +162,29 @@ impl JointLaw {
     }
 
     /// `r + c/h`.
-    fn total_damping(&self, step: &StepInput<'_>) -> Result<f64> {
-        Ok(self.remainder(step)? + self.damping * step.damping.inverse_step_size)
+    fn total_damping(&self, step: &StepInput<'_>) -> f64 {
+        self.remainder(step) + self.damping * step.damping.inverse_step_size
     }
 
     /// r, which closes the balance of the energy; 0 in an equilibrium.
-    fn remainder(&self, step: &StepInput<'_>) -> Result<f64> {
+    fn remainder(&self, step: &StepInput<'_>) -> f64 {
         if step.rule.is_at_end() {
-            return Ok(0.0);
+            return 0.0;
         }
-        let (mut work, mut square) = (0.0, 0.0);
+        let start = self.start(step);
+        let (mut work, mut square, mut last) = (0.0, 0.0, start);
         for (i, b) in step.rule.weights().iter().enumerate() {
             let Stage { value, rate } = self.stage(step, i);
             work += b * self.spring.stiffness * (value - self.rest) * rate;
             square += b * rate * rate;
+            last = value;
         }
-        let start = self.measure.value(&|dof| step.displacement[dof]);
-        let end = self.measure.value(&|dof| step.displacement_at_end(dof));
-        if self.spring.stiffness > 0.0 && self.measure.has_turned([start, end]) {
-            return Err(Error::WoundUp { joint: self.joint.clone() });
-        }
+        let end = self.measure.counted(self.measure.value(&|dof| step.displacement_at_end(dof)), last);
         let gap = self.energy(end) - self.energy(start) - work;
         let noise = 4.0 * f64::EPSILON * (start.abs() + end.abs() + self.measure.size());
         let stretch = (start - self.rest).abs() + (end - self.rest).abs() + noise;
         // A coordinate at rest has a gap of rounding over a rate of rounding.
-        Ok(if gap.abs() > self.spring.stiffness * noise * stretch { gap / square } else { 0.0 })
+        if gap.abs() > self.spring.stiffness * noise * stretch { gap / square } else { 0.0 }
     }
 
     fn local(&self, node: u32) -> usize {
@@ -232,8 +245,7 @@ impl JointLaw {
         step: &StepInput<'_>,
         visit: &mut dyn FnMut([usize; 2], [usize; 2], f64),
     ) {
-        // A step that the spring refuses has no residual.
-        let Ok(total) = self.total_damping(step) else { return };
+        let total = self.total_damping(step);
         let dof = |own: usize| nodal::dof(self.nodes[own / 3] as usize, own % 3);
         for i in 0..step.rule.degree() {
             let factors = self.factors(step, self.stored_force(step, i, total));
@@ -320,7 +332,7 @@ impl Force for SpringAndDamper {
         sink: &mut RowPart,
     ) -> Result<()> {
         let Coupled { law, .. } = &self.0;
-        let damping = law.total_damping(step)?;
+        let damping = law.total_damping(step);
         for i in 0..step.rule.degree() {
             let gradient = law.gradient(&|dof| step.displacement_in(i, dof));
             let force = law.stored_force(step, i, damping);
@@ -346,8 +358,9 @@ impl Force for SpringAndDamper {
         self.0.law.damping * step.damping.inverse_step_size * squares.sum::<f64>()
     }
 
-    fn strain_state(&self, displacement: &[f64]) -> StrainState {
+    fn strain_state(&self, displacement: &[f64], coordinates: &[f64]) -> StrainState {
         let value = self.0.law.measure.value(&|dof| displacement[dof]);
+        let value = self.0.law.counted(value, coordinates);
         StrainState { strain_energy: self.0.law.energy(value), ..StrainState::NONE }
     }
 

@@ -77,7 +77,7 @@ impl JointOutput {
         self.rows.len()
     }
 
-    /// The force in a solved step, and in the place of the coordinate the change of an angle.
+    /// The force in a solved step.
     pub(crate) fn state(
         &self,
         constraints: &Constraints,
@@ -85,7 +85,7 @@ impl JointOutput {
         multipliers: &[f64],
         points: &[[f64; 3]],
     ) -> JointState {
-        let mut state = JointState { coordinate: self.turning(step, times), ..JointState::default() };
+        let mut state = JointState::default();
         let of_law = self.law.as_ref().map(|law| (law, law.forces(step, times.span())));
         for (stage, b) in step.rule.weights().iter().enumerate() {
             let u = |dof: usize| step.displacement_in(stage, dof);
@@ -118,31 +118,27 @@ impl JointOutput {
         state
     }
 
-    /// The change of an angle in a step, counted on along its path: its ends alone do not tell full turns.
-    fn turning(&self, step: &StepInput<'_>, times: &ConstraintStep) -> f64 {
-        let Some(measure) = self.measure.as_ref().filter(|own| own.coordinate() == Coordinate::Angle) else {
-            return 0.0;
-        };
-        let mut last = measure.value(&|dof| step.displacement[dof]);
-        let mut sum = 0.0;
-        for integrals in times.path() {
-            let next = measure.value(&|dof| step.displacement_at(integrals, dof));
-            sum += next - last - TURN * ((next - last) / TURN).round();
-            last = next;
+    /// The coordinate at the end of a solved step, given that at its start. An angle is counted on along the path: the
+    /// ends alone do not tell full turns.
+    pub(crate) fn counted_on(&self, (step, times): (&StepInput<'_>, &ConstraintStep), start: f64) -> f64 {
+        let Some(measure) = &self.measure else { return 0.0 };
+        let end = measure.value(&|dof| step.displacement_at_end(dof));
+        if measure.coordinate() != Coordinate::Angle {
+            return end;
         }
-        sum
+        let at = |integrals: &[f64]| measure.value(&|dof| step.displacement_at(integrals, dof));
+        let last = times.path().fold(start, |last, integrals| measure.counted(at(integrals), last));
+        measure.counted(end, last)
     }
 
-    /// Sets the coordinates at some displacements, an angle within half a turn of the last one.
-    pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, state: &mut JointState) {
+    /// The coordinate at some displacements, counted on from one before.
+    pub(crate) fn coordinate(&self, u: &dyn Fn(usize) -> f64, before: f64) -> f64 {
+        self.measure.as_ref().map_or(0.0, |measure| measure.counted(measure.value(u), before))
+    }
+
+    /// Sets coordinate and slide at some displacements, given the coordinate to half a turn.
+    pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, coordinate: f64, state: &mut JointState) {
+        state.coordinate = self.coordinate(u, coordinate);
         state.slide = self.slide.as_ref().map_or(0.0, |slide| slide.value(u));
-        let Some(measure) = &self.measure else { return };
-        let value = measure.value(u);
-        state.coordinate = match measure.coordinate() {
-            Coordinate::Angle => value + TURN * ((state.coordinate - value) / TURN).round(),
-            Coordinate::Slide | Coordinate::Distance(_) => value,
-        };
     }
 }
-
-const TURN: f64 = 2.0 * std::f64::consts::PI;

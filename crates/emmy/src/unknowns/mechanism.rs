@@ -288,7 +288,7 @@ impl Mechanism {
         self.laws().filter(|law| law.has_spring())
     }
 
-    /// Sets the forces of the joints in a solved step, and in the place of the coordinates the changes of the angles.
+    /// Sets the forces of the joints in a solved step.
     pub(crate) fn set_states(
         &self,
         step: (&StepInput<'_>, &ConstraintStep),
@@ -318,10 +318,34 @@ impl Mechanism {
         laws.any(|(_, law, _)| law.value(time) != 0.0) || self.springs().any(|law| law.is_strained())
     }
 
-    /// Sets the coordinates of the joints at some displacements, angles within half a turn of those that are set.
-    pub(crate) fn set_coordinates(&self, u: &dyn Fn(usize) -> f64, states: &mut [JointState]) {
-        let joints = self.outputs.iter().zip(states);
-        joints.for_each(|(output, state)| output.set_coordinates(u, state));
+    /// Coordinates of the joints at displacements, angles within half a turn.
+    pub(crate) fn coordinates(&self, displacement: &[f64]) -> Vec<f64> {
+        let u = |dof: usize| displacement[dof];
+        self.outputs.iter().map(|output| output.coordinate(&u, 0.0)).collect()
+    }
+
+    /// Sets coordinates to those at displacements if they are not those of its joints.
+    pub(crate) fn fit_coordinates(&self, displacement: &[f64], coordinates: &mut Vec<f64>) {
+        if coordinates.len() != self.outputs.len() {
+            *coordinates = self.coordinates(displacement);
+        }
+    }
+
+    /// Takes the coordinates of the joints from the start of a solved step to its end.
+    pub(crate) fn count_on(&self, step: (&StepInput<'_>, &ConstraintStep), coordinates: &mut [f64]) {
+        let joints = self.outputs.iter().zip(coordinates);
+        joints.for_each(|(output, coordinate)| *coordinate = output.counted_on(step, *coordinate));
+    }
+
+    /// Sets the coordinates in the states of the joints at some displacements, to which `coordinates` belong.
+    pub(crate) fn set_coordinates(
+        &self,
+        u: &dyn Fn(usize) -> f64,
+        coordinates: &[f64],
+        states: &mut [JointState],
+    ) {
+        let joints = self.outputs.iter().zip(coordinates).zip(states);
+        joints.for_each(|((output, coordinate), state)| output.set_coordinates(u, *coordinate, state));
     }
 
     /// Position and motion of the rigid bodies.

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use crate::shared::joints::{hinge, rigid};
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm};
+use emmy::equilibrium::Equilibrium;
 use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
 
@@ -540,24 +541,65 @@ fn a_wheel_on_a_spring_swings_as_an_oscillator() {
     }
 }
 
-/// Half a turn is as far as a spring can be wound up: the energy of an angle is known to full turns.
-#[test]
-fn a_spring_that_is_wound_up_too_far_is_refused() {
+/// A wheel on a torsion spring with a stiffness of 0.05 and an inertia of 0.8.
+fn wound(axle: impl FnOnce(Joint) -> Joint) -> Body {
     let wheel = hinge("axle", [rigid("wheel"), JointEnd::Ground], [0.0; 3], [0.0, 0.0, 1.0]);
-    let body = Body::builder(Mesh::without_cells())
+    Body::builder(Mesh::without_cells())
         .rigid(RigidBody::new("wheel", 2.0, [0.0; 3], [0.5, 0.5, 0.8]))
-        .joint(wheel.with_spring(1e-3, None))
+        .joint(axle(wheel.with_spring(0.05, None)))
         .build()
-        .unwrap();
-    let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 2.0], ..Default::default() };
-    let state = State::initial(&body, 0.0, &[spin]).unwrap();
+        .unwrap()
+}
+
+/// A spring is wound up by seven turns and unwinds: `theta = w_0/w sin w t`. The angle is a part of the state.
+#[test]
+fn springs_are_wound_up_over_full_turns() {
+    let body = wound(|axle| axle);
+    let (w, spin) = ((0.05f64 / 0.8).sqrt(), 12.0);
+    let field = InitialVelocity { angular_velocity: [0.0, 0.0, spin], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[field]).unwrap();
+    // A step turns by the diagonal Pade approximation of the exponential, with the error x^(2k+1)/c. The torque of the
+    // spring adds some of the same order.
+    for (k, h, c) in [(1, 0.025, 12.0), (2, 0.1, 720.0), (3, 0.1, 100_800.0)] {
+        let tolerance = 1.5 * spin / w * (spin * h).powi(2 * k as i32) / c;
+        let mut motion = started(&body, at(DGM, k), state.clone());
+        let energy = motion.record().total_energy;
+        let (mut largest, mut resumed) = (0f64, None);
+        for step in 0..(12.0f64 / h).round() as usize {
+            if step == 60 {
+                let snapshot = motion.snapshot();
+                let settings = NewtonSettings::default();
+                resumed = Some(Motion::resumed(&body, at(DGM, k), settings, snapshot).unwrap());
+            }
+            let record = motion.step(h).unwrap();
+            assert!((record.total_energy - energy).abs() < 1e-11 * energy, "k = {k}: {record:?}");
+            let angle = record.joints[0].coordinate;
+            let spring = 0.5 * 0.05 * angle * angle;
+            assert!((record.strain_energy - spring).abs() < 1e-12 * energy, "k = {k}: {record:?}");
+            let error = angle - spin / w * (w * record.time).sin();
+            assert!(error.abs() < tolerance, "k = {k}: {error:e}");
+            largest = largest.max(angle);
+            if let Some(resumed) = &mut resumed {
+                assert_eq!(resumed.step(h).unwrap(), record, "k = {k}");
+            }
+        }
+        assert!((largest - spin / w).abs() < tolerance + 0.02, "k = {k}: {largest}");
+    }
+}
+
+/// A motor winds up the spring at rest, by 8 rad, and goes on holding it in a motion.
+#[test]
+fn springs_are_wound_up_at_rest() {
+    let body = wound(|axle| axle.with_motor(TimeFunction::new(vec![(0.0, 0.4)]).unwrap()));
+    let found = Equilibrium::new(&body, 0.0, 10).unwrap();
+    let state = found.start(NewtonSettings::default(), &[], &mut []).unwrap();
     let mut motion = started(&body, at(DGM, 2), state);
-    let plan = StepPlan::new(0.0, vec![Phase { until: 3.0, size: 0.1 }]).unwrap();
-    let error = motion.march(&plan, &mut []).unwrap_err();
-    let cause = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
-    assert!(cause.contains("wound up"), "{error}: {cause}");
-    // A smaller step would not help.
-    assert_eq!(motion.statistics().cuts, 0);
+    for _ in 0..10 {
+        let record = motion.record();
+        assert!((record.joints[0].coordinate - 8.0).abs() < 1e-9, "{record:?}");
+        assert!((record.strain_energy - 0.025 * 64.0).abs() < 1e-9, "{record:?}");
+        motion.step(0.1).unwrap();
+    }
 }
 
 /// A pendulum on a hinge, released at 2 rad from below, in the plane of x and z.

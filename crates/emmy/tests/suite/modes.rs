@@ -398,6 +398,7 @@ fn matrices_for_scipy() {
         tangent_factor: 1.0,
         displacement: &rest,
         rates: &rest,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

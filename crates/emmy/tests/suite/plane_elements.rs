@@ -56,6 +56,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         tangent_factor: 1.0,
         displacement,
         rates: &rates,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

@@ -245,7 +245,7 @@ fn balances_close_with_time_functions_and_supports() {
 /// A step of size 0.2.
 fn step_at<'a>(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64]) -> StepInput<'a> {
     let damping = StepDamping::default();
-    StepInput { rule, tangent_factor: H2, displacement, rates, damping, local: None }
+    StepInput { rule, tangent_factor: H2, displacement, rates, coordinates: &[], damping, local: None }
 }
 
 /// The derivatives in the stage matrix belong to the stage averages, which are quadratic in the rates: their central

@@ -104,7 +104,7 @@ pub(in crate::input) static JOINT: Described = Described::new(|| {
         .absent("free")
         .may("slide", Kind::TimeFunction(&MEASURED), "length", slide)
         .absent("free")
-        .may("spring", Kind::Table(&SPRING), "", "A spring in the angle, up to half a turn from the drawing, in the slide or in the length of the line")
+        .may("spring", Kind::Table(&SPRING), "", "A spring in the angle, over any number of turns, in the slide or in the length of the line")
         .absent("none")
         .may("damping", POSITIVE, "", "Force over the rate of the slide or the length, torque over that of the angle")
         .absent("none")

@@ -22,6 +22,8 @@ pub(crate) struct Forces<'a> {
     pub assembly: Assembly,
     /// History variables of the forces; empty for zeros.
     history: Vec<f64>,
+    /// Coordinates of the joints to half a turn.
+    coordinates: Vec<f64>,
     rest: Vec<f64>,
     internal: Vec<f64>,
 }
@@ -31,7 +33,14 @@ impl<'a> Forces<'a> {
         let zero = vec![0.0; body.n_dofs()];
         let rule = Rule::at_end();
         let assembly = body.assembly(&rule);
-        Forces { body, assembly, rule, history: Vec::new(), rest: zero.clone(), internal: zero }
+        let (history, coordinates) = Default::default();
+        Forces { body, assembly, rule, history, coordinates, rest: zero.clone(), internal: zero }
+    }
+
+    /// Takes what the forces of a state depend on beside its displacement.
+    fn take_history(&mut self, state: &State) {
+        self.history.clone_from(&state.history);
+        self.coordinates.clone_from(&state.coordinates);
     }
 
     /// The internal force evaluated last, `[n_nodes][3]`.
@@ -44,8 +53,11 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
-        let step =
-            StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
+        let step = StepInput {
+            tangent_factor: 1.0,
+            coordinates: &self.coordinates,
+            ..StepInput::undamped(&self.rule, displacement, &self.rest)
+        };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
@@ -75,7 +87,10 @@ impl<'a> Forces<'a> {
         if !self.body.has_ground() {
             return Ok(());
         }
-        let step = StepInput::undamped(&self.rule, displacement, &self.rest);
+        let step = StepInput {
+            coordinates: &self.coordinates,
+            ..StepInput::undamped(&self.rule, displacement, &self.rest)
+        };
         self.body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
         self.body.ground_force(&step, &mut self.assembly, outside)
     }
@@ -142,7 +157,11 @@ impl Forces<'_> {
         let before: Vec<f64> = before.collect();
         let rule: Rule = Rule::standard(1, &gauss(1));
         let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
-        let step = StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
+        let step = StepInput {
+            damping,
+            coordinates: &state.coordinates,
+            ..StepInput::undamped(&rule, &before, &state.velocity)
+        };
         if self.body.is_viscous() {
             self.body.assemble(&step, Request::Stress, &[0.0], &mut self.assembly)?;
             self.assembly.matrix.copy_force(&mut self.internal);
@@ -303,7 +322,7 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
     let mut point = TimePoint::new(body);
     point.displacement.copy_from_slice(&state.displacement);
     let mut forces = Forces::new(body);
-    forces.history.clone_from(&state.history);
+    forces.take_history(state);
     point.evaluate(&mut forces, state.time)?;
     let joints = (body.constraints(), body.space.inactive());
     let mut joints = LinearConstraints::new(joints, &state.displacement, Some(state.time))?;
@@ -346,7 +365,7 @@ impl Start {
         let mut inertia = vec![0.0; n];
         let mut point = TimePoint::new(body);
         point.displacement.copy_from_slice(&state.displacement);
-        forces.history.clone_from(&state.history);
+        forces.take_history(state);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;
         MassSolver::new(body)?.velocity(body, &point.force, &mut acceleration)?;

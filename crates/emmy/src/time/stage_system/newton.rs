@@ -85,9 +85,10 @@ impl StageSystem<'_> {
     fn set_border(&mut self, unknowns: &[f64]) {
         if !self.equations.body.constraints().is_empty() {
             let [rates, multipliers, _] = self.equations.blocks.split(unknowns);
-            let Equations { body, constraint_step, coefficients, time_scale, displacement, .. } =
-                &mut self.equations;
-            let step = step_input(coefficients, *time_scale, displacement, rates);
+            let Equations {
+                body, constraint_step, coefficients, time_scale, displacement, coordinates, ..
+            } = &self.equations;
+            let step = step_input(coefficients, *time_scale, (displacement, coordinates), rates);
             let (k, drag) = (coefficients.rule.degree(), *time_scale * body.drag());
             let mass = |i: usize, j: usize| coefficients.mass[i * k + j] + if i == j { drag } else { 0.0 };
             self.border.set(body, (&step, constraint_step), multipliers, mass);

@@ -103,9 +103,12 @@ impl Measure {
         }
     }
 
-    /// Whether it is an angle that passes half a turn between two values.
-    pub(crate) fn has_turned(&self, [start, end]: [f64; 2]) -> bool {
-        self.coordinate == Coordinate::Angle && (end - start).abs() > std::f64::consts::PI
+    /// A value counted on from one before: of an angle, with the full turns that bring it within half a turn.
+    pub(crate) fn counted(&self, value: f64, before: f64) -> f64 {
+        match self.coordinate {
+            Coordinate::Angle => value + TURN * ((before - value) / TURN).round(),
+            Coordinate::Slide | Coordinate::Distance(_) => value,
+        }
     }
 
     /// Adds its second derivative to a dense table of the degrees of freedom of the nodes that `local` numbers.
@@ -161,3 +164,5 @@ impl Measure {
 
 /// Largest number of degrees of freedom of a coordinate with a force.
 pub(crate) const MAX_DOFS: usize = 48;
+
+const TURN: f64 = 2.0 * std::f64::consts::PI;

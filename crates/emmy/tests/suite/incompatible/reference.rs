@@ -21,6 +21,7 @@ fn forces(body: &Body, rule: &Rule, u: &[f64], x: &[f64], direction: &[f64]) -> 
         tangent_factor: 1.0,
         displacement: u,
         rates: x,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

@@ -157,6 +157,7 @@ fn step<'a>(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64], dissipati
         tangent_factor: 1.0,
         displacement,
         rates,
+        coordinates: &[],
         damping: StepDamping { inverse_step_size: 2.0, dissipation },
         local: None,
     }

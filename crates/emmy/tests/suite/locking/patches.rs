@@ -65,6 +65,7 @@ fn forces_and_energy(mesh: &Mesh, region: Region) -> (Vec<f64>, f64) {
         tangent_factor: 1.0,
         displacement: &displacement,
         rates: &rates,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

@@ -237,6 +237,7 @@ fn forces_and_tangents_of_a_step() {
             tangent_factor: 1.0,
             displacement: &displacement,
             rates: &rates,
+            coordinates: &[],
             damping: Default::default(),
             local: None,
         };

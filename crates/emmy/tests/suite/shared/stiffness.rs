@@ -18,6 +18,7 @@ pub(crate) fn stiffness(kind: CellKind, region: Region) -> Vec<Vec<f64>> {
         tangent_factor: 1.0,
         displacement: &zeros,
         rates: &zeros,
+        coordinates: &[],
         damping: StepDamping::default(),
         local: None,
     };

@@ -98,7 +98,7 @@ impl<'a> StaticStepper<'a> {
             unknowns: vec![0.0; system.equations.blocks.len()],
             system,
             end: TimePoint::new(body),
-            energy: body.strain_energy(&state.displacement),
+            energy: body.strain_state_near(&state.displacement, &state.coordinates).strain_energy,
             joints: vec![JointState::default(); body.joints().len()],
         })
     }
@@ -163,8 +163,11 @@ impl Stepper for StaticStepper<'_> {
         let StaticSystem { equations, first, time, .. } = &mut self.system;
         self.end.evaluate_static(equations, &self.unknowns, *time, first)?;
         self.keep_joints(step_size);
-        let body = self.system.equations.body;
-        let strain_state = body.strain_state(&self.end.displacement);
+        let equations = &self.system.equations;
+        let [rates, ..] = equations.blocks.split(&self.unknowns);
+        equations.count_on(rates, &mut state.coordinates);
+        let body = equations.body;
+        let strain_state = body.strain_state_near(&self.end.displacement, &state.coordinates);
         // The fixed degrees of freedom have no inertia.
         self.end.set_reactions(body, &self.system.rest);
         state.displacement.copy_from_slice(&self.end.displacement);
