@@ -330,7 +330,11 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// [`Error::Inverted`].
     pub fn with_static_reactions(mut self) -> Result<Self> {
-        self.reactions = static_reactions(self.body, &self.state)?;
+        let (reactions, joints) = static_reactions(self.body, &self.state)?;
+        (self.reactions, self.record.joints) = (reactions, joints);
+        let State { displacement, coordinates, .. } = &self.state;
+        let joints = &mut self.record.joints;
+        self.body.mechanism.set_coordinates(&|dof| displacement[dof], coordinates, joints);
         Ok(self)
     }
 

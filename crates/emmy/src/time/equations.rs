@@ -374,7 +374,8 @@ impl<'a> Equations<'a> {
         let [x, multipliers, _] = self.blocks.split(unknowns);
         let step =
             step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), x);
-        body.mechanism.set_states((&step, times), multipliers, body.mesh().points(), joints);
+        let factor = times.step_size().powi(-2);
+        body.mechanism.set_states((&step, times), (factor, multipliers), body.mesh().points(), joints);
         body.constraints().work(&step, times, multipliers)
     }
 

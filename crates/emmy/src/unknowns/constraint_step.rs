@@ -85,6 +85,7 @@ impl ConstraintStep {
         [time, shift]: [f64; 2],
         u: &dyn Fn(usize) -> f64,
     ) -> Result<()> {
+        self.span = Span::at(time);
         self.at.iter_mut().take(1).flatten().try_for_each(|row| row.set_time(time, shift))?;
         self.set_range(body, 0, u);
         Ok(())

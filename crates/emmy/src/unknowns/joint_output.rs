@@ -77,12 +77,12 @@ impl JointOutput {
         self.rows.len()
     }
 
-    /// The force in a solved step.
+    /// The force in a solved step or an equilibrium, whose multipliers times a factor are forces.
     pub(crate) fn state(
         &self,
         constraints: &Constraints,
         (step, times): (&StepInput<'_>, &ConstraintStep),
-        multipliers: &[f64],
+        (factor, multipliers): (f64, &[f64]),
         points: &[[f64; 3]],
     ) -> JointState {
         let mut state = JointState::default();
@@ -104,7 +104,7 @@ impl JointOutput {
             };
             for c in self.rows.clone() {
                 let row = times.row(constraints, stage, c);
-                let size = -b / times.step_size().powi(2) * multipliers[stage * constraints.len() + c];
+                let size = -b * (factor * multipliers[stage * constraints.len() + c]);
                 row.for_each_gradient(&u, &mut |dof, gradient| add(&mut state, dof, size * gradient));
                 state.drive += size * row.drive_arm(&u);
             }

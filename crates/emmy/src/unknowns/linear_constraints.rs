@@ -62,6 +62,11 @@ impl LinearConstraints {
         Ok(LinearConstraints { times, dofs, dependent, independent, weights, sums })
     }
 
+    /// The constraints at the time.
+    pub(crate) fn times(&self) -> &ConstraintStep {
+        &self.times
+    }
+
     /// Degrees of freedom of the joint nodes.
     pub(crate) fn dofs(&self) -> &[usize] {
         &self.dofs

@@ -288,11 +288,11 @@ impl Mechanism {
         self.laws().filter(|law| law.has_spring())
     }
 
-    /// Sets the forces of the joints in a solved step.
+    /// Sets the forces of the joints in a solved step or an equilibrium; multipliers times the factor are forces.
     pub(crate) fn set_states(
         &self,
         step: (&StepInput<'_>, &ConstraintStep),
-        multipliers: &[f64],
+        multipliers: (f64, &[f64]),
         points: &[[f64; 3]],
         states: &mut [JointState],
     ) {

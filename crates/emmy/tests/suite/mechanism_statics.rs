@@ -217,6 +217,15 @@ fn a_rigid_face_on_a_fixed_joint_is_a_support() {
     let tip = 3 * held.mesh().nearest_node([4.0, 0.0, 0.0]) + 2;
     assert!(other[tip] < -0.3, "{}", other[tip]);
     assert_same(&own[..other.len()], &other, 1e-9);
+
+    // The joint carries the weight from the start on.
+    let motion = Motion::new(&joined, "DGM".parse::<Scheme>().unwrap()).unwrap();
+    let mut motion = motion.from(equilibrium(&joined, 0.0)).unwrap().with_static_reactions().unwrap();
+    let first = motion.record().joints[0];
+    assert_same(&first.force, &[0.0, 0.0, joined.regions()[0].mass], 1e-9);
+    assert!(first.moment[1] < -1.0, "{first:?}");
+    let next = motion.step(0.01).unwrap().joints[0];
+    assert_same(&[first.force, first.moment].concat(), &[next.force, next.moment].concat(), 1e-7);
 }
 
 /// Ball joints between all nodes of two faces join them as one mesh does. The far part has no support of its own.

@@ -5,7 +5,7 @@ mod point;
 pub use point::PointForces;
 
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, MassSolver, Reaction};
+use crate::body::{Assembly, Body, JointState, MassSolver, Reaction};
 use crate::error::Result;
 use crate::force::{Sampling, StepDamping, StepInput};
 use crate::input::Span;
@@ -53,12 +53,10 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
-        let step = StepInput {
-            tangent_factor: 1.0,
-            coordinates: &self.coordinates,
-            ..StepInput::undamped(&self.rule, displacement, &self.rest)
-        };
-        self.body.assemble(&step, request, &[0.0], &mut self.assembly)
+        let Forces { body, assembly, rule, rest, coordinates, .. } = self;
+        let step =
+            StepInput { tangent_factor: 1.0, coordinates, ..StepInput::undamped(rule, displacement, rest) };
+        body.assemble(&step, request, &[0.0], assembly)
     }
 
     /// Subtracts the derivative of the loads of a time from the K assembled last.
@@ -87,12 +85,10 @@ impl<'a> Forces<'a> {
         if !self.body.has_ground() {
             return Ok(());
         }
-        let step = StepInput {
-            coordinates: &self.coordinates,
-            ..StepInput::undamped(&self.rule, displacement, &self.rest)
-        };
-        self.body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
-        self.body.ground_force(&step, &mut self.assembly, outside)
+        let Forces { body, assembly, rule, rest, coordinates, .. } = self;
+        let step = StepInput { coordinates, ..StepInput::undamped(rule, displacement, rest) };
+        body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
+        body.ground_force(&step, assembly, outside)
     }
 
     /// All loads at a displacement and time.
@@ -314,24 +310,29 @@ impl TimePoint {
     }
 }
 
-/// Reactions of a state at rest in equilibrium.
+/// Reactions and forces of joints of a state at rest in equilibrium.
 ///
 /// # Errors
 /// [`crate::Error::Inverted`].
-pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reaction>> {
+pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<(Vec<Reaction>, Vec<JointState>)> {
     let mut point = TimePoint::new(body);
     point.displacement.copy_from_slice(&state.displacement);
     let mut forces = Forces::new(body);
     forces.take_history(state);
     point.evaluate(&mut forces, state.time)?;
-    let joints = (body.constraints(), body.space.inactive());
-    let mut joints = LinearConstraints::new(joints, &state.displacement, Some(state.time))?;
+    let constraints = (body.constraints(), body.space.inactive());
+    let mut constraints = LinearConstraints::new(constraints, &state.displacement, Some(state.time))?;
     point.force.iter_mut().for_each(|net| *net = -*net);
-    let multipliers = joints.balancing(&point.force);
-    joints.add_force((body.constraints(), &state.displacement), &multipliers, &mut point.force);
+    let multipliers = constraints.balancing(&point.force);
+    constraints.add_force((body.constraints(), &state.displacement), &multipliers, &mut point.force);
     point.force.iter_mut().for_each(|net| *net = -*net);
     point.set_reactions(body, &vec![0.0; body.n_dofs()]);
-    Ok(point.reactions)
+    let undamped = StepInput::undamped(&forces.rule, &state.displacement, &forces.rest);
+    let step = StepInput { coordinates: &state.coordinates, ..undamped };
+    let mut joints = vec![JointState::default(); body.joints().len()];
+    let points = body.mesh().points();
+    body.mechanism.set_states((&step, constraints.times()), (1.0, &multipliers), points, &mut joints);
+    Ok((point.reactions, joints))
 }
 
 /// Sets the reactions of a step to the weighted sum over its points.

@@ -162,7 +162,7 @@ impl Stepper for StaticStepper<'_> {
         let newton = self.solve(state, step_size)?;
         let StaticSystem { equations, first, time, .. } = &mut self.system;
         self.end.evaluate_static(equations, &self.unknowns, *time, first)?;
-        self.keep_joints(step_size);
+        self.keep_joints();
         let equations = &self.system.equations;
         let [rates, ..] = equations.blocks.split(&self.unknowns);
         equations.count_on(rates, &mut state.coordinates);
@@ -210,15 +210,12 @@ impl Stepper for StaticStepper<'_> {
 
 impl StaticStepper<'_> {
     /// Keeps the multipliers of the equilibrium at the end of a step, and sets the forces of the joints.
-    fn keep_joints(&mut self, step_size: f64) {
+    fn keep_joints(&mut self) {
         let equations = &self.system.equations;
         let [x, multipliers, _] = equations.blocks.split(&self.unknowns);
-        // In a step of a time element they are forces times the square of the step size.
-        let times_square: Vec<f64> =
-            multipliers.iter().map(|lambda| step_size * step_size * lambda).collect();
         let step = (&equations.step_at(x), &equations.constraint_step);
         let (mechanism, points) = (&equations.body.mechanism, equations.body.mesh().points());
-        mechanism.set_states(step, &times_square, points, &mut self.joints);
+        mechanism.set_states(step, (1.0, multipliers), points, &mut self.joints);
         if let Some(joints) = &mut self.system.joints {
             joints.multipliers.copy_from_slice(multipliers);
         }
