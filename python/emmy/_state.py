@@ -34,6 +34,8 @@ class State:
     modes : array (m, 3) or (3 m,), optional
         Displacements of the internal nodes of incompatible modes, minus the mean over their cell; zero if not given. A
         state from `emmy.equilibrium` contains them.
+    coordinates : array (n_joints,), optional
+        Angles, slides and distances of the joints. Without them each angle is within half a turn of the drawing.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class State:
     step: int = 0
     displacement_low: NDArray[np.float64] | None = None
     modes: NDArray[np.float64] | None = None
+    coordinates: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", words.real(self.time, "time"))
@@ -72,11 +75,14 @@ class State:
             value = getattr(self, name)
             if value is not None or name in ("displacement", "velocity"):
                 object.__setattr__(self, name, words.vectors(value, None, name))
+        if self.coordinates is not None:
+            object.__setattr__(self, "coordinates", words.finite(self.coordinates, (None,), "coordinates"))
         object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:
         low, modes = self.displacement_low, self.modes
-        return (self.time, self.displacement, self.velocity, self.momentum, self.step, low, modes)
+        coordinates = None if self.coordinates is None else self.coordinates.tolist()
+        return (self.time, self.displacement, self.velocity, self.momentum, self.step, low, modes, coordinates)
 
 
 class Snapshot:

@@ -3,6 +3,7 @@
 use emmy::body::Body;
 use emmy::motion::State;
 use emmy_io::checkpoint::{self, Checkpoint};
+use emmy_io::message::counted;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -10,9 +11,10 @@ use pyo3::types::PyBytes;
 use crate::errors;
 use crate::mesh::vectors;
 
-/// Time, displacement, velocity, momentum, step, low part of the displacement, incompatible modes if there are some.
+/// Time, displacement, velocity, momentum, step, low part of the displacement, incompatible modes and coordinates of
+/// joints if there are some.
 pub(crate) type StateTuple<'py> =
-    (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>, Option<Array<'py>>);
+    (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>, Option<Array<'py>>, Option<Vec<f64>>);
 type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// The same, given.
@@ -24,6 +26,7 @@ pub(crate) type StateArrays<'py> = (
     usize,
     Option<PyReadonlyArray2<'py, f64>>,
     Option<PyReadonlyArray2<'py, f64>>,
+    Option<Vec<f64>>,
 );
 
 /// The arrays of a state.
@@ -37,7 +40,8 @@ pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResul
     let [momentum, low] = [array(&state.momentum)?, array(&state.displacement_low)?];
     let modes = body.modes_of(&state.displacement);
     let modes = if modes.is_empty() { None } else { Some(vectors(py, &modes)?) };
-    Ok((state.time, displacement, velocity, momentum, state.step, low, modes))
+    let coordinates = Some(state.coordinates.clone()).filter(|own| !own.is_empty());
+    Ok((state.time, displacement, velocity, momentum, state.step, low, modes, coordinates))
 }
 
 /// The numbers of an array `(n, 3)` for the nodes of a body.
@@ -57,7 +61,7 @@ pub(crate) fn nodal(
 
 /// The state of a body with given arrays; without a momentum it has p = M v.
 pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyResult<State> {
-    let (time, displacement, velocity, momentum, step, low, modes) = given;
+    let (time, displacement, velocity, momentum, step, low, modes, coordinates) = given;
     let n = body.mesh().n_dofs();
     let numbers =
         |array: &PyReadonlyArray2<'_, f64>, name: &str| nodal(py, body, array, &format!("start.{name}"));
@@ -81,6 +85,18 @@ pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyR
     match momentum {
         Some(momentum) => state.momentum[..n].copy_from_slice(&numbers(&momentum, "momentum")?),
         None => state = state.transferred(body, time).map_err(|error| errors::library(py, &error))?,
+    }
+    if let Some(coordinates) = coordinates {
+        let (found, expected) = (coordinates.len(), body.joints().len());
+        if found != expected {
+            let reason = format!(
+                "{} given, but the body has {}",
+                counted(found, "number", "numbers"),
+                counted(expected, "joint", "joints")
+            );
+            return Err(errors::argument(py, "start.coordinates", &reason));
+        }
+        state.coordinates = coordinates;
     }
     state.step = step;
     Ok(state)

@@ -217,3 +217,34 @@ def test_a_wheel_that_is_turned_and_let_go():
     assert (history["axle_force_z"][5:] == 0).all()
     with pytest.raises(emmy.InputError, match="there is no joint `axel`"):
         emmy.Motion(body, steps=(1.0, 0.1), joints=["axel"])
+
+
+def bar(**force):
+    """A bar of 2 kg on a hinge in its end, with the inertia 0.4 + 2 * 0.25 about it."""
+    own = emmy.Rigid("bar", mass=2.0, centre=(0.5, 0, 0), inertia=(0.1, 0.4, 0.4))
+    hinge = emmy.Joint.revolute("hinge", between=("bar", "ground"), at=(0, 0, 0), axis=(0, 0, 1), **force)
+    return emmy.Body(rigid=own, joints=hinge)
+
+
+def test_modes_of_a_bar_on_a_spring():
+    modes = emmy.modes(bar(spring={"stiffness": 7.0}), 1)
+    np.testing.assert_allclose(2 * np.pi * modes.frequencies, [np.sqrt(7.0 / 0.9)], rtol=1e-12)
+
+
+def test_a_spring_is_wound_up_over_full_turns():
+    body = bar(spring={"stiffness": 0.05}, torque=0.4)
+    state = emmy.equilibrium(body)
+    np.testing.assert_allclose(state.coordinates, [8.0], rtol=1e-9)
+    modes = emmy.modes(body, 1, state=state)
+    np.testing.assert_allclose(2 * np.pi * modes.frequencies, [np.sqrt(0.05 / 0.9)], rtol=1e-8)
+    history = emmy.Motion(body, degree=2, steps=(1.0, 0.1), start=state).run()
+    np.testing.assert_allclose(history["hinge_angle"], 8.0, rtol=1e-9)
+    np.testing.assert_allclose(history["strain_energy"], 0.5 * 0.05 * 64, rtol=1e-9)
+    # Without the motor it unwinds: theta = 8 cos w t.
+    start = emmy.State(0.0, state.displacement, state.velocity, coordinates=state.coordinates)
+    history = emmy.Motion(bar(spring={"stiffness": 0.05}), degree=3, steps=(10.0, 0.1), start=start).run()
+    exact = 8 * np.cos(np.sqrt(0.05 / 0.9) * history["time"])
+    np.testing.assert_allclose(history["hinge_angle"], exact, atol=1e-5)
+    with pytest.raises(emmy.InputError, match="2 numbers given, but the body has 1 joint"):
+        wrong = emmy.State(0.0, state.displacement, state.velocity, coordinates=[1.0, 2.0])
+        emmy.Motion(body, steps=(1.0, 0.1), start=wrong)

@@ -126,7 +126,7 @@ pub fn modes_about(body: &Body, state: &State, count: usize) -> Result<Vec<Mode>
 
 /// The body linearised about a state.
 fn about(body: &Body, state: &State) -> Result<Linearised> {
-    Linearised::at(body, &state.displacement, Some(state.time))
+    Linearised::about(body, state)
 }
 
 /// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not

@@ -9,6 +9,7 @@ use crate::body::{Assembly, Body, Interface};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
 use crate::sparse::{BLOCK, BlockCholesky, Pencil};
+use crate::time::State;
 use crate::time::classic::Forces;
 use crate::unknowns::LinearConstraints;
 
@@ -28,17 +29,22 @@ impl Linearised {
     /// The stiffness in the reference configuration, without loads.
     ///
     /// # Errors
-    /// As [`Linearised::at`].
+    /// As [`Linearised::about`].
     pub(super) fn at_reference(body: &Body) -> Result<Self> {
-        Linearised::at(body, &vec![0.0; body.n_dofs()], None)
+        Linearised::new(body, Forces::new(body), &vec![0.0; body.n_dofs()], None)
     }
 
-    /// The stiffness at a displacement `[n_nodes][3]`, with the follower pressures of a time.
+    /// The stiffness at a state, with the follower pressures of its time.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
-    pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
+    pub(super) fn about(body: &Body, state: &State) -> Result<Self> {
         let mut forces = Forces::new(body);
+        forces.take_history(state);
+        Linearised::new(body, forces, &state.displacement, Some(state.time))
+    }
+
+    fn new(body: &Body, mut forces: Forces<'_>, displacement: &[f64], time: Option<f64>) -> Result<Self> {
         let interface = match body.constraints().is_empty() {
             true => None,
             false => {

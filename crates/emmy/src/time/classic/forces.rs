@@ -38,7 +38,7 @@ impl<'a> Forces<'a> {
     }
 
     /// Takes what the forces of a state depend on beside its displacement.
-    fn take_history(&mut self, state: &State) {
+    pub(crate) fn take_history(&mut self, state: &State) {
         self.history.clone_from(&state.history);
         self.coordinates.clone_from(&state.coordinates);
     }
