@@ -182,7 +182,8 @@ class Tie(Table):
     leader : str
         Group that they follow: its facets; if it has none its nodes, which they must meet, else its cells.
     kind : str, optional
-        "nodes": each node follows the nearest point of the leader.
+        "mortar": by integrals over two surfaces of linear facets, so that a uniform stress passes exactly; "nodes": each
+        node follows the nearest point of the leader. By default "mortar" where both groups have linear facets alone.
     tolerance : float, optional
         Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of a node
         onto a node, to the shortest edge at the follower.
@@ -201,12 +202,8 @@ class Tie(Table):
     _section = "tie"
     follower: str = field(kw_only=False)
     leader: str = field(kw_only=False)
-    kind: str = "nodes"
+    kind: str | None = None
     tolerance: float = 0.05
-
-    def _tree(self) -> dict[str, Any]:
-        # The input has no default of the kind.
-        return super()._tree() | {"kind": self.kind}
 
 
 class Rigid(Table):

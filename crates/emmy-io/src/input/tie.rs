@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use emmy::body::{Body, InitialVelocity, Tie, TieSummary};
+use emmy::body::{Body, InitialVelocity, Tie, TieKind, TieSummary};
 use emmy::internals::material::Bounds;
 use emmy::mesh::Mesh;
 
@@ -13,7 +13,7 @@ use super::table::{Item, Table};
 use crate::units::Units;
 
 /// Kinds of ties.
-const KINDS: [&str; 1] = ["nodes"];
+const KINDS: [&str; 2] = ["mortar", "nodes"];
 
 /// `[[tie]]`.
 pub(super) static TIE: Described = Described::new(|| {
@@ -25,12 +25,14 @@ pub(super) static TIE: Described = Described::new(|| {
             "",
             "Group that they follow: its facets; if it has none its nodes, which they must meet, else its cells",
         )
-        .must(
+        .may(
             "kind",
-            Kind::Word("a kind of tie", KINDS.to_vec(), not_yet),
+            Kind::Word("a kind of tie", KINDS.to_vec(), |_| None),
             "",
-            "`nodes`: each node follows the nearest point of the leader",
+            "`mortar`: by integrals over two surfaces of linear facets, so that a uniform stress passes exactly; \
+             `nodes`: each node follows the nearest point of the leader",
         )
+        .absent("`mortar` where both groups have linear facets alone, else `nodes`")
         .may(
             "tolerance",
             Kind::Number(Bounds::AtLeast(0.0)),
@@ -40,12 +42,6 @@ pub(super) static TIE: Described = Described::new(|| {
         )
         .default("0.05")
 });
-
-/// The fault of a kind that is planned.
-fn not_yet(text: &str) -> Option<(Fault, String)> {
-    let fault = || Fault::new("Emmy has no ties of the kind `mortar` yet").help("there is kind = \"nodes\"");
-    (text == "mortar").then(|| (fault(), "not yet".to_string()))
-}
 
 /// A tie with the places of its table and of the names of its groups.
 #[derive(Debug)]
@@ -63,7 +59,12 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedTie, Fault> {
         let message = format!("`{}` cannot follow itself", leader.name());
         return Err(leader.fault(message, "leader").label(follower.place(), "follower"));
     }
-    let tie = Tie::nodes(follower.name(), leader.name()).with_tolerance(table.must("tolerance"));
+    let kind = table.item("kind").map(|item| match item.text() {
+        Some("nodes") => TieKind::Nodes,
+        _ => TieKind::Mortar,
+    });
+    let tie = Tie { kind, ..Tie::new(follower.name(), leader.name()) };
+    let tie = tie.with_tolerance(table.must("tolerance"));
     let [follower, leader] = [follower, leader].map(|item| item.place().clone());
     Ok(PlacedTie { tie, place: table.place.clone(), follower, leader })
 }

@@ -63,8 +63,8 @@ impl Body {
         sum[0]
     }
 
-    /// Strain energy V of a displacement, with the potential of springs and attractions to the ground, and of the springs
-    /// of joints, whose angles are within half a turn \[energy\].
+    /// Strain energy V of a displacement, with the potential of springs and attractions to the ground, and of the
+    /// springs of joints, whose angles are within half a turn \[energy\].
     pub fn strain_energy(&self, displacement: &[f64]) -> f64 {
         self.strain_state(displacement).strain_energy
     }

@@ -25,7 +25,7 @@ pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
     Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind,
     JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass, Support,
-    Tie, TimeFunction, Viscosity,
+    Tie, TieKind, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
 pub use crate::space::{Reaction, TieSummary};

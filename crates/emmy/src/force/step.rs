@@ -15,8 +15,8 @@ pub struct StepInput<'a> {
     pub displacement: &'a [f64],
     /// Rates x_j of the displacement, `[k][n_nodes][3]`.
     pub rates: &'a [f64],
-    /// Coordinates of the joints at the start, angles counted over full turns, `[n_joints]`; empty: angles within half a
-    /// turn.
+    /// Coordinates of the joints at the start, angles counted over full turns, `[n_joints]`; empty: angles within half
+    /// a turn.
     pub coordinates: &'a [f64],
     /// Damping of the strain rates.
     pub damping: StepDamping,

@@ -33,7 +33,7 @@ pub(crate) use span::SAME_TIME;
 pub use span::Span;
 pub use support::{Rotation, Support};
 pub(crate) use target::SignalTarget;
-pub use tie::Tie;
+pub use tie::{Tie, TieKind};
 pub(crate) use time_function::NotFinite;
 pub use time_function::TimeFunction;
 pub use viscosity::Viscosity;

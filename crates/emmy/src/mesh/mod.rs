@@ -4,6 +4,7 @@ mod boundary;
 mod builder;
 mod connectivity;
 mod groups;
+mod mortar;
 mod nearest;
 pub(crate) mod quality;
 pub(crate) mod shapes;
@@ -12,6 +13,7 @@ mod share;
 pub use builder::MeshBuilder;
 pub(crate) use connectivity::roots;
 pub use groups::{Facet, Groups};
+pub(crate) use mortar::{is_linear, mortar};
 pub(crate) use nearest::{Nearest, Patch, distance};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{MAX_CELLS, block, l_block, rectangle};
@@ -163,6 +165,11 @@ impl Mesh {
     pub fn facet_nodes(&self, facet: Facet) -> impl Iterator<Item = u32> + '_ {
         let cell = self.cell(facet.cell as usize);
         cell.kind.facets()[facet.local as usize].nodes.iter().map(move |&local| cell.nodes[local])
+    }
+
+    /// Kind of a facet.
+    pub(crate) fn facet_kind(&self, facet: Facet) -> FacetKind {
+        self.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind
     }
 
     /// Nodes of a group, ascending, without repetition: of its facets; if it has none its nodes, else those of its

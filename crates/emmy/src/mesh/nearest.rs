@@ -45,7 +45,7 @@ enum Shape {
 impl Patch {
     /// A facet of a mesh.
     pub(crate) fn of_facet(mesh: &Mesh, facet: Facet) -> Self {
-        let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
+        let kind = mesh.facet_kind(facet);
         Patch::new(Shape::Facet(kind), mesh.facet_nodes(facet).collect(), |node| mesh.points()[node as usize])
     }
 

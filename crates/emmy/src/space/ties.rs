@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::input::Tie;
-use crate::mesh::{Mesh, Nearest, Patch, distance};
+use crate::input::{Tie, TieKind};
+use crate::mesh::{Facet, Mesh, Nearest, Patch, distance, is_linear, mortar};
 use crate::nodal;
 use crate::number::{short, short_vector};
 use crate::sparse::{Pattern, StageMatrix};
@@ -60,6 +60,8 @@ pub struct TieSummary {
     pub follower: String,
     /// Group that they follow.
     pub leader: String,
+    /// How the weights were found.
+    pub kind: TieKind,
     /// Number of nodes that follow.
     pub n_followers: usize,
     /// Largest distance by which one of them was moved in the reference configuration \[length\].
@@ -92,8 +94,11 @@ impl Ties {
             bodies.push((body, nodes.iter().map(|(node, _)| *node).collect()));
             all.extend(nodes);
         }
+        let mut kinds = Vec::with_capacity(ties.len());
         for (number, tie) in ties.iter().enumerate() {
-            for (node, nearest) in of_tie(mesh, number, tie)? {
+            let (kind, found) = of_tie(mesh, number, tie)?;
+            kinds.push(kind);
+            for (node, weights) in found {
                 if let Some(body) = body_of(&bodies, node) {
                     let at = place(mesh, node);
                     let reason = format!(
@@ -111,7 +116,7 @@ impl Ties {
                     );
                     return Err(fault(number, tie, reason));
                 }
-                all.insert(node, nearest.weights);
+                all.insert(node, weights);
             }
         }
         compose(&mut all, ties.len() + bodies.len().min(1)).map_err(|node| {
@@ -119,7 +124,7 @@ impl Ties {
             let reason = format!("its node at {} leads and follows in a circle", place(mesh, node));
             fault(number, &ties[number], reason)
         })?;
-        let mut summaries: Vec<TieSummary> = ties.iter().map(TieSummary::new).collect();
+        let mut summaries: Vec<TieSummary> = ties.iter().zip(kinds).map(TieSummary::new).collect();
         let (mut followers, mut begin, mut leaders) = (Vec::new(), vec![0], Vec::new());
         for (node, own) in all {
             // Nodes of rigid bodies are where they are.
@@ -248,14 +253,36 @@ impl Ties {
 }
 
 impl TieSummary {
-    fn new(tie: &Tie) -> Self {
+    fn new((tie, kind): (&Tie, TieKind)) -> Self {
         let Tie { follower, leader, .. } = tie.clone();
-        TieSummary { follower, leader, n_followers: 0, largest_shift: 0.0 }
+        TieSummary { follower, leader, kind, n_followers: 0, largest_shift: 0.0 }
     }
 }
 
-/// The followers of a tie with the points that they follow.
-fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> {
+/// The kind of a tie, and its followers with the weights of their leaders.
+fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Vec<(u32, Vec<(u32, f64)>)>)> {
+    let nearest = nearest(mesh, number, tie)?;
+    let facets = [&tie.follower, &tie.leader].map(|group| facets(mesh, group));
+    let is_linear = |facet: &Facet| is_linear(mesh.facet_kind(*facet));
+    let are_linear = |facets: &[Facet]| !facets.is_empty() && facets.iter().all(is_linear);
+    let unfit = facets.iter().position(|facets| !are_linear(facets));
+    let kind = tie.kind.unwrap_or(if unfit.is_none() { TieKind::Mortar } else { TieKind::Nodes });
+    let mut surfaces = match (kind, unfit) {
+        (TieKind::Mortar, Some(side)) => {
+            let group = [&tie.follower, &tie.leader][side];
+            let reason = format!("mortar joins facets of linear cells, and \"{group}\" has others or none");
+            return Err(fault(number, tie, format!("{reason}; kind = \"nodes\" joins all")));
+        }
+        (TieKind::Mortar, None) => mortar(mesh, facets, tie.tolerance),
+        (TieKind::Nodes, _) => BTreeMap::new(),
+    };
+    // A node that no leader covers follows the nearest point.
+    let weights = |(node, own): (u32, Nearest)| (node, surfaces.remove(&node).unwrap_or(own.weights));
+    Ok((kind, nearest.into_iter().map(weights).collect()))
+}
+
+/// The followers of a tie with the nearest points of the leader.
+fn nearest(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> {
     if !(tie.tolerance >= 0.0 && tie.tolerance.is_finite()) {
         let reason =
             format!("its tolerance must be a finite number of at least 0, not {}", short(tie.tolerance));
@@ -302,14 +329,19 @@ fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> 
     Err(fault(number, tie, reason))
 }
 
+/// The facets of a group; empty if it has none.
+fn facets<'m>(mesh: &'m Mesh, group: &str) -> &'m [Facet] {
+    let has_facets = mesh.groups().kinds(group).contains(&"facets");
+    if has_facets { mesh.groups().facets(group).unwrap_or_default() } else { &[] }
+}
+
 /// The facets of a group, else its cells; empty if it is one of nodes.
 fn patches(mesh: &Mesh, group: &str) -> Vec<Patch> {
-    let kinds = mesh.groups().kinds(group);
-    if kinds.contains(&"facets") {
-        let facets = mesh.groups().facets(group).unwrap_or_default();
+    let facets = facets(mesh, group);
+    if !facets.is_empty() {
         return facets.iter().map(|&facet| Patch::of_facet(mesh, facet)).collect();
     }
-    let is_of_nodes = kinds.contains(&"nodes");
+    let is_of_nodes = mesh.groups().kinds(group).contains(&"nodes");
     let cells = if is_of_nodes { &[] } else { mesh.groups().cells(group).unwrap_or_default() };
     cells.iter().map(|&cell| Patch::of_cell(mesh, cell as usize)).collect()
 }

@@ -108,12 +108,32 @@ fn nodes_at(mesh: &Mesh, X: [f64; 3]) -> Vec<usize> {
     (0..mesh.n_nodes()).filter(|&node| is_there(&mesh.points()[node])).collect()
 }
 
-/// Numbers of an independent implementation with nodes tied to facets.
+/// Numbers of an independent implementation, by mortar and with nodes tied to facets.
 #[test]
 fn two_blocks_in_flight_move_as_elsewhere() {
-    let body = Body::builder(blocks(HEX8, [2, 3], false)).region(rubber()).tie(tie()).build().unwrap();
-    for (k, h, kinetic, strain, upper, lower) in [
+    let by = |kind| Tie { kind: Some(kind), ..Tie::new("upper-face", "lower-face") };
+    let body = |kind| Body::builder(blocks(HEX8, [2, 3], false)).region(rubber()).tie(by(kind)).build();
+    for (kind, k, h, kinetic, strain, upper, lower) in [
         (
+            TieKind::Mortar,
+            1,
+            0.05,
+            3.573158883791574,
+            0.005241116208426446,
+            [1.2494903582265913, 2.0386515972947086, 2.363306591223248],
+            [0.7507404218687413, -0.038626594418302095, -0.36332055701671084],
+        ),
+        (
+            TieKind::Mortar,
+            2,
+            0.1,
+            3.5741960677359015,
+            0.004203932264100575,
+            [1.2500162727514186, 2.0382230192105766, 2.363432640967401],
+            [0.7497449271323341, -0.03815044378827872, -0.36352281741941256],
+        ),
+        (
+            TieKind::Nodes,
             1,
             0.05,
             3.5731681421821877,
@@ -122,6 +142,7 @@ fn two_blocks_in_flight_move_as_elsewhere() {
             [0.7507362278964319, -0.03859013624627416, -0.36332140173107536],
         ),
         (
+            TieKind::Nodes,
             2,
             0.1,
             3.574166510508787,
@@ -130,6 +151,8 @@ fn two_blocks_in_flight_move_as_elsewhere() {
             [0.7497704564018619, -0.03824817400858922, -0.36349243242105894],
         ),
     ] {
+        let body = body(kind).unwrap();
+        assert_eq!(body.ties()[0].kind, kind);
         let state = State::initial(&body, 0.0, &[flight()]).unwrap();
         let mut motion = Motion::starting(&body, at(DGM, k), NewtonSettings::default(), state).unwrap();
         while motion.time() < 1.0 - 1e-9 {
@@ -367,6 +390,128 @@ fn nested_meshes_pass_a_uniform_stress() {
     assert!(largest_force([2, 3]) > 1e-3 && largest_force([4, 2]) > 1e-3);
 }
 
+/// A mesh with its points moved, and its groups of facets.
+fn moved(mesh: &Mesh, to: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+    let mut builder = MeshBuilder::new();
+    mesh.points().iter().for_each(|X| {
+        builder.point(to(*X));
+    });
+    mesh.cells().for_each(|cell| {
+        builder.cell(cell.kind, cell.nodes).unwrap();
+    });
+    for name in ["lower-face", "upper-face"] {
+        builder.facet_group(name, mesh.groups().facets(name).unwrap().iter().copied());
+    }
+    builder.build().unwrap()
+}
+
+/// By mortar any two meshes pass a uniform stress, if the surfaces are plane: of linear cells of all kinds and
+/// formulations, of different sizes, and distorted.
+#[test]
+fn mortar_passes_a_uniform_stress() {
+    use CellKind::{Hex8, Pyramid5, Tet4, Wedge6};
+    // In the plane of the tie, not at its rim.
+    let bent = |X: [f64; 3]| {
+        let inside = X[0] * (2.0 - X[0]) * X[1] * (2.0 - X[1]);
+        [X[0] + 0.1 * inside * (3.0 * X[1]).cos(), X[1] - 0.08 * inside * (2.0 * X[0] + X[2]).sin(), X[2]]
+    };
+    // Uniaxial tension, because forces of the sides would pass to nodes inside.
+    let stretch = 1.02f64;
+    let contraction = |rubber: NeoHooke| {
+        let stress = |a: f64| {
+            let strain = [a, a, stretch].map(|stretch| 0.5 * (stretch * stretch - 1.0));
+            rubber.stress(&[strain[0], strain[1], strain[2], 0.0, 0.0, 0.0])[0]
+        };
+        let (mut low, mut high) = (0.9, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            *if stress(middle) < 0.0 { &mut low } else { &mut high } = middle;
+        }
+        low - 1.0
+    };
+    let modes = || rubber().with_formulation(Formulation::IncompatibleModes);
+    let cases: [(&str, _, _, fn() -> Region, _); 8] = [
+        ("hexahedra", [Hex8; 2], [2, 3], rubber, false),
+        ("on finer ones", [Hex8; 2], [5, 3], rubber, false),
+        ("distorted", [Hex8; 2], [3, 4], rubber, true),
+        ("tetrahedra", [Tet4; 2], [3, 4], rubber, true),
+        ("both", [Hex8, Tet4], [3, 2], rubber, true),
+        ("wedges and pyramids", [Wedge6, Pyramid5], [2, 3], rubber, true),
+        ("projected volumes", [Hex8; 2], [2, 3], projected, false),
+        ("incompatible modes", [Hex8; 2], [2, 3], modes, true),
+    ];
+    for (name, kinds, n, region, is_bent) in cases {
+        let mesh = moved(&blocks(kinds, n, false), |X| if is_bent { bent(X) } else { X });
+        for (follower, leader) in [("upper-face", "lower-face"), ("lower-face", "upper-face")] {
+            let largest_force = |tie: Tie| {
+                let body = Body::builder(mesh.clone()).region(region()).tie(tie).build().unwrap();
+                let points = body.mesh().points();
+                let shifts = body.ties()[0].largest_shift;
+                assert!(shifts < 1e-13, "{name}: {shifts:e}");
+                let lambda = if name == "projected volumes" { 2e6 } else { 4000.0 };
+                let a = contraction(NeoHooke::new(lambda, 2000.0).unwrap());
+                let u = |X: &[f64; 3]| [a * X[0], a * X[1], (stretch - 1.0) * X[2]];
+                let stretched =
+                    State::displaced(&body, 0.0, points.iter().flat_map(u).collect(), &[]).unwrap();
+                let force = body.internal_force(&stretched.displacement).unwrap();
+                let is_inside = |X: &[f64; 3]| X.iter().all(|x| *x > 1e-9 && *x < 2.0 - 1e-9);
+                let size = |node: usize| (0..3).map(|d| force[3 * node + d].abs()).fold(0.0, f64::max);
+                let [inside, all] = [true, false].map(|inside_alone| {
+                    let nodes = (0..points.len()).filter(|&node| !inside_alone || is_inside(&points[node]));
+                    nodes.map(size).fold(0.0, f64::max)
+                });
+                inside / all
+            };
+            let by_mortar = largest_force(Tie::new(follower, leader));
+            assert!(by_mortar < 1e-12, "{name}: {by_mortar:e}");
+            let by_nodes = largest_force(Tie::nodes(follower, leader));
+            assert!(by_nodes > 1e-3, "{name}: {by_nodes:e}");
+        }
+    }
+}
+
+/// A surface that reaches beyond the other one is tied where they meet; nodes further away than the tolerance are not
+/// left out in silence.
+#[test]
+fn mortar_ties_surfaces_where_they_meet() {
+    let mesh = |width: f64| {
+        let mut mesh = MeshBuilder::new();
+        add_block(&mut mesh, CellKind::Hex8, [[0.0; 3], [3.0, 2.0, 1.0]], [4, 3, 1], &mut HashMap::new());
+        let upper = [[0.0, 0.0, 1.0], [width, 2.0, 2.0]];
+        add_block(&mut mesh, CellKind::Hex8, upper, [3, 2, 1], &mut HashMap::new());
+        let all = mesh.clone().build().unwrap();
+        for (name, cells) in [("lower-face", 0..12u32), ("upper-face", 12..18)] {
+            let facets = cells.flat_map(|cell| (0..6).map(move |local| Facet { cell, local }));
+            let on = |node: u32| (all.points()[node as usize][2] - 1.0).abs() < 1e-9;
+            mesh.facet_group(
+                name,
+                facets.filter(|&facet| all.facet_nodes(facet).all(on)).collect::<Vec<_>>(),
+            );
+        }
+        mesh.build().unwrap()
+    };
+    let body = Body::builder(mesh(2.2)).region(rubber()).tie(Tie::new("upper-face", "lower-face")).build();
+    let body = body.unwrap();
+    assert_eq!((body.ties()[0].kind, body.ties()[0].n_followers), (TieKind::Mortar, 12));
+    let upper = body.mesh().group_nodes("upper-face").unwrap();
+    for &node in &upper {
+        let leaders = body.leaders_of(node).unwrap();
+        let sum: f64 = leaders.iter().map(|(_, weight)| weight).sum();
+        assert!((sum - 1.0).abs() < 1e-14);
+    }
+    let beyond = Body::builder(mesh(3.5)).region(rubber()).tie(Tie::mortar("upper-face", "lower-face"));
+    let error = beyond.build().unwrap_err().to_string();
+    assert!(error.contains("its node at [3.5, 0, 1] is 0.5 away"), "{error}");
+    // Leaders that reach further are free there.
+    let over = Body::builder(mesh(3.5)).region(rubber()).tie(Tie::mortar("lower-face", "upper-face"));
+    assert_eq!(over.build().unwrap().ties()[0].n_followers, 20);
+    let quadratic = blocks([CellKind::Hex20, CellKind::Hex8], [2, 3], false);
+    let body = |tie| Body::builder(quadratic.clone()).region(rubber()).tie(tie).build();
+    assert_eq!(body(Tie::new("upper-face", "lower-face")).unwrap().ties()[0].kind, TieKind::Nodes);
+    let error = body(Tie::mortar("upper-face", "lower-face")).unwrap_err().to_string();
+    assert!(error.contains("mortar joins facets of linear cells, and \"lower-face\" has others or none"));
+}
+
 /// A support alone holds both blocks, and the motions that nothing holds are those of both.
 #[test]
 fn equilibria_and_modes_are_those_of_one_mesh() {
@@ -548,6 +693,7 @@ fn plane_cells_and_links_are_tied() {
     };
     for (name, (body, start)) in [
         ("quadrilaterals", plane([CellKind::Quad4; 2], Tie::nodes("upper", "lower"))),
+        ("quadrilaterals by mortar", plane([CellKind::Quad4; 2], Tie::mortar("upper", "lower"))),
         ("triangles", plane([CellKind::Quad8, CellKind::Tri6], Tie::nodes("lower", "upper"))),
         ("links", with_links()),
     ] {

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use emmy::body::{
     Body, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary, Support,
-    TimeFunction, Viscosity,
+    TieKind, TimeFunction, Viscosity,
 };
 use emmy::mesh::{Worst, quality};
 use emmy::motion::{Adaptivity, State};
@@ -140,7 +140,11 @@ impl Report {
             let follow = if tie.n_followers == 1 { "follows" } else { "follow" };
             let shift = shift_of_followers(body, tie).map(|shift| self.units.number(shift, "length"));
             let shift = shift.map_or(String::new(), |shift| format!(", shifted by up to {shift}"));
-            self.line("tie", &format!("{nodes} of {} {follow} {}{shift}", tie.follower, tie.leader));
+            let kind = match tie.kind {
+                TieKind::Mortar => " by mortar",
+                TieKind::Nodes => "",
+            };
+            self.line("tie", &format!("{nodes} of {} {follow} {}{kind}{shift}", tie.follower, tie.leader));
         }
     }
 

@@ -18,8 +18,6 @@ fn tie(name: &str, keys: &str) -> Mistake {
 fn ties() -> Vec<Mistake> {
     let groups = "follower = \"y-max\"\nleader = \"x-min\"";
     vec![
-        tie("tie-without-a-kind", groups),
-        tie("tie-by-mortar", &format!("{groups}\nkind = \"mortar\"")),
         tie("tie-of-an-unknown-kind", &format!("{groups}\nkind = \"node\"")),
         tie("tie-below-nothing", &format!("{groups}\nkind = \"nodes\"\ntolerance = -0.1")),
         tie("tie-in-other-words", "slave = \"y-max\"\nmaster = \"x-min\"\nkind = \"nodes\""),
