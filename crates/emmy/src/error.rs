@@ -545,16 +545,21 @@ pub enum Error {
     },
     /// Joints whose given motions no velocity obeys.
     #[error(
-        "no motion obeys all joints at t = {time}: their given motions contradict each other, or the mechanism is locked"
+        "no motion obeys all joints at t = {time}: {}, or the mechanism is locked",
+        contradiction(.driven)
     )]
     NoMotion {
         /// The time.
         time: f64,
+        /// Names of the joints whose given motions take part in the contradiction, as far as they are known.
+        driven: Vec<String>,
     },
     /// A step after which constraints do not hold.
     #[error(
-        "step {step} failed at time {time}: joints are open by {residual:e}; the mechanism may be at a dead point, or its \
-         given motions contradict each other"
+        "step {step}, to t = {time}: joints are open by {residual:.3e}, {} most of all; {}",
+        named(.joints),
+        lost(.driven),
+        time = short(.time)
     )]
     ConstraintsLost {
         /// Number of the step that failed.
@@ -563,6 +568,10 @@ pub enum Error {
         time: f64,
         /// Largest opening \[length\].
         residual: f64,
+        /// Names of the joints, and of rigid bodies that are strained, with the largest openings.
+        joints: Vec<String>,
+        /// Names of the joints whose given motions take part in the contradiction.
+        driven: Vec<String>,
     },
     /// A step in which rounding of the internal forces leaves less than three digits of energy or momenta.
     #[error(
@@ -579,14 +588,17 @@ pub enum Error {
     },
     /// A step whose equations cannot be solved from any starting point.
     #[error(
-        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and the material",
-        short(.time)
+        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and {}",
+        short(.time),
+        if *.has_cells { "the material" } else { "the joints" }
     )]
     StepFailed {
         /// Number of the step that failed.
         step: usize,
         /// Time at its end.
         time: f64,
+        /// Whether the body has cells, with a material.
+        has_cells: bool,
         /// Reason.
         #[source]
         cause: Box<Error>,
@@ -616,7 +628,7 @@ pub enum Error {
     /// A step in which a number is not finite.
     #[error(
         "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the time functions of the \
-         loads and at the material there",
+         loads, and at the material or the joints there",
         short(.time),
         short_vector(.position)
     )]
@@ -635,7 +647,7 @@ pub enum Error {
         "step {step} from t = {start} failed with every size down to {step_size}; {advice}",
         start = short(.start),
         step_size = short(.step_size),
-        advice = advice_on_steps(.cause)
+        advice = advice_on_steps(.cause, *.has_cells)
     )]
     SmallestStep {
         /// Number of the step.
@@ -644,6 +656,8 @@ pub enum Error {
         start: f64,
         /// The last size that was tried.
         step_size: f64,
+        /// Whether the body has cells, which a finer mesh could change.
+        has_cells: bool,
         /// Why the last attempt failed.
         #[source]
         cause: Box<Error>,
@@ -708,7 +722,11 @@ pub enum Error {
     },
     /// More natural modes than the body has degrees of freedom.
     #[error(
-        "{count} modes were requested, but the body has only {free}, one for each free degree of freedom"
+        "{} requested, but the body has {}",
+        if *.count == 1 { "1 mode was".to_string() } else { format!("{count} modes were") },
+        if *.free == 0 { "no free degree of freedom".to_string() } else {
+            format!("only {free}, one for each free degree of freedom")
+        }
     )]
     TooManyModes {
         /// Number of modes that are wanted.
@@ -718,7 +736,9 @@ pub enum Error {
     },
     /// Natural modes that were not found: the relative residual of one is too large, or infinite if one is missing.
     #[error(
-        "the search for {count} natural modes did not converge: the largest relative residual is {residual:.1e}, more than {limit:e}"
+        "the search for {count} natural mode{} did not converge: the largest relative residual is {residual:.1e}, more than \
+         {limit:e}",
+        if *.count == 1 { "" } else { "s" }
     )]
     Modes {
         /// Number of modes that are wanted.
@@ -737,12 +757,53 @@ pub enum Error {
 }
 
 /// Advice after a step that failed with every size.
-fn advice_on_steps(cause: &Error) -> &'static str {
+fn advice_on_steps(cause: &Error, has_cells: bool) -> &'static str {
     match cause {
         Error::Tolerance { .. } => "allow smaller steps, or a larger tolerance",
+        Error::ConstraintsLost { .. } | Error::NoMotion { .. } => {
+            "look at the joints and their given motions at this time"
+        }
+        _ if !has_cells => {
+            "try another scheme, or a smaller `smallest_step`, and look at the joints, their springs and the loads at this time"
+        }
         _ => {
             "try another scheme or material, a finer mesh, or a smaller `smallest_step`, and look at the loads at this time"
         }
+    }
+}
+
+/// Why joints with given motions, given by their names, leave no motion.
+fn contradiction(driven: &[String]) -> String {
+    match driven {
+        [] => "given motions contradict each other".to_string(),
+        [one] => format!("the given motion of \"{one}\" contradicts other joints"),
+        several => format!("the given motions of {} contradict each other", named(several)),
+    }
+}
+
+/// Why constraints do not hold after a step of a mechanism with given motions of some joints.
+fn lost(driven: &[String]) -> String {
+    match driven {
+        [] => "the mechanism may be at a dead point: try other step sizes".to_string(),
+        _ => format!("{}, or the mechanism is at a dead point", contradiction(driven)),
+    }
+}
+
+/// Largest number of names in a message.
+const MAX_NAMED: usize = 6;
+
+/// Names in a sentence: `"a", "b" and "c"`.
+fn named(names: &[String]) -> String {
+    let quoted = |name: &String| format!("\"{name}\"");
+    let (first, rest) = names.split_at(names.len().min(MAX_NAMED));
+    let mut parts: Vec<String> = first.iter().map(quoted).collect();
+    if !rest.is_empty() {
+        parts.push(format!("{} more", rest.len()));
+    }
+    match parts.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} and {last}", before.join(", ")),
+        None => String::new(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rigid bodies and joints together: their names, and the bodies that joints are between.
 
-use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, RigidBody};
+use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, Mobility, RigidBody};
 use emmy::internals::number::short_vector;
 use emmy::mesh::Mesh;
 use emmy::time::Scheme;
@@ -278,6 +278,39 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
         }
         None => Err(Fault::at(place, format!("group `{name}` is empty"), "empty")),
     }
+}
+
+/// Largest number of joints that a note names.
+const MAX_NAMED: usize = 8;
+
+/// The note on joints whose single forces, and the torques and forces of whose drives, are not unique.
+pub(super) fn note_on_forces(body: &Body) -> Option<String> {
+    let Mobility { indeterminate, indeterminate_drives: drives, .. } = body.mobility();
+    if indeterminate.is_empty() {
+        return None;
+    }
+    let named = |names: &[String]| {
+        let joints = if names.len() == 1 { "joint" } else { "joints" };
+        let mut parts: Vec<String> = names.iter().take(MAX_NAMED).map(|name| format!("`{name}`")).collect();
+        if names.len() > MAX_NAMED {
+            parts.push(format!("{} more", names.len() - MAX_NAMED));
+        }
+        match parts.split_last() {
+            Some((last, before)) if !before.is_empty() => {
+                format!("{joints} {} and {last}", before.join(", "))
+            }
+            _ => format!("{joints} {}", parts.join("")),
+        }
+    };
+    let of_drives = match drives.is_empty() {
+        true => String::new(),
+        false => format!(", nor are those of the given motion of {}", named(&drives)),
+    };
+    Some(format!(
+        "single forces and moments of the {} are not unique, because some of their constraints follow from the \
+         others{of_drives}: Emmy's are the smallest ones",
+        named(&indeterminate)
+    ))
 }
 
 /// Whether a load acts on rigid bodies by their names.

@@ -204,7 +204,8 @@ impl Motion<'_> {
             return Error::NoEquilibrium { fraction, increment: step_size, cause: Box::new(cause) };
         }
         let step = self.state.step + 1;
-        Error::SmallestStep { step, start: self.state.time, step_size, cause: Box::new(cause) }
+        let has_cells = self.body.has_cells();
+        Error::SmallestStep { step, start: self.state.time, step_size, has_cells, cause: Box::new(cause) }
     }
 
     /// Ends a march in which rounding leaves fewer than three digits: smaller steps would not help.

@@ -126,6 +126,13 @@ impl<'a> Equations<'a> {
         self.constraint_step.hold(body, &step)
     }
 
+    /// Names of the joints and rigid bodies whose constraints are far from zero at the end of the step, and of the joints
+    /// with a given motion among them.
+    pub(super) fn open_joints(&self, rates: &[f64]) -> [Vec<String>; 2] {
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        self.body.mechanism.open(&self.constraint_step.residuals_at_end(self.body.constraints(), &step))
+    }
+
     /// Inserts the rates of the degrees of freedom whose motion is given into a starting point of the iteration.
     pub(super) fn drive(&self, rates: &mut [f64]) {
         self.driven.insert(&self.body.space, rates);

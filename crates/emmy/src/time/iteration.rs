@@ -184,7 +184,8 @@ impl Iteration {
             Held::Yes => Ok(outcome),
             Held::No { residual } => {
                 let (step, time) = (state.step + 1, state.time + step_size);
-                Err(Error::ConstraintsLost { step, time, residual })
+                let [joints, driven] = system.equations.open_joints(self.rates());
+                Err(Error::ConstraintsLost { step, time, residual, joints, driven })
             }
         }
     }
@@ -221,7 +222,8 @@ impl Iteration {
         self.newton.forget();
         let step = state.step + 1;
         let time = state.time + step_size;
-        let could_not_start = |cause| Error::StepFailed { step, time, cause };
+        let has_cells = system.equations.body.has_cells();
+        let could_not_start = |cause| Error::StepFailed { step, time, has_cells, cause };
         // An iteration that ran is more informative than one that could not start, unless a force has refused it.
         Err(match (failure, cause) {
             (_, Some(cause)) if matches!(*cause, Error::Refused { .. } | Error::WoundUp { .. }) => {
