@@ -26,6 +26,8 @@ pub(crate) struct Progress<'h> {
     span: [f64; 2],
     /// Whether steps were cut, so that there are more than planned ones.
     is_cut: bool,
+    /// Whether the steps are increments of an equilibrium.
+    is_static: bool,
     units: Units,
 }
 
@@ -38,6 +40,9 @@ enum Form {
 
 /// Length of the bar of a run with an unknown number of steps.
 const PARTS: f64 = 1000.0;
+
+/// Rounding of a part of the time.
+const SAME_PART: f64 = 1e-9;
 
 const ADAPTIVE_STYLE: &str = "{bar:24} {percent:>3} %  {msg}  {eta} left";
 
@@ -66,7 +71,18 @@ impl<'h> Progress<'h> {
         };
         let is_adaptive = plan.adaptivity().is_some();
         let span = [plan.start(), plan.end()];
-        Progress { host, form, what, first: None, n_steps, is_adaptive, span, is_cut: false, units }
+        Progress {
+            host,
+            form,
+            what,
+            first: None,
+            n_steps,
+            is_adaptive,
+            span,
+            is_cut: false,
+            is_static: false,
+            units,
+        }
     }
 
     /// Counts the steps of a resumed run from its state on.
@@ -201,6 +217,7 @@ impl Observer for Progress<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
         let is_static = view.motion.scheme() == Scheme::Static;
+        self.is_static = is_static;
         let done = record.step - *self.first.get_or_insert(record.step);
         self.is_cut |= record.cuts > 0;
         // The number of adaptive steps is unknown, and so is that of cut ones: the bar shows the time.
@@ -211,7 +228,10 @@ impl Observer for Progress<'_> {
             (false, true) => ((self.n_steps as f64 * part) as usize, self.n_steps),
             (false, false) => (done, self.n_steps),
         };
-        let tenths = 10 * position / whole.max(1);
+        let tenths = match self.is_cut {
+            true => (10.0 * part * (1.0 + SAME_PART)) as usize,
+            false => 10 * position / whole.max(1),
+        };
         let (energy, _) = view.motion.statistics().energy_size();
         let message = self.message(record, energy, is_static);
         let (done_part, total) = match (self.is_adaptive, self.is_cut) {
@@ -248,7 +268,8 @@ impl Observer for Progress<'_> {
 
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let is_seldom = event.kind != EventKind::Grown;
-        let text = format!("{}step {}: {}", self.prefix(), event.step, event.message);
+        let step = if self.is_static { "increment" } else { "step" };
+        let text = format!("{}{step} {}: {}", self.prefix(), event.step, event.message);
         let host = self.host;
         match &self.form {
             Form::Bar(bar) if is_seldom => bar.println(text),

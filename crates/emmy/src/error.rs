@@ -556,9 +556,8 @@ pub enum Error {
     },
     /// A step after which constraints do not hold.
     #[error(
-        "step {step}, to t = {time}: joints are open by {residual:.3e}, {} most of all; {}",
-        named(.joints),
-        lost(.driven),
+        "step {step}, to t = {time}: joints are open by {residual:.3e}{}",
+        lost(.joints, .driven),
         time = short(.time)
     )]
     ConstraintsLost {
@@ -568,7 +567,7 @@ pub enum Error {
         time: f64,
         /// Largest opening \[length\].
         residual: f64,
-        /// Names of the joints, and of rigid bodies that are strained, with the largest openings.
+        /// Names of the joints with the largest openings; of rigid bodies if these alone are strained.
         joints: Vec<String>,
         /// Names of the joints whose given motions take part in the contradiction.
         driven: Vec<String>,
@@ -781,11 +780,19 @@ fn contradiction(driven: &[String]) -> String {
     }
 }
 
-/// Why constraints do not hold after a step of a mechanism with given motions of some joints.
-fn lost(driven: &[String]) -> String {
+/// Which constraints do not hold after a step of a mechanism with given motions of some joints, and why.
+fn lost(joints: &[String], driven: &[String]) -> String {
     match driven {
-        [] => "the mechanism may be at a dead point: try other step sizes".to_string(),
-        _ => format!("{}, or the mechanism is at a dead point", contradiction(driven)),
+        [] => {
+            format!(", most at {}; the mechanism may be at a dead point: try other step sizes", named(joints))
+        }
+        [_] => format!(
+            ", most at {}; {}, or the mechanism is at a dead point",
+            named(joints),
+            contradiction(driven)
+        ),
+        // Their names are enough.
+        _ => format!(": {}, or the mechanism is at a dead point", contradiction(driven)),
     }
 }
 

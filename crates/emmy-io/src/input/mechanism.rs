@@ -290,25 +290,23 @@ pub(super) fn note_on_forces(body: &Body) -> Option<String> {
         return None;
     }
     let named = |names: &[String]| {
-        let joints = if names.len() == 1 { "joint" } else { "joints" };
         let mut parts: Vec<String> = names.iter().take(MAX_NAMED).map(|name| format!("`{name}`")).collect();
         if names.len() > MAX_NAMED {
             parts.push(format!("{} more", names.len() - MAX_NAMED));
         }
         match parts.split_last() {
-            Some((last, before)) if !before.is_empty() => {
-                format!("{joints} {} and {last}", before.join(", "))
-            }
-            _ => format!("{joints} {}", parts.join("")),
+            Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+            _ => parts.join(""),
         }
     };
     let of_drives = match drives.is_empty() {
         true => String::new(),
-        false => format!(", nor are those of the given motion of {}", named(&drives)),
+        false => format!(", nor are those by which they obey the given motions of {}", named(&drives)),
     };
+    let joints = if indeterminate.len() == 1 { "joint" } else { "joints" };
     Some(format!(
-        "single forces and moments of the {} are not unique, because some of their constraints follow from the \
-         others{of_drives}: Emmy's are the smallest ones",
+        "single forces and moments of the {joints} {} are not unique{of_drives}: some constraints follow from the others; \
+         Emmy's forces are the smallest ones",
         named(&indeterminate)
     ))
 }

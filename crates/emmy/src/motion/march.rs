@@ -185,7 +185,9 @@ impl Motion<'_> {
         }
         self.subdivision.cut();
         self.cuts += 1;
-        self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", short(0.5 * size)));
+        let what = if self.scheme == Scheme::Static { "increment" } else { "step" };
+        let message = format!("{what} cut to {}: {error}", short(0.5 * size));
+        self.note(EventKind::Cut, self.state.step + 1, message);
         Ok(error)
     }
 

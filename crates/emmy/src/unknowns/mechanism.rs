@@ -410,37 +410,30 @@ impl Mechanism {
         [names(&takes_part), names(&|c| takes_part(c) && rows[c].drive.is_some())]
     }
 
-    /// Names of the joints and rigid bodies with constraints that are far from zero, those that are farthest first, and
-    /// of the joints with a given motion among them; `residuals` are those of all constraints.
+    /// Names of the joints with constraints that are far from zero, and of those of them whose given motion is; without
+    /// joints, of rigid bodies. `residuals` are those of all constraints.
     pub(crate) fn open(&self, residuals: &[f64]) -> [Vec<String>; 2] {
         let largest_of =
             |rows: Rows<usize>| residuals[rows].iter().fold(0.0f64, |most, own| most.max(own.abs()));
         let largest = largest_of(0..residuals.len());
-        let mut begin = self.n_constraints();
-        let bodies: Vec<(&str, f64)> = self
-            .frames
-            .iter()
-            .map(|frame| {
-                let rows = begin..begin + frame.constraints().len();
-                begin = rows.end;
-                (frame.name(), largest_of(rows))
-            })
-            .collect();
+        let is_open = |rows: Rows<usize>| largest_of(rows) > PART_OF_LARGEST * largest;
         let joints = self.joints.iter().zip(&self.outputs);
-        let mut all: Vec<(&str, f64)> = joints
-            .clone()
-            .map(|(joint, output)| (joint.name.as_str(), largest_of(output.rows())))
-            .chain(bodies)
-            .collect();
-        all.retain(|(_, residual)| *residual > PART_OF_LARGEST * largest);
-        all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let is_open_drive = |c: usize| {
-            self.constraints.rows()[c].drive.is_some() && residuals[c].abs() > LEAST_OPENING * largest
+        let names = |which: &dyn Fn(&JointOutput) -> bool| -> Vec<String> {
+            joints.clone().filter(|(_, output)| which(output)).map(|(joint, _)| joint.name.clone()).collect()
         };
-        let driven = joints
-            .filter(|(_, output)| output.rows().any(is_open_drive))
-            .map(|(joint, _)| joint.name.clone());
-        [all.into_iter().map(|(name, _)| name.to_string()).collect(), driven.collect()]
+        let mut open = names(&|output| is_open(output.rows()));
+        if open.is_empty() {
+            let mut end = self.n_constraints();
+            let strained = self.frames.iter().filter(|frame| {
+                let begin = end;
+                end += frame.constraints().len();
+                is_open(begin..end)
+            });
+            open = strained.map(|frame| frame.name().to_string()).collect();
+        }
+        let is_driven = |c: usize| self.constraints.rows()[c].drive.is_some();
+        let takes_part = |c: usize| is_driven(c) && residuals[c].abs() > LEAST_OPENING * largest;
+        [open, names(&|output| output.rows().any(takes_part))]
     }
 }
 
