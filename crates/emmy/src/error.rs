@@ -522,10 +522,11 @@ pub enum Error {
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} \
-         (wanted {target:.3e}), largest at node {node} near {position}; try a smaller step, or more iterations",
+         (wanted {target:.3e}), largest at node {node} near {position}{of}; try a smaller step, or more iterations",
         iterations = counted(*.iterations),
         time = short(.time),
-        position = short_vector(.position)
+        position = short_vector(.position),
+        of = .rigid.as_ref().map_or(String::new(), |name| format!(" of the rigid body \"{name}\""))
     )]
     NoConvergence {
         /// Number of the step that failed.
@@ -542,6 +543,8 @@ pub enum Error {
         node: usize,
         /// Its last good position.
         position: [f64; 3],
+        /// Name of the rigid body to whose frame it belongs.
+        rigid: Option<String>,
     },
     /// Joints whose given motions no velocity obeys.
     #[error(

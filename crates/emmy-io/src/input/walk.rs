@@ -265,12 +265,15 @@ fn mismatch(item: Item<'_>) -> Fault {
     }
 }
 
-/// How a number is written as a function of time. Given motions begin with zero.
+/// How a number is written as a function of time.
 fn of_number(key: &str, number: f64) -> String {
     match key {
-        "x" | "y" | "z" | "angle" | "slide" => {
-            format!("such as {key} = \"{number:?}*t\", which grows at a constant rate")
+        "angle" | "slide" => {
+            format!("a given motion begins with zero, such as {key} = \"{number:?}*t\" at a constant rate")
         }
+        "x" | "y" | "z" => format!(
+            "a constant is an expression, too: {key} = \"{number:?}\"; at a constant rate, {key} = \"{number:?}*t\""
+        ),
         _ => format!("a constant is an expression, too: {key} = \"{number:?}\""),
     }
 }

@@ -126,8 +126,8 @@ impl<'a> Equations<'a> {
         self.constraint_step.hold(body, &step)
     }
 
-    /// Names of the joints and rigid bodies whose constraints are far from zero at the end of the step, and of the joints
-    /// with a given motion among them.
+    /// Names of the joints whose constraints are far from zero at the end of the step, and of those whose given motion
+    /// is.
     pub(super) fn open_joints(&self, rates: &[f64]) -> [Vec<String>; 2] {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
         self.body.mechanism.open(&self.constraint_step.residuals_at_end(self.body.constraints(), &step))

@@ -254,6 +254,11 @@ impl Mechanism {
         last.filter(|frame| frame.nodes().contains(&(node as u32)))
     }
 
+    /// Name of the rigid body to whose frame a node belongs.
+    pub(crate) fn name_at(&self, node: usize) -> Option<&str> {
+        self.frame_of(node).map(Frame::name)
+    }
+
     /// Whether a node belongs to the frame of a rigid body.
     pub(crate) fn is_rigid(&self, node: usize) -> bool {
         self.frame_of(node).is_some()

@@ -227,8 +227,7 @@ pub(in crate::input) fn read(
     Some(PlacedJoint { name, kind, at, drive, forces, until, between, place, name_place })
 }
 
-/// What is said of a key of another kind of joint in the table of one, and of a key of a kind beside it: a label, and
-/// advice.
+/// Label and advice of a key of another kind of joint in the table of one, or of a key of a kind beside that table.
 pub(in crate::input) fn of_another_kind(section: &Section, key: &str) -> Option<(String, String)> {
     let has = |row: &&Row| row.keys.key_of(key).is_some();
     let with_key: Vec<&str> = ROWS.iter().filter(has).map(|row| row.name).collect();
