@@ -59,7 +59,7 @@ ENERGY_AT_REST = 1e-24
 
 
 def verdict(history: NDArray[Any], scales: tuple[float, float]) -> str:
-    """How well the balances were kept, in a sentence; `scales`: possible energy, and largest possible angular momentum."""
+    """How well the balances were kept, in a sentence; `scales`: possible energy, largest possible angular momentum."""
     if len(history) < 2:
         return "no step yet"
     possible, scale = scales

@@ -544,7 +544,7 @@ pub enum Error {
         /// Its last good position.
         position: [f64; 3],
         /// Name of the rigid body to whose frame it belongs.
-        rigid: Option<String>,
+        rigid: Option<Box<str>>,
     },
     /// Joints whose given motions no velocity obeys.
     #[error(
@@ -827,7 +827,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_of_messages_have_the_digits_that_are_meant() {
+    fn messages_have_the_digits_and_the_advice_that_are_meant() {
         let error = Error::StepTooLarge {
             step: 3,
             time: 0.00045000000000000004,
@@ -839,6 +839,40 @@ mod tests {
         for part in ["t = 0.00045:", "0.000292969 is", "critical step is 9.49717e-8 now", "at most 0.333333,"]
         {
             assert!(message.contains(part), "{message}");
+        }
+        let cause = Box::new(Error::Refused { reason: "no".into() });
+        let smallest = |has_cells| Error::SmallestStep {
+            step: 1,
+            start: 0.0,
+            step_size: 0.5,
+            has_cells,
+            cause: cause.clone(),
+        };
+        assert!(smallest(true).to_string().contains("a finer mesh"));
+        assert!(!smallest(false).to_string().contains("mesh"));
+        let names = |names: &str| names.chars().map(String::from).collect::<Vec<_>>();
+        for (driven, expected) in [
+            (
+                "",
+                "open by 1.000e-1, most at \"x\" and \"y\"; the mechanism may be at a dead point: try other step sizes",
+            ),
+            (
+                "x",
+                ", most at \"x\" and \"y\"; the given motion of \"x\" contradicts other joints, or the mechanism is",
+            ),
+            (
+                "xy",
+                "open by 1.000e-1: the given motions of \"x\" and \"y\" contradict each other, or the mechanism is",
+            ),
+            (
+                "abcdefgh",
+                ": the given motions of \"a\", \"b\", \"c\", \"d\", \"e\", \"f\" and 2 more contradict each",
+            ),
+        ] {
+            let (joints, driven) = (names("xy"), names(driven));
+            let lost =
+                Error::ConstraintsLost { step: 1, time: 0.5, residual: 0.1, joints, driven }.to_string();
+            assert!(lost.contains(expected), "{lost}");
         }
         let position = [1e20, 0.1 + 0.2, -1.0];
         let error = Error::NotANumber { step: 1, time: 1e-300, node: 7, position };

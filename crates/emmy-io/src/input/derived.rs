@@ -222,6 +222,15 @@ mod tests {
     }
 
     #[test]
+    fn releases_after_the_end_are_noted() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
+        let released = |until| Support { until, ..Support::fixed("x-min") };
+        let supports = [None, Some(2.0), Some(2.5)].map(released);
+        let note = "support 2: the run ends at t = 2, before its release at t = 2.5";
+        assert_eq!(of_tables(&[], &supports, &[], &plan), [note]);
+    }
+
+    #[test]
     fn records_that_start_early_or_end_with_a_load_are_noted() {
         let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
         let notes =

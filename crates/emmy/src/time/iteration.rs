@@ -377,7 +377,7 @@ impl Iteration {
                 .body
                 .space
                 .at_node(node, |node| state.position(system.equations.body, node)),
-            rigid: system.equations.body.mechanism.name_at(node).map(str::to_string),
+            rigid: system.equations.body.mechanism.name_at(node).map(Box::from),
         }
     }
 
