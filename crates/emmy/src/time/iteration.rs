@@ -183,9 +183,8 @@ impl Iteration {
         match system.equations.constraints_hold(self.rates()) {
             Held::Yes => Ok(outcome),
             Held::No { residual } => {
-                let (step, time) = (state.step + 1, state.time + step_size);
-                let [joints, driven] = system.equations.open_joints(self.rates());
-                Err(Error::ConstraintsLost { step, time, residual, joints, driven })
+                let end = (state.step + 1, state.time + step_size);
+                Err(system.equations.constraints_lost(end, residual, self.rates()))
             }
         }
     }
