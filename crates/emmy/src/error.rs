@@ -549,7 +549,8 @@ pub enum Error {
     /// Joints whose given motions no velocity obeys.
     #[error(
         "no motion obeys all joints at t = {time}: {}, or the mechanism is locked",
-        contradiction(.driven)
+        contradiction(.driven),
+        time = short(.time)
     )]
     NoMotion {
         /// The time.
