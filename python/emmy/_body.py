@@ -54,6 +54,9 @@ class Mobility(NamedTuple):
         Number of these that have a given motion.
     redundant : tuple of str
         Names of the joints whose constraints, some of them at least, follow from those of the joints before them.
+    indeterminate, indeterminate_drives : tuple of str
+        Names of the joints whose single forces are not unique, and of those of them with a given motion whose torque or
+        force is not.
 
     Examples
     --------
@@ -63,6 +66,8 @@ class Mobility(NamedTuple):
     >>> mobility = emmy.Body(rigid=door, joints=hinges).mobility
     >>> mobility.degrees_of_freedom, mobility.n_redundant, mobility.redundant
     (1, 5, ('hinge-2',))
+    >>> mobility.indeterminate
+    ('hinge-0', 'hinge-2')
     """
 
     n_bodies: int
@@ -72,6 +77,8 @@ class Mobility(NamedTuple):
     degrees_of_freedom: int | None
     n_driven: int
     redundant: tuple[str, ...]
+    indeterminate: tuple[str, ...] = ()
+    indeterminate_drives: tuple[str, ...] = ()
 
 
 class Body:
@@ -215,7 +222,8 @@ class Body:
     @property
     def mobility(self) -> Mobility:
         """How many ways the mechanism of rigid bodies and joints can move where it is drawn."""
-        return Mobility(*self._native.mobility())
+        numbers, *names = self._native.mobility()
+        return Mobility(*numbers, *names)
 
     @property
     def n_nodes(self) -> int:

@@ -25,7 +25,8 @@ def motion(view: MotionView) -> str:
     size = f"{view.body.mesh.n_cells} cells, {view.body.n_dofs} degrees of freedom"
     scheme = f"{html.escape(view.scheme)}, degree {view.degree}"
     head = f"<b>emmy.Motion</b>: {scheme}; {size}; step {view.number}, t = {view.time:.6g}"
-    return _page(head, view.history, view.accuracy, view._native.angular_momentum_scale)
+    scales = (view._native.energy_scale, view._native.angular_momentum_scale)
+    return _page(head, view.history, view.accuracy, scales)
 
 
 def run(results: Run) -> str:
@@ -34,10 +35,11 @@ def run(results: Run) -> str:
     if results._has_summary:
         head += f", {html.escape(results.status)}"
     try:
-        accuracy, scale = ("", None)
+        accuracy, scales = "", (0.0, 0.0)
         if results._has_summary:
-            accuracy, scale = results.accuracy, results.summary.get("angular_momentum_scale")
-        page = _page(head, results.history, accuracy, scale or 0.0)
+            accuracy, summary = results.accuracy, results.summary
+            scales = (summary.get("energy_scale") or 0.0, summary.get("angular_momentum_scale") or 0.0)
+        page = _page(head, results.history, accuracy, scales)
     except ResultsError:
         # A run that has just begun has no history yet.
         return html.escape(repr(results))
@@ -52,14 +54,20 @@ def run(results: Run) -> str:
 #: An angular momentum below this part of the largest possible one is round-off.
 AT_REST = 1e-9
 
+#: An energy below this part of the possible one is round-off.
+ENERGY_AT_REST = 1e-24
 
-def verdict(history: NDArray[Any], scale: float) -> str:
-    """How well the balances were kept, in a sentence; `scale`: the largest possible angular momentum."""
+
+def verdict(history: NDArray[Any], scales: tuple[float, float]) -> str:
+    """How well the balances were kept, in a sentence; `scales`: possible energy, largest possible angular momentum."""
     if len(history) < 2:
         return "no step yet"
-    energy = _over(
-        np.abs(history["energy_residual"]), np.abs(history["kinetic_energy"]) + np.abs(history["strain_energy"])
-    )
+    possible, scale = scales
+    energies = np.abs(history["kinetic_energy"]) + np.abs(history["strain_energy"])
+    if np.nanmax(energies) < ENERGY_AT_REST * possible:
+        energy = _over(np.abs(history["energy_residual"]), np.array([possible]), "possible value")
+    else:
+        energy = _over(np.abs(history["energy_residual"]), energies)
     components = np.stack([history[f"angular_momentum_{axis}"] for axis in "xyz"])
     momentum = np.sqrt((components**2).sum(axis=0))
     if np.nanmax(momentum) > AT_REST * scale:
@@ -76,9 +84,9 @@ def _over(residual: NDArray[np.float64], scale: NDArray[np.float64], of: str = "
     return f"{worst:.1e} (the quantity itself is 0)"
 
 
-def _page(head: str, history: NDArray[Any], accuracy: str, scale: float) -> str:
+def _page(head: str, history: NDArray[Any], accuracy: str, scales: tuple[float, float]) -> str:
     known = f"; accuracy in time: {html.escape(accuracy)}" if accuracy else ""
-    parts = [f"<div><p>{head}<br>{verdict(history, scale)}{known}</p>"]
+    parts = [f"<div><p>{head}<br>{verdict(history, scales)}{known}</p>"]
     if len(history) > 1:
         time = history["time"]
         energies = {name: history[key] for name, key in ENERGIES.items()}

@@ -166,8 +166,13 @@ impl Body {
     }
 }
 
-/// Numbers of rigid bodies, joints and constraints, degrees of freedom, driven ones, names of joints.
-type Counts<'py> = (usize, usize, usize, usize, Option<usize>, usize, Bound<'py, PyTuple>);
+/// Numbers of rigid bodies, joints and constraints, degrees of freedom, driven ones; names of joints.
+type Counts<'py> = (
+    (usize, usize, usize, usize, Option<usize>, usize),
+    Bound<'py, PyTuple>,
+    Bound<'py, PyTuple>,
+    Bound<'py, PyTuple>,
+);
 
 /// Driven degrees of freedom with their displacements and velocities.
 type Prescribed<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
@@ -250,9 +255,16 @@ impl Body {
             degrees_of_freedom,
             n_driven,
             redundant,
+            indeterminate,
+            indeterminate_drives,
         } = pool::work(py, || self.inner().mobility())?;
-        let redundant = PyTuple::new(py, redundant)?;
-        Ok((n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, n_driven, redundant))
+        let numbers = (n_bodies, n_joints, n_constraints, n_redundant, degrees_of_freedom, n_driven);
+        Ok((
+            numbers,
+            PyTuple::new(py, redundant)?,
+            PyTuple::new(py, indeterminate)?,
+            PyTuple::new(py, indeterminate_drives)?,
+        ))
     }
 
     #[getter]

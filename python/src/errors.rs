@@ -97,12 +97,12 @@ struct Whereabouts {
 impl Whereabouts {
     fn read(&mut self, error: &Error) {
         match error {
-            Error::SmallestStep { step, start, step_size, cause } => {
+            Error::SmallestStep { step, start, step_size, cause, .. } => {
                 (self.step, self.time) = (Some(*step), Some(start + step_size));
                 self.cause = Some(cause.to_string());
                 self.read(cause);
             }
-            Error::StepFailed { step, time, cause } => {
+            Error::StepFailed { step, time, cause, .. } => {
                 self.step.get_or_insert(*step);
                 self.time.get_or_insert(*time);
                 self.cause.get_or_insert(cause.to_string());
@@ -113,7 +113,9 @@ impl Whereabouts {
                 self.time.get_or_insert(*time);
                 (self.node, self.position) = (Some(*node), Some(*position));
             }
-            Error::StepTooLarge { step, time, .. } | Error::NoDigits { step, time, .. } => {
+            Error::StepTooLarge { step, time, .. }
+            | Error::NoDigits { step, time, .. }
+            | Error::ConstraintsLost { step, time, .. } => {
                 self.step.get_or_insert(*step);
                 self.time.get_or_insert(*time);
             }

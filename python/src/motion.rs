@@ -234,6 +234,12 @@ impl Motion {
         Ok(self.lock()?.running.motion().statistics().angular_momentum_scale)
     }
 
+    /// Work of the largest force of a joint over the size of the mechanism.
+    #[getter]
+    fn energy_scale(&self) -> PyResult<f64> {
+        Ok(self.lock()?.running.motion().statistics().energy_scale)
+    }
+
     /// The statement on the accuracy in time; none before the first step.
     fn accuracy(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut work = self.lock()?;

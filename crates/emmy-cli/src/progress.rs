@@ -24,7 +24,10 @@ pub(crate) struct Progress<'h> {
     is_adaptive: bool,
     /// Start and end of the plan.
     span: [f64; 2],
-    largest_energy: f64,
+    /// Whether steps were cut, so that there are more than planned ones.
+    is_cut: bool,
+    /// Whether the steps are increments of an equilibrium.
+    is_static: bool,
     units: Units,
 }
 
@@ -37,6 +40,9 @@ enum Form {
 
 /// Length of the bar of a run with an unknown number of steps.
 const PARTS: f64 = 1000.0;
+
+/// Rounding of a part of the time.
+const SAME_PART: f64 = 1e-9;
 
 const ADAPTIVE_STYLE: &str = "{bar:24} {percent:>3} %  {msg}  {eta} left";
 
@@ -65,13 +71,26 @@ impl<'h> Progress<'h> {
         };
         let is_adaptive = plan.adaptivity().is_some();
         let span = [plan.start(), plan.end()];
-        Progress { host, form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0, units }
+        Progress {
+            host,
+            form,
+            what,
+            first: None,
+            n_steps,
+            is_adaptive,
+            span,
+            is_cut: false,
+            is_static: false,
+            units,
+        }
     }
 
     /// Counts the steps of a resumed run from its state on.
-    pub(crate) fn start_at(&mut self, state: &State) {
+    pub(crate) fn start_at(&mut self, state: &State, plan: &StepPlan) {
         if state.step > 0 {
             self.first = Some(0);
+            let n_left = if self.is_adaptive { 0 } else { plan.steps_from(state.time).count() };
+            self.is_cut = state.step + n_left > self.n_steps;
         }
     }
 
@@ -87,10 +106,9 @@ impl<'h> Progress<'h> {
         }
     }
 
-    /// Time, balance of the step relative to the largest T + V, Newton iterations; load fraction of an equilibrium.
-    fn message(&self, record: &Record, is_static: bool) -> String {
-        let balance =
-            if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
+    /// Time, balance of the step relative to a scale of the energy, Newton iterations; load fraction of an equilibrium.
+    fn message(&self, record: &Record, energy: f64, is_static: bool) -> String {
+        let balance = if energy > 0.0 { record.energy_residual.abs() / energy } else { 0.0 };
         if is_static {
             let fraction = number(record.time);
             return format!("load fraction {fraction}  Newton {}", record.newton_iterations);
@@ -199,20 +217,27 @@ impl Observer for Progress<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
         let is_static = view.motion.scheme() == Scheme::Static;
-        self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
+        self.is_static = is_static;
         let done = record.step - *self.first.get_or_insert(record.step);
-        // The number of adaptive steps is unknown: the bar shows the time.
-        let (position, whole) = match (self.is_adaptive, self.span) {
-            (true, [start, end]) => {
-                ((PARTS * (record.time - start) / (end - start)) as usize, PARTS as usize)
-            }
-            (false, _) => (done, self.n_steps),
+        self.is_cut |= record.cuts > 0;
+        // The number of adaptive steps is unknown, and so is that of cut ones: the bar shows the time.
+        let [start, end] = self.span;
+        let part = (record.time - start) / (end - start);
+        let (position, whole) = match (self.is_adaptive, self.is_cut) {
+            (true, _) => ((PARTS * part) as usize, PARTS as usize),
+            (false, true) => ((self.n_steps as f64 * part) as usize, self.n_steps),
+            (false, false) => (done, self.n_steps),
         };
-        let tenths = 10 * position / whole.max(1);
-        let message = self.message(record, is_static);
-        let (done_part, total) = match (self.is_adaptive, self.span) {
-            (true, [start, end]) => (record.time - start, end - start),
-            (false, _) => (done as f64, self.n_steps as f64),
+        let tenths = match self.is_cut {
+            true => (10.0 * part * (1.0 + SAME_PART)) as usize,
+            false => 10 * position / whole.max(1),
+        };
+        let (energy, _) = view.motion.statistics().energy_size();
+        let message = self.message(record, energy, is_static);
+        let (done_part, total) = match (self.is_adaptive, self.is_cut) {
+            (true, _) => (record.time - start, end - start),
+            (false, true) => (self.n_steps as f64 * part, self.n_steps as f64),
+            (false, false) => (done as f64, self.n_steps as f64),
         };
         let update = ProgressUpdate { what: self.what, done: done_part, total, text: &message };
         self.host.progress(&update);
@@ -229,7 +254,11 @@ impl Observer for Progress<'_> {
                 let end = self.units.number(self.span[1], "time");
                 let end = if is_static { String::new() } else { format!(" (end: t = {end})") };
                 let step = if is_static { "increment" } else { "step" };
-                let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
+                let of = if self.is_adaptive || self.is_cut {
+                    String::new()
+                } else {
+                    format!(" of {}", self.n_steps)
+                };
                 message!(host, "{prefix}{step} {done}{of}, {message}{end}");
                 self.form = Form::Lines { shown: tenths };
             }
@@ -239,7 +268,8 @@ impl Observer for Progress<'_> {
 
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let is_seldom = event.kind != EventKind::Grown;
-        let text = format!("{}step {}: {}", self.prefix(), event.step, event.message);
+        let step = if self.is_static { "increment" } else { "step" };
+        let text = format!("{}{step} {}: {}", self.prefix(), event.step, event.message);
         let host = self.host;
         match &self.form {
             Form::Bar(bar) if is_seldom => bar.println(text),

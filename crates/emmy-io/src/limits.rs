@@ -36,7 +36,7 @@ pub fn check(limits: &Limits, statistics: &RunStatistics) -> Result<(), LimitExc
     let step = statistics.steps;
     let time = statistics.time;
     let checks = [
-        ("energy", "T + V", limits.energy, statistics.energy_drift()),
+        ("energy", statistics.energy_size().1, limits.energy, statistics.energy_drift()),
         (
             "angular_momentum",
             statistics.angular_momentum_size().1,

@@ -514,10 +514,11 @@ pub enum Error {
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} \
-         (wanted {target:.3e}), largest at node {node} near {position}; try a smaller step, or more iterations",
+         (wanted {target:.3e}), largest at node {node} near {position}{of}; try a smaller step, or more iterations",
         iterations = counted(*.iterations),
         time = short(.time),
-        position = short_vector(.position)
+        position = short_vector(.position),
+        of = .rigid.as_ref().map_or(String::new(), |name| format!(" of the rigid body \"{name}\""))
     )]
     NoConvergence {
         /// Number of the step that failed.
@@ -534,19 +535,26 @@ pub enum Error {
         node: usize,
         /// Its last good position.
         position: [f64; 3],
+        /// Name of the rigid body to whose frame it belongs.
+        rigid: Option<Box<str>>,
     },
     /// Joints whose given motions no velocity obeys.
     #[error(
-        "no motion obeys all joints at t = {time}: their given motions contradict each other, or the mechanism is locked"
+        "no motion obeys all joints at t = {time}: {}, or the mechanism is locked",
+        contradiction(.driven),
+        time = short(.time)
     )]
     NoMotion {
         /// The time.
         time: f64,
+        /// Names of the joints whose given motions take part in the contradiction, as far as they are known.
+        driven: Vec<String>,
     },
     /// A step after which constraints do not hold.
     #[error(
-        "step {step} failed at time {time}: joints are open by {residual:e}; the mechanism may be at a dead point, or its \
-         given motions contradict each other"
+        "step {step}, to t = {time}: joints are open by {residual:.3e}{}",
+        lost(.joints, .driven),
+        time = short(.time)
     )]
     ConstraintsLost {
         /// Number of the step that failed.
@@ -555,6 +563,10 @@ pub enum Error {
         time: f64,
         /// Largest opening \[length\].
         residual: f64,
+        /// Names of the joints with the largest openings; of rigid bodies if these alone are strained.
+        joints: Vec<String>,
+        /// Names of the joints whose given motions take part in the contradiction.
+        driven: Vec<String>,
     },
     /// A step in which rounding of the internal forces leaves less than three digits of energy or momenta.
     #[error(
@@ -571,14 +583,17 @@ pub enum Error {
     },
     /// A step whose equations cannot be solved from any starting point.
     #[error(
-        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and the material",
-        short(.time)
+        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and {}",
+        short(.time),
+        if *.has_cells { "the material" } else { "the joints" }
     )]
     StepFailed {
         /// Number of the step that failed.
         step: usize,
         /// Time at its end.
         time: f64,
+        /// Whether the body has cells, with a material.
+        has_cells: bool,
         /// Reason.
         #[source]
         cause: Box<Error>,
@@ -608,7 +623,7 @@ pub enum Error {
     /// A step in which a number is not finite.
     #[error(
         "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the time functions of the \
-         loads and at the material there",
+         loads, and at the material or the joints there",
         short(.time),
         short_vector(.position)
     )]
@@ -627,7 +642,7 @@ pub enum Error {
         "step {step} from t = {start} failed with every size down to {step_size}; {advice}",
         start = short(.start),
         step_size = short(.step_size),
-        advice = advice_on_steps(.cause)
+        advice = advice_on_steps(.cause, *.has_cells)
     )]
     SmallestStep {
         /// Number of the step.
@@ -636,6 +651,8 @@ pub enum Error {
         start: f64,
         /// The last size that was tried.
         step_size: f64,
+        /// Whether the body has cells, which a finer mesh could change.
+        has_cells: bool,
         /// Why the last attempt failed.
         #[source]
         cause: Box<Error>,
@@ -700,7 +717,11 @@ pub enum Error {
     },
     /// More natural modes than the body has degrees of freedom.
     #[error(
-        "{count} modes were requested, but the body has only {free}, one for each free degree of freedom"
+        "{} requested, but the body has {}",
+        if *.count == 1 { "1 mode was".to_string() } else { format!("{count} modes were") },
+        if *.free == 0 { "no free degree of freedom".to_string() } else {
+            format!("only {free}, one for each free degree of freedom")
+        }
     )]
     TooManyModes {
         /// Number of modes that are wanted.
@@ -710,7 +731,9 @@ pub enum Error {
     },
     /// Natural modes that were not found: the relative residual of one is too large, or infinite if one is missing.
     #[error(
-        "the search for {count} natural modes did not converge: the largest relative residual is {residual:.1e}, more than {limit:e}"
+        "the search for {count} natural mode{} did not converge: the largest relative residual is {residual:.1e}, more than \
+         {limit:e}",
+        if *.count == 1 { "" } else { "s" }
     )]
     Modes {
         /// Number of modes that are wanted.
@@ -729,12 +752,61 @@ pub enum Error {
 }
 
 /// Advice after a step that failed with every size.
-fn advice_on_steps(cause: &Error) -> &'static str {
+fn advice_on_steps(cause: &Error, has_cells: bool) -> &'static str {
     match cause {
         Error::Tolerance { .. } => "allow smaller steps, or a larger tolerance",
+        Error::ConstraintsLost { .. } | Error::NoMotion { .. } => {
+            "look at the joints and their given motions at this time"
+        }
+        _ if !has_cells => {
+            "try another scheme, or a smaller `smallest_step`, and look at the joints, their springs and the loads at this time"
+        }
         _ => {
             "try another scheme or material, a finer mesh, or a smaller `smallest_step`, and look at the loads at this time"
         }
+    }
+}
+
+/// Why joints with given motions, given by their names, leave no motion.
+fn contradiction(driven: &[String]) -> String {
+    match driven {
+        [] => "given motions contradict each other".to_string(),
+        [one] => format!("the given motion of \"{one}\" contradicts other joints"),
+        several => format!("the given motions of {} contradict each other", named(several)),
+    }
+}
+
+/// Which constraints do not hold after a step of a mechanism with given motions of some joints, and why.
+fn lost(joints: &[String], driven: &[String]) -> String {
+    match driven {
+        [] => {
+            format!(", most at {}; the mechanism may be at a dead point: try other step sizes", named(joints))
+        }
+        [_] => format!(
+            ", most at {}; {}, or the mechanism is at a dead point",
+            named(joints),
+            contradiction(driven)
+        ),
+        // Their names are enough.
+        _ => format!(": {}, or the mechanism is at a dead point", contradiction(driven)),
+    }
+}
+
+/// Largest number of names in a message.
+const MAX_NAMED: usize = 6;
+
+/// Names in a sentence: `"a", "b" and "c"`.
+fn named(names: &[String]) -> String {
+    let quoted = |name: &String| format!("\"{name}\"");
+    let (first, rest) = names.split_at(names.len().min(MAX_NAMED));
+    let mut parts: Vec<String> = first.iter().map(quoted).collect();
+    if !rest.is_empty() {
+        parts.push(format!("{} more", rest.len()));
+    }
+    match parts.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} and {last}", before.join(", ")),
+        None => String::new(),
     }
 }
 
@@ -748,7 +820,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_of_messages_have_the_digits_that_are_meant() {
+    fn messages_have_the_digits_and_the_advice_that_are_meant() {
         let error = Error::StepTooLarge {
             step: 3,
             time: 0.00045000000000000004,
@@ -760,6 +832,40 @@ mod tests {
         for part in ["t = 0.00045:", "0.000292969 is", "critical step is 9.49717e-8 now", "at most 0.333333,"]
         {
             assert!(message.contains(part), "{message}");
+        }
+        let cause = Box::new(Error::Refused { reason: "no".into() });
+        let smallest = |has_cells| Error::SmallestStep {
+            step: 1,
+            start: 0.0,
+            step_size: 0.5,
+            has_cells,
+            cause: cause.clone(),
+        };
+        assert!(smallest(true).to_string().contains("a finer mesh"));
+        assert!(!smallest(false).to_string().contains("mesh"));
+        let names = |names: &str| names.chars().map(String::from).collect::<Vec<_>>();
+        for (driven, expected) in [
+            (
+                "",
+                "open by 1.000e-1, most at \"x\" and \"y\"; the mechanism may be at a dead point: try other step sizes",
+            ),
+            (
+                "x",
+                ", most at \"x\" and \"y\"; the given motion of \"x\" contradicts other joints, or the mechanism is",
+            ),
+            (
+                "xy",
+                "open by 1.000e-1: the given motions of \"x\" and \"y\" contradict each other, or the mechanism is",
+            ),
+            (
+                "abcdefgh",
+                ": the given motions of \"a\", \"b\", \"c\", \"d\", \"e\", \"f\" and 2 more contradict each",
+            ),
+        ] {
+            let (joints, driven) = (names("xy"), names(driven));
+            let lost =
+                Error::ConstraintsLost { step: 1, time: 0.5, residual: 0.1, joints, driven }.to_string();
+            assert!(lost.contains(expected), "{lost}");
         }
         let position = [1e20, 0.1 + 0.2, -1.0];
         let error = Error::NotANumber { step: 1, time: 1e-300, node: 7, position };

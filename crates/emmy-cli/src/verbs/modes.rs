@@ -81,23 +81,25 @@ impl Arguments {
 /// The modes about a state, or about the undeformed body.
 fn computed(problem: &Problem, state: Option<&State>, count: Option<u32>) -> Result<Vec<Mode>, Failure> {
     let body = &problem.body;
+    let is_given = count.is_some();
     let count = count.map_or(DEFAULT_COUNT.min(n_modes(body).max(1)), |count| count as usize);
     let found = match state {
         Some(state) => modes_about(body, state, count),
         None => modes(body, count),
     };
-    found.map_err(failure)
+    found.map_err(|error| failure(error, is_given))
 }
 
 /// An iteration that does not converge is not a fault of the input.
-fn failure(error: emmy::Error) -> Failure {
+fn failure(error: emmy::Error, is_count_given: bool) -> Failure {
     match error {
         emmy::Error::TooManyModes { free, .. } => {
             let help = match free {
-                0 => "all nodes are held".to_string(),
+                0 => "supports and joints hold all of it".to_string(),
                 free => format!("take at most {free}"),
             };
-            Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+            let flag = if is_count_given { "--count: " } else { "" };
+            Failure::Usage { message: format!("{flag}{error}"), help: Some(help) }
         }
         emmy::Error::Modes { .. } => {
             let help = "nothing was written; thin cells and stiff springs leave the lowest modes few digits";

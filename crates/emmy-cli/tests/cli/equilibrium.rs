@@ -23,6 +23,27 @@ fn alone() -> String {
     equilibrium.replace("[initial]\nvelocity = [0, 0, 0]\n\n", "")
 }
 
+/// Increments that are cut are more than planned ones, and their lines come after each tenth of the load.
+#[test]
+fn increments_that_are_cut_are_not_counted_among_the_planned_ones() {
+    let place = Place::with(
+        r#"
+mesh.box = { size = [10, 100, 10], cells = [1, 10, 1] }
+region = [{ density = 1.0, formulation = "incompatible-modes", material.neo-hooke = { youngs_modulus = 1.5, poissons_ratio = 0.3 } }]
+support = [{ group = "y-min", fix = ["x", "y", "z"] }]
+load = [{ group = "y-max", force = [0, 0, 0.5] }]
+equilibrium.load_steps = 2
+output = { directory = "out", every = 0 }
+"#,
+    );
+    let run = place.succeed(&["run", "box.toml"]).stderr;
+    let [cuts, lines] = [" cut to ", ", load fraction "]
+        .map(|words| run.lines().filter(|line| line.contains(words)).collect::<Vec<_>>());
+    assert!(cuts.iter().all(|line| line.starts_with("increment ")) && !cuts.is_empty(), "{run}");
+    assert!(lines.len() > 2 && lines.iter().all(|line| !line.contains(" of 2,")), "{run}");
+    assert!(lines[lines.len() - 1].contains(", load fraction 1  "), "{run}");
+}
+
 #[test]
 fn a_static_analysis_has_a_row_for_each_increment() {
     let place = Place::with(&alone());

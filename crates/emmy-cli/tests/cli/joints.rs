@@ -194,7 +194,163 @@ output = { directory = "out", every = 0 }
 "#;
     let place = Place::with(input);
     let failed = place.emmy(&["run", "box.toml", "--quiet"]);
-    assert!(failed.code == 3 && failed.stderr.contains("contradict each other"), "{failed:?}");
+    assert_eq!(failed.code, 3, "{failed:?}");
+    for words in [
+        "the given motions of \"joint-1\" and \"joint-2\" contradict each other",
+        "; look at the joints and their given motions at this time\n",
+    ] {
+        assert!(failed.stderr.contains(words), "{words}: {}", failed.stderr);
+    }
+    // With different speeds at the start no step is tried.
+    place.write("fast.toml", &input.replace("0.5*t^2", "3*t").replace("0.4*t^2", "2*t"));
+    for verb in ["check", "run"] {
+        let failed = place.emmy(&[verb, "fast.toml"]);
+        let words = "no motion obeys all joints at t = 0: the given motions of \"joint-1\" and \"joint-2\" contradict each other";
+        assert!(failed.code == 2 && failed.stderr.contains(words), "{failed:?}");
+    }
+}
+
+/// A parallelogram of two cranks and a coupler, which turns one crank as fast as the other.
+fn parallelogram(left: &str, right: &str) -> String {
+    format!(
+        r#"
+rigid = [
+  {{ name = "left", mass = 1.0, centre = [0, 0.5, 0], inertia = [0.1, 0.1, 0.1] }},
+  {{ name = "right", mass = 1.0, centre = [1, 0.5, 0], inertia = [0.1, 0.1, 0.1] }},
+  {{ name = "coupler", mass = 1.0, centre = [0.5, 1, 0], inertia = [0.1, 0.1, 0.1] }},
+]
+joint = [
+  {{ name = "foot", revolute = {{ between = ["left", "ground"], at = [0, 0, 0], axis = [0, 0, 1] }}{left} }},
+  {{ name = "other", revolute = {{ between = ["right", "ground"], at = [1, 0, 0], axis = [0, 0, 1] }}{right} }},
+  {{ revolute = {{ between = ["coupler", "left"], at = [0, 1, 0], axis = [0, 0, 1] }} }},
+  {{ revolute = {{ between = ["coupler", "right"], at = [1, 1, 0], axis = [0, 0, 1] }} }},
+]
+time = {{ scheme = "DGM", degree = 2, steps = [{{ until = 1.0, size = 0.1 }}] }}
+output = {{ directory = "out", every = 0 }}
+"#
+    )
+}
+
+/// The drives are named although all four joints are open, and not the one that has a body of its own.
+#[test]
+fn drives_that_contradict_each_other_by_way_of_other_joints_are_named() {
+    let alone = "[\n  { name = \"wheel\", mass = 1.0, centre = [5, 0, 0], inertia = [0.1, 0.1, 0.1] },\n";
+    let third = "[\n  { name = \"axle\", revolute = { between = [\"wheel\", \"ground\"], at = [5, 0, 0], axis = [0, 0, 1] }, angle = \"t\" },\n";
+    let with_third = |input: String| {
+        input.replacen("rigid = [\n", &format!("rigid = {alone}"), 1).replacen(
+            "joint = [\n",
+            &format!("joint = {third}"),
+            1,
+        )
+    };
+    let words = "the given motions of \"foot\" and \"other\" contradict each other";
+    for (right, code) in [("2*t", 2), ("t + 0.3*t^2", 3)] {
+        let input = parallelogram(", angle = \"t\"", &format!(", angle = \"{right}\""));
+        let place = Place::with(&with_third(input));
+        let failed = place.emmy(&["run", "box.toml", "--quiet"]);
+        assert!(failed.code == code && failed.stderr.contains(words), "{right}: {failed:?}");
+    }
+}
+
+#[test]
+fn forces_that_are_not_unique_are_noted_with_the_names_of_their_joints() {
+    let forces = "note: single forces and moments of the joints `foot`, `other`, `joint-3` and `joint-4` are not unique";
+    let drives =
+        ", nor are those by which they obey the given motions of `foot` and `other`: some constraints follow";
+    for (right, words) in [
+        (
+            "",
+            format!(
+                "{forces}: some constraints follow from the others; Emmy's forces are the smallest ones\n"
+            ),
+        ),
+        (", angle = \"t\"", format!("{forces}{drives}")),
+    ] {
+        let place = Place::with(&parallelogram(", angle = \"t\"", right));
+        for verb in ["check", "run"] {
+            let outcome = place.succeed(&[verb, "box.toml"]);
+            assert!(outcome.stderr.contains(&words), "{verb}: {}", outcome.stderr);
+        }
+        let summary = place.summary("out");
+        let note = summary["notes"][0].as_str().unwrap().to_string();
+        assert!(words.contains(&note) || format!("note: {note}").starts_with(&words), "{note}");
+    }
+    let place = Place::with(PENDULUM);
+    assert!(!place.succeed(&["check", "box.toml"]).stderr.contains("not unique"));
+}
+
+/// A door that hangs at rest: its energy is the square of a velocity of round-off, and no scale for a residual.
+#[test]
+fn a_mechanism_at_rest_closes_its_balances() {
+    let input = r#"
+rigid = [{ name = "door", mass = 20.0, centre = [0.5, 0.0, 1.0], inertia = [7.0, 9.0, 2.0] }]
+joint = [{ revolute = { between = ["door", "ground"], at = [0, 0, 0], axis = [0, 0, 1] } }]
+load = [{ acceleration = [0, 0, -9.81] }]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 1.0, size = 0.1 }] }
+limits = { energy = 1e-10, angular_momentum = 1e-10 }
+output = { directory = "out", every = 0 }
+"#;
+    let place = Place::with(input);
+    let run = place.succeed(&["run", "box.toml"]).stderr;
+    for words in [" of the largest possible T + V)\n", " of the largest possible |L|)\n"] {
+        assert!(run.contains(words), "{words}{run}");
+    }
+    let summary = place.summary("out");
+    let number = |name: &str| summary[name].as_f64().unwrap();
+    assert!(number("largest_energy") < 1e-30 && number("energy_drift") < 1e-15, "{summary}");
+    // The weight over the diagonal of the box of the centre and the hinge, and its moment about the hinge.
+    let [weight, size] = [20.0 * 9.81, 1.25f64.sqrt()];
+    assert!(number("energy_scale") >= weight * size, "{summary}");
+    // A push of 1e-9 rad/s is a motion, with the scale of its own energy.
+    let unlimited = input.replace("limits = { energy = 1e-10, angular_momentum = 1e-10 }\n", "");
+    place.write("pushed.toml", &format!("initial = {{ angular_velocity = [0, 0, 1e-9] }}{unlimited}"));
+    let pushed = place.succeed(&["run", "pushed.toml"]).stderr;
+    assert!(pushed.contains(" of the largest T + V)\n"), "{pushed}");
+}
+
+#[test]
+fn a_release_after_the_end_is_noted() {
+    let hinge = "axis = [0, 1, 0] }\n";
+    let place = Place::with(&PENDULUM.replace(hinge, &format!("{hinge}until = 2.5\n")));
+    let note = "note: joint `joint-1`: the run ends at t = 2, before its release at t = 2.5\n";
+    for verb in ["check", "run"] {
+        let outcome = place.succeed(&[verb, "box.toml"]);
+        assert!(outcome.stderr.contains(note), "{verb}: {}", outcome.stderr);
+    }
+    let longer = place.succeed(&["check", "box.toml", "--until", "3"]).stderr;
+    assert!(!longer.contains("before its release"), "{longer}");
+}
+
+/// Steps of more than a turn.
+#[test]
+fn steps_of_a_mechanism_that_fail_do_not_ask_for_a_finer_mesh() {
+    let input = r#"
+rigid = [{ name = "top", mass = 20.0, centre = [0.5, 0.0, 1.0], inertia = [7.0, 9.0, 2.0] }]
+joint = [{ spherical = { between = ["top", "ground"], at = [0, 0, 0] } }]
+initial = { angular_velocity = [100, 30, 200] }
+time = { scheme = "DGM", degree = 2, steps = [{ until = 1.0, size = 1.0 }], smallest_step = 0.5 }
+output = { directory = "out", every = 0 }
+"#;
+    let failed = Place::with(input).emmy(&["run", "box.toml", "--quiet"]);
+    assert_eq!(failed.code, 3, "{failed:?}");
+    for words in [
+        "try another scheme, or a smaller `smallest_step`, and look at the joints, their springs and the loads at this time",
+        " of the rigid body \"top\"; try a smaller step, or more iterations",
+    ] {
+        assert!(failed.stderr.contains(words), "{words}: {}", failed.stderr);
+    }
+    assert!(!failed.stderr.contains("mesh"), "{}", failed.stderr);
+}
+
+#[test]
+fn a_mechanism_that_cannot_move_has_no_modes() {
+    let bolt = PENDULUM.replace("revolute", "fixed").replace(", axis = [0, 1, 0]", "");
+    let place = Place::with(&bolt);
+    for (flags, prefix) in [(&["--count", "1"][..], "--count: "), (&[], "")] {
+        let failed = place.emmy(&[&["modes", "box.toml"], flags].concat());
+        let words = format!("  × {prefix}1 mode was requested, but the body has no free degree of freedom\n");
+        assert!(failed.code == 2 && failed.stderr.contains(&words), "{failed:?}");
+    }
 }
 
 /// A mass on a winch: the length of the rope is given, and the same by a table.

@@ -18,7 +18,7 @@ pub const NOTHING_MOVES: &str =
 pub const UNLOADED: &str =
     "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
 
-/// Remarks on the tables of loads, driven supports and driven joints.
+/// Remarks on the tables of loads, driven supports and driven joints, and on releases.
 pub(super) fn of_tables(
     loads: &[Load],
     supports: &[Support],
@@ -40,7 +40,22 @@ pub(super) fn of_tables(
         let tables = joint.drive.iter().chain(&joint.motor);
         tables.flat_map(move |table| of_table(&format!("joint `{}`", joint.name), table, plan))
     });
-    of_loads.chain(of_supports).chain(of_joints).collect()
+    of_loads.chain(of_supports).chain(of_joints).chain(of_releases(supports, joints, plan)).collect()
+}
+
+/// Remarks on supports and joints that are released after the end.
+fn of_releases<'a>(
+    supports: &'a [Support],
+    joints: &'a [Joint],
+    plan: &StepPlan,
+) -> impl Iterator<Item = String> + 'a {
+    let of_supports = supports.iter().enumerate().map(|(i, support)| (format!("support {i}"), support.until));
+    let of_joints = joints.iter().map(|joint| (format!("joint `{}`", joint.name), joint.until));
+    let end = plan.end();
+    of_supports.chain(of_joints).filter_map(move |(name, until)| {
+        let until = short(until.filter(|time| *time > end)?);
+        Some(format!("{name}: the run ends at t = {}, before its release at t = {until}", short(end)))
+    })
 }
 
 /// Remarks on a table that begins after the run, and on a measured one that the run does not use as a whole, or that
@@ -204,6 +219,15 @@ mod tests {
             assert_eq!(of_table("load 0", &table.unwrap(), &plan), [note]);
         }
         assert!(of_table("load 0", &TimeFunction::constant(), &plan).is_empty());
+    }
+
+    #[test]
+    fn releases_after_the_end_are_noted() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
+        let released = |until| Support { until, ..Support::fixed("x-min") };
+        let supports = [None, Some(2.0), Some(2.5)].map(released);
+        let note = "support 2: the run ends at t = 2, before its release at t = 2.5";
+        assert_eq!(of_tables(&[], &supports, &[], &plan), [note]);
     }
 
     #[test]

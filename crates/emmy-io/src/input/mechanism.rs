@@ -1,6 +1,6 @@
 //! Rigid bodies and joints together: their names, and the bodies that joints are between.
 
-use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, RigidBody};
+use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, Mobility, RigidBody};
 use emmy::internals::number::short_vector;
 use emmy::mesh::Mesh;
 use emmy::time::Scheme;
@@ -278,6 +278,37 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
         }
         None => Err(Fault::at(place, format!("group `{name}` is empty"), "empty")),
     }
+}
+
+/// Largest number of joints that a note names.
+const MAX_NAMED: usize = 8;
+
+/// The note on joints whose single forces, and the torques and forces of whose drives, are not unique.
+pub(super) fn note_on_forces(body: &Body) -> Option<String> {
+    let Mobility { indeterminate, indeterminate_drives: drives, .. } = body.mobility();
+    if indeterminate.is_empty() {
+        return None;
+    }
+    let named = |names: &[String]| {
+        let mut parts: Vec<String> = names.iter().take(MAX_NAMED).map(|name| format!("`{name}`")).collect();
+        if names.len() > MAX_NAMED {
+            parts.push(format!("{} more", names.len() - MAX_NAMED));
+        }
+        match parts.split_last() {
+            Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+            _ => parts.join(""),
+        }
+    };
+    let of_drives = match drives.is_empty() {
+        true => String::new(),
+        false => format!(", nor are those by which they obey the given motions of {}", named(&drives)),
+    };
+    let joints = if indeterminate.len() == 1 { "joint" } else { "joints" };
+    Some(format!(
+        "single forces and moments of the {joints} {} are not unique{of_drives}: some constraints follow from the others; \
+         Emmy's forces are the smallest ones",
+        named(&indeterminate)
+    ))
 }
 
 /// Whether a load acts on rigid bodies by their names.

@@ -291,6 +291,7 @@ impl Sections {
             self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
         }
         mechanism.check_drives(&body)?;
+        notes.extend(super::mechanism::note_on_forces(&body));
         let quantities = self.requested.quantities(&body, |name| mechanism.place(name), &mut notes)?;
         let initial = values(self.initial);
         notes.extend(tie::notes_on_start(&body, &initial));

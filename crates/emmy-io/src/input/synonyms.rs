@@ -16,6 +16,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("cross_section", "area"),
     ("truss", "bar"),
     ("gravitation", "attraction"),
+    ("motor", "torque"),
     ("point-mass", "mass"),
     ("nodes", "points"),
     ("elements", "links"),

@@ -9,7 +9,7 @@ use super::finite::{HELP, LARGEST};
 use super::suggest::{did_you_mean, listed, nearest};
 use super::table::{Item, Table, spelled};
 use super::tree::Value;
-use super::{catalogue, material, synonyms};
+use super::{catalogue, joint, material, synonyms};
 
 /// The table of an item, if everything in it is right.
 pub(super) fn table<'a>(item: Item<'a>, faults: &mut Faults) -> Option<Table<'a>> {
@@ -256,7 +256,25 @@ fn mismatch(item: Item<'_>) -> Fault {
             )
         }
         _ if is_entry(item) => fault.help("put square brackets around it"),
+        (Kind::TimeFunction(_), _) => match item.value() {
+            Value::Float(number) => fault.help(of_number(item.key, *number)),
+            Value::Integer(number) => fault.help(of_number(item.key, *number as f64)),
+            _ => fault,
+        },
         _ => fault,
+    }
+}
+
+/// How a number is written as a function of time.
+fn of_number(key: &str, number: f64) -> String {
+    match key {
+        "angle" | "slide" => {
+            format!("a given motion begins with zero, such as {key} = \"{number:?}*t\" at a constant rate")
+        }
+        "x" | "y" | "z" => format!(
+            "a constant is an expression, too: {key} = \"{number:?}\"; at a constant rate, {key} = \"{number:?}*t\""
+        ),
+        _ => format!("a constant is an expression, too: {key} = \"{number:?}\""),
     }
 }
 
@@ -326,11 +344,18 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
             faults.push(Fault::at(place, message, "not yet").help(help));
             continue;
         }
-        let (own, label) = meaning(section, key);
+        let (own, mut label) = meaning(section, key);
         meant.extend(own);
+        let mut advice = None;
+        if own.is_none()
+            && let Some((other, help)) = joint::of_another_kind(section, key)
+        {
+            (label, advice) = (Some(other), Some(help));
+        }
         if section.others.is_none() || is_misnamed(table, key) {
             are_known = false;
-            let help = format!("keys of {name}: {}", listed(section.names()));
+            let keys = format!("keys of {name}: {}", listed(section.names()));
+            let help = advice.map_or_else(|| keys.clone(), |advice| format!("{advice}; {keys}"));
             let label = label.unwrap_or_else(|| "not a key".to_string());
             faults.push(Fault::at(place, format!("unknown key `{key}` in {name}"), label).help(help));
         }

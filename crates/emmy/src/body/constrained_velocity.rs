@@ -129,7 +129,9 @@ impl ConstrainedVelocity {
         let all = nu.clone();
         self.times.project(&mut nu);
         if all.iter().zip(&nu).any(|(rate, inside)| (rate - inside).abs() > scale) {
-            return Err(Error::NoMotion { time: time[0] });
+            let outside: Vec<f64> = all.iter().zip(&nu).map(|(rate, inside)| rate - inside).collect();
+            let [_, driven] = body.mechanism.open(&outside);
+            return Err(Error::NoMotion { time: time[0], driven });
         }
         nu.resize(m, 0.0);
         let mut products = vec![0.0; m * n];
@@ -158,7 +160,7 @@ impl ConstrainedVelocity {
         }
         nu.resize(size, 0.0);
         if !eliminate(&mut matrix, &mut nu, 1) {
-            return Err(Error::NoMotion { time: time[0] });
+            return Err(Error::NoMotion { time: time[0], driven: Vec::new() });
         }
         let mut impulses = vec![0.0; n];
         for (nu, gradient) in nu[..m].iter().zip(self.gradients.chunks_exact(n)) {

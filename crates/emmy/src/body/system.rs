@@ -120,6 +120,12 @@ impl Body {
         self.mechanism.n_constraints()
     }
 
+    /// Whether it has cells: rigid bodies alone need no mesh.
+    pub(crate) fn has_cells(&self) -> bool {
+        // A rank of a team may have none of its own, but then there is no mechanism.
+        self.mechanism.is_empty() || self.space.mesh().n_cells() > 0
+    }
+
     /// How many ways the mechanism of rigid bodies and joints can move where it is drawn.
     pub fn mobility(&self) -> Mobility {
         self.mechanism.mobility(self.space.inactive())

@@ -185,7 +185,9 @@ impl Motion<'_> {
         }
         self.subdivision.cut();
         self.cuts += 1;
-        self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", short(0.5 * size)));
+        let what = if self.scheme == Scheme::Static { "increment" } else { "step" };
+        let message = format!("{what} cut to {}: {error}", short(0.5 * size));
+        self.note(EventKind::Cut, self.state.step + 1, message);
         Ok(error)
     }
 
@@ -204,7 +206,8 @@ impl Motion<'_> {
             return Error::NoEquilibrium { fraction, increment: step_size, cause: Box::new(cause) };
         }
         let step = self.state.step + 1;
-        Error::SmallestStep { step, start: self.state.time, step_size, cause: Box::new(cause) }
+        let has_cells = self.body.has_cells();
+        Error::SmallestStep { step, start: self.state.time, step_size, has_cells, cause: Box::new(cause) }
     }
 
     /// Ends a march in which rounding leaves fewer than three digits: smaller steps would not help.

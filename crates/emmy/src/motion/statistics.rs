@@ -138,7 +138,12 @@ pub struct RunStatistics {
     pub largest_linear_momentum: f64,
     /// Largest norm of the angular momentum.
     pub largest_angular_momentum: f64,
-    /// Largest linear momentum possible if the largest T + |V| were kinetic energy, `sqrt(2 (T + |V|) m)`.
+    /// Work of the largest force of a joint over the size of the mechanism \[energy\]; 0 without joints. A scale for
+    /// the energy of a mechanism at rest, whose T and V are round-off although joints carry loads.
+    #[serde(default)]
+    pub energy_scale: f64,
+    /// Largest linear momentum possible if the energy of [`RunStatistics::energy_size`] were kinetic energy,
+    /// `sqrt(2 (T + |V|) m)`.
     pub linear_momentum_scale: f64,
     /// The same for the angular momentum in the reference configuration, `sqrt(2 (T + |V|) I)`.
     pub angular_momentum_scale: f64,
@@ -176,6 +181,11 @@ const ROUND_OFF: f64 = 1e-13;
 
 /// A momentum below this part of its scale is round-off.
 const AT_REST: f64 = 1e-9;
+
+/// An energy below this part of its scale is round-off: impulses of joints are rounded, so that a mechanism at rest has
+/// velocities of 1e-16 of those that its loads could give it, and energies of the square of it. A pendulum that swings
+/// by 1e-12 rad has more.
+const ENERGY_AT_REST: f64 = 1e-24;
 
 impl RunStatistics {
     /// Adds a step, or the start, from its record and the state after it.
@@ -219,9 +229,13 @@ impl RunStatistics {
         self.largest_strain_energy = self.largest_strain_energy.max(record.strain_energy.abs());
         self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));
         self.largest_angular_momentum = self.largest_angular_momentum.max(norm(record.angular_momentum));
+        let size = body.constraints().size();
+        let works = record.joints.iter().map(|joint| norm(joint.force) * size + norm(joint.moment));
+        self.energy_scale = works.fold(self.energy_scale, f64::max);
         let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();
-        self.linear_momentum_scale = (2.0 * self.largest_energy * mass).sqrt();
-        self.angular_momentum_scale = (2.0 * self.largest_energy * polar_inertia(body)).sqrt();
+        let (energy, _) = self.energy_size();
+        self.linear_momentum_scale = (2.0 * energy * mass).sqrt();
+        self.angular_momentum_scale = (2.0 * energy * polar_inertia(body)).sqrt();
     }
 
     fn add_residuals(&mut self, record: &Record) {
@@ -245,9 +259,26 @@ impl RunStatistics {
         -self.rounding.clamp(f64::EPSILON, 1.0).log10()
     }
 
-    /// Accumulated energy residual over the largest T + |V|.
+    /// Accumulated energy residual over the largest T + |V|, or over the possible one of a mechanism at rest.
     pub fn energy_drift(&self) -> f64 {
-        ratio(self.accumulated_energy_residual.abs(), self.largest_energy)
+        ratio(self.accumulated_energy_residual.abs(), self.energy_size().0)
+    }
+
+    /// The scale of energy residuals, and its name: the largest T + |V|, or a possible one where a mechanism is at rest
+    /// and T + |V| is round-off.
+    ///
+    /// ```
+    /// use emmy::motion::RunStatistics;
+    /// let at_rest = RunStatistics { largest_energy: 2e-41, energy_scale: 400.0, ..Default::default() };
+    /// assert_eq!(at_rest.energy_size(), (400.0, "possible T + V"));
+    /// let moving = RunStatistics { largest_energy: 2e-20, ..at_rest };
+    /// assert_eq!(moving.energy_size(), (2e-20, "T + V"));
+    /// ```
+    pub fn energy_size(&self) -> (f64, &'static str) {
+        match self.largest_energy < ENERGY_AT_REST * self.energy_scale {
+            true => (self.energy_scale, "possible T + V"),
+            false => (self.largest_energy, "T + V"),
+        }
     }
 
     /// Accumulated angular momentum residual over the largest |L|, or over the largest possible one of a body that does

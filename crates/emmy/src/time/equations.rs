@@ -7,7 +7,7 @@ use super::scheme_force::SchemeForce;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
 use crate::body::{Assembly, Body, JointState, Reaction};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::force::{StepDamping, StepInput};
 use crate::input::Span;
 use crate::newton::Ending;
@@ -129,6 +129,14 @@ impl<'a> Equations<'a> {
         let step =
             step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), rates);
         self.constraint_step.hold(body, &step)
+    }
+
+    /// The error of a step with some number and end whose constraints do not hold with some rates.
+    pub(super) fn constraints_lost(&self, (step, time): (usize, f64), residual: f64, rates: &[f64]) -> Error {
+        let at_end = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
+        let residuals = self.constraint_step.residuals_at_end(self.body.constraints(), &at_end);
+        let [joints, driven] = self.body.mechanism.open(&residuals);
+        Error::ConstraintsLost { step, time, residual, joints, driven }
     }
 
     /// Inserts the rates of the degrees of freedom whose motion is given into a starting point of the iteration.

@@ -183,8 +183,8 @@ impl Iteration {
         match system.equations.constraints_hold(self.rates()) {
             Held::Yes => Ok(outcome),
             Held::No { residual } => {
-                let (step, time) = (state.step + 1, state.time + step_size);
-                Err(Error::ConstraintsLost { step, time, residual })
+                let end = (state.step + 1, state.time + step_size);
+                Err(system.equations.constraints_lost(end, residual, self.rates()))
             }
         }
     }
@@ -221,7 +221,8 @@ impl Iteration {
         self.newton.forget();
         let step = state.step + 1;
         let time = state.time + step_size;
-        let could_not_start = |cause| Error::StepFailed { step, time, cause };
+        let has_cells = system.equations.body.has_cells();
+        let could_not_start = |cause| Error::StepFailed { step, time, has_cells, cause };
         // An iteration that ran is more informative than one that could not start, unless a force has refused it.
         Err(match (failure, cause) {
             (_, Some(cause)) if matches!(*cause, Error::Refused { .. }) => could_not_start(cause),
@@ -372,6 +373,7 @@ impl Iteration {
                 .body
                 .space
                 .at_node(node, |node| state.position(system.equations.body, node)),
+            rigid: system.equations.body.mechanism.name_at(node).map(Box::from),
         }
     }
 

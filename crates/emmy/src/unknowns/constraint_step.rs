@@ -141,6 +141,12 @@ impl ConstraintStep {
         Held::No { residual }
     }
 
+    /// The residuals of all constraints at the end of a step.
+    pub(crate) fn residuals_at_end(&self, constraints: &Constraints, step: &StepInput<'_>) -> Vec<f64> {
+        let end = |dof: usize| step.displacement_at_end(dof);
+        (0..constraints.len()).map(|c| self.row(constraints, self.n_stages, c).value(&end)).collect()
+    }
+
     fn set_range(&mut self, body: (&Constraints, &[bool]), stage: usize, u: &dyn Fn(usize) -> f64) {
         let mut range = std::mem::take(&mut self.range);
         range.set(body.0, (0..body.0.len()).map(|c| self.row(body.0, stage, c)), body.1, u);

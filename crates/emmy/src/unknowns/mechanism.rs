@@ -1,6 +1,7 @@
 //! The rigid bodies and joints of a body.
 
 use std::collections::BTreeMap;
+use std::ops::Range as Rows;
 use std::sync::Arc;
 
 use super::attachments::Attachments;
@@ -13,6 +14,7 @@ use super::frame::{Frame, RigidMotion};
 use super::joint::JointParts;
 use super::joint_force::{self, JointLaw};
 use super::joint_output::{JointOutput, JointState};
+use super::range::Range;
 use super::rank::Rank;
 use crate::error::{Error, Result};
 use crate::force::{Force, StepInput};
@@ -68,6 +70,11 @@ pub struct Mobility {
     /// Names of the joints whose constraints, some of them at least, follow from those of the joints before them, or
     /// whose given motion follows from the constraints of all.
     pub redundant: Vec<String>,
+    /// Names of the joints whose single forces are not unique where the mechanism is drawn: a force in one of their
+    /// constraints can be balanced by forces in the others.
+    pub indeterminate: Vec<String>,
+    /// Names of those of them whose given motion needs no unique torque or force, because it follows from the others.
+    pub indeterminate_drives: Vec<String>,
 }
 
 impl Mechanism {
@@ -249,6 +256,11 @@ impl Mechanism {
         last.filter(|frame| frame.nodes().contains(&(node as u32)))
     }
 
+    /// Name of the rigid body to whose frame a node belongs.
+    pub(crate) fn name_at(&self, node: usize) -> Option<&str> {
+        self.frame_of(node).map(Frame::name)
+    }
+
     /// Whether a node belongs to the frame of a rigid body.
     pub(crate) fn is_rigid(&self, node: usize) -> bool {
         self.frame_of(node).is_some()
@@ -386,7 +398,15 @@ impl Mechanism {
                 }
             }
         }
-        let redundant = self.joints.iter().zip(&n_dependent).filter(|(_, n)| **n > 0);
+        let redundant: Vec<String> = self
+            .joints
+            .iter()
+            .zip(&n_dependent)
+            .filter(|(_, n)| **n > 0)
+            .map(|(joint, _)| joint.name.clone())
+            .collect();
+        let [indeterminate, indeterminate_drives] =
+            if redundant.is_empty() { Default::default() } else { self.indeterminate(is_held) };
         let [n_free, n_driven] = n_new;
         let free = |frame: &Frame| {
             frame.nodes().flat_map(|node| nodal::dofs(node as usize)).filter(|&dof| !is_held[dof]).count()
@@ -399,10 +419,68 @@ impl Mechanism {
             n_redundant: n_dependent.iter().sum(),
             degrees_of_freedom: (!self.is_elastic).then(|| dofs - n_of_frames - n_free),
             n_driven,
-            redundant: redundant.map(|(joint, _)| joint.name.clone()).collect(),
+            redundant,
+            indeterminate,
+            indeterminate_drives,
         }
     }
+
+    /// Names of the joints with constraints whose forces can balance each other where they are drawn, and of those of
+    /// them whose drive can take part in that.
+    fn indeterminate(&self, is_held: &[bool]) -> [Vec<String>; 2] {
+        let rows = self.constraints.rows();
+        let mut range = Range::new(&self.constraints);
+        range.set(&self.constraints, rows.iter(), is_held, &|_| 0.0);
+        let mut part = vec![0.0f64; rows.len()];
+        for z in range.complement() {
+            part.iter_mut().zip(z).for_each(|(part, z)| *part = part.max(z.abs()));
+        }
+        let names = |takes_part: &dyn Fn(usize) -> bool| {
+            let joints = self.joints.iter().zip(&self.outputs);
+            joints
+                .filter(|(_, output)| output.rows().any(takes_part))
+                .map(|(joint, _)| joint.name.clone())
+                .collect()
+        };
+        let takes_part = |c: usize| part[c] > LEAST_PART;
+        [names(&takes_part), names(&|c| takes_part(c) && rows[c].drive.is_some())]
+    }
+
+    /// Names of the joints with constraints that are far from zero, and of those of them whose given motion is; without
+    /// joints, of rigid bodies. `residuals` are those of all constraints.
+    pub(crate) fn open(&self, residuals: &[f64]) -> [Vec<String>; 2] {
+        let largest_of =
+            |rows: Rows<usize>| residuals[rows].iter().fold(0.0f64, |most, own| most.max(own.abs()));
+        let largest = largest_of(0..residuals.len());
+        let is_open = |rows: Rows<usize>| largest_of(rows) > PART_OF_LARGEST * largest;
+        let joints = self.joints.iter().zip(&self.outputs);
+        let names = |which: &dyn Fn(&JointOutput) -> bool| -> Vec<String> {
+            joints.clone().filter(|(_, output)| which(output)).map(|(joint, _)| joint.name.clone()).collect()
+        };
+        let mut open = names(&|output| is_open(output.rows()));
+        if open.is_empty() {
+            let mut end = self.n_constraints();
+            let strained = self.frames.iter().filter(|frame| {
+                let begin = end;
+                end += frame.constraints().len();
+                is_open(begin..end)
+            });
+            open = strained.map(|frame| frame.name().to_string()).collect();
+        }
+        let is_driven = |c: usize| self.constraints.rows()[c].drive.is_some();
+        let takes_part = |c: usize| is_driven(c) && residuals[c].abs() > LEAST_OPENING * largest;
+        [open, names(&|output| output.rows().any(takes_part))]
+    }
 }
+
+/// Part of a constraint in forces that balance each other, over all of them, that is rounding.
+const LEAST_PART: f64 = 1e-6;
+
+/// Residual of a constraint over the largest one with which it is named.
+const PART_OF_LARGEST: f64 = 0.5;
+
+/// Residual of a given motion over the largest one with which it takes part in a contradiction.
+const LEAST_OPENING: f64 = 1e-3;
 
 /// Rate of a constraint of unit gradient in the spin of a rod that is rounding.
 const LEAST_RATE: f64 = 1e-6;

@@ -136,7 +136,8 @@ impl Closing<'_> {
             message!(self.host, "  {name:<17}{value} (step {}{relative})", worst.step);
         };
         message!(self.host, "worst balance of a step:");
-        residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
+        let (size, of) = statistics.energy_size();
+        residual("energy", energy, "energy", Some((part(energy, size), of)));
         residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
         let (size, of) = statistics.angular_momentum_size();
         let relative = Some((part(angular_momentum, size), of));

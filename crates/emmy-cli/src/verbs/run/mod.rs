@@ -129,7 +129,7 @@ pub(super) fn march<'a>(
     agreed(host, host.prepare())?;
     results.notes().iter().for_each(|note| message!(host, "note: {note}"));
     let mut progress = Progress::new(host, &problem.plan, problem.units, options.quiet);
-    progress.start_at(motion.state());
+    progress.start_at(motion.state(), &problem.plan);
     let mut json = JsonLines::new(host, options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
     let mut stop = Stop::new(host, results.directory(), options.end());

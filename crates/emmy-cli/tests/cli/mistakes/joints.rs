@@ -112,6 +112,12 @@ fn joints() -> Vec<Mistake> {
         hinge("joint-in-other-words", "revolute", "hinge"),
         hinge("joint-misspelt", "revolute", "revolut"),
         hinge("joint-with-the-axes-of-another", "axis = [0, 0, 1]", "axes = [[0, 0, 1], [1, 0, 0]]"),
+        hinge("joint-with-an-axis-beside-it", " }", " }\naxis = [0, 0, 1]"),
+        door(
+            "joint-with-the-axis-of-another-kind",
+            HINGE,
+            "spherical = { between = [\"door\", \"ground\"], at = [0, 0, 0], axis = [0, 0, 1] }",
+        ),
         door("joint-without-a-kind", HINGE, ""),
         door(
             "joint-of-two-kinds",
@@ -183,6 +189,8 @@ fn forces() -> Vec<Mistake> {
         hinge("spring-of-a-number", "spring = 4.0"),
         hinge("force-in-a-hinge", "force = \"sin(t)\"").unseen(),
         hinge("damping-that-drives", "damping = -1"),
+        hinge("torque-of-a-number", "torque = 5.0"),
+        hinge("motor-of-a-hinge", "motor = [[0, 5.0]]"),
         rod("torque-in-a-line", "line", "torque = \"sin(t)\"").unseen(),
         rod("line-without-a-force", "line", "").unseen(),
         rod("spring-in-a-rigid-link", "distance", "spring = { stiffness = 4.0 }").unseen(),

@@ -8,6 +8,7 @@ use crate::input::description::{Described, Kind, NUMBER, POSITIVE, Section, TAKE
 use crate::input::fault::{Fault, Faults, Place};
 use crate::input::history::Context;
 use crate::input::measured::MEASURED;
+use crate::input::suggest::listed;
 use crate::input::table::{Item, Read, Table};
 use motion::Forces;
 
@@ -224,6 +225,25 @@ pub(in crate::input) fn read(
     let name_place = given.map_or(&place, |item| item.place()).clone();
     let until = table.may("until");
     Some(PlacedJoint { name, kind, at, drive, forces, until, between, place, name_place })
+}
+
+/// Label and advice of a key of another kind of joint in the table of one, or of a key of a kind beside that table.
+pub(in crate::input) fn of_another_kind(section: &Section, key: &str) -> Option<(String, String)> {
+    let has = |row: &&Row| row.keys.key_of(key).is_some();
+    let with_key: Vec<&str> = ROWS.iter().filter(has).map(|row| row.name).collect();
+    if with_key.is_empty() {
+        return None;
+    }
+    let advice = format!("`{key}` is a key of {}", listed(with_key));
+    if std::ptr::eq(&*JOINT, section) {
+        return Some((format!("`{key}` belongs in the braces of the kind"), advice));
+    }
+    let is_own = |row: &&Row| std::ptr::eq::<Section>(&**row.keys, section);
+    let own: Vec<&str> = ROWS.iter().filter(is_own).map(|row| row.name).collect();
+    if own.is_empty() {
+        return None;
+    }
+    Some((format!("{} joints have no `{key}`", own.join(" and ")), advice))
 }
 
 fn direction(item: &Item<'_>) -> Result<[f64; 3], Fault> {

@@ -339,7 +339,8 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
     match motion.march(&plan, &mut []) {
         Err(MarchError::Step(Error::SmallestStep { cause, .. })) => {
             assert!(matches!(*cause, Error::Tolerance { tolerance: 1e-8, .. }), "{cause}");
-            let advice = Error::SmallestStep { step: 1, start: 0.0, step_size: 0.05, cause }.to_string();
+            let advice = Error::SmallestStep { step: 1, start: 0.0, step_size: 0.05, has_cells: true, cause }
+                .to_string();
             assert!(advice.ends_with("; allow smaller steps, or a larger tolerance"), "{advice}");
         }
         other => panic!("{other:?}"),

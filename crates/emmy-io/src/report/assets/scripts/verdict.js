@@ -17,6 +17,11 @@ function isRounding(run, key) {
   return scale > 0 && run.largest[key] < 1e-9 * scale;
 }
 
+// A mechanism at rest has an energy of round-off, although its joints carry loads.
+function energyScale({ largest_energy: largest, energy_scale: scale }) {
+  return largest < 1e-24 * scale ? [scale, "the work of a joint over the size of the mechanism, T\u00a0+\u00a0V being zero"] : [largest, "the largest T\u00a0+\u00a0V"];
+}
+
 // The three balances of a run with their scales.
 function balances(run) {
   const summary = run.summary;
@@ -33,7 +38,7 @@ function balances(run) {
     return { name, key, worst, step: summary[`worst_${key}_residual_step`], size, of, part, drift };
   };
   return [
-    balance("Energy", "energy", [summary.largest_energy, "the largest T\u00a0+\u00a0V"], summary.energy_drift),
+    balance("Energy", "energy", energyScale(summary), summary.energy_drift),
     balance("Linear momentum", "linear_momentum", momentum("linear_momentum", "P"), null),
     balance("Angular momentum", "angular_momentum", momentum("angular_momentum", "L"), summary.angular_momentum_drift),
   ];
