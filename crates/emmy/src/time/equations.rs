@@ -133,8 +133,8 @@ impl<'a> Equations<'a> {
 
     /// The error of a step with some number and end whose constraints do not hold with some rates.
     pub(super) fn constraints_lost(&self, (step, time): (usize, f64), residual: f64, rates: &[f64]) -> Error {
-        let at_end = step_input(&self.coefficients, self.time_scale, &self.displacement, rates);
-        let residuals = self.constraint_step.residuals_at_end(self.body.constraints(), &at_end);
+        let at_rates = self.step_at(rates);
+        let residuals = self.constraint_step.residuals_at_end(self.body.constraints(), &at_rates);
         let [joints, driven] = self.body.mechanism.open(&residuals);
         Error::ConstraintsLost { step, time, residual, joints, driven }
     }
