@@ -185,6 +185,31 @@ class Mesh(Sources):
         """
         return self._of(self._native.scaled(factor))
 
+    def merged(self, within: float) -> Self:
+        """The mesh in which nodes at most a distance apart are one, so that the cells on both sides are joined.
+
+        Parameters
+        ----------
+        within : float
+            The distance.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If the distance is not positive, or two nodes of a cell would be one.
+
+        Examples
+        --------
+        >>> points = [(0, 0, 0), (1, 0, 0), (1.001, 0, 0), (2, 0, 0)]
+        >>> emmy.Mesh(points, {"line2": [(0, 1), (2, 3)]}).merged(0.01).n_nodes
+        3
+        """
+        return self._of(self._native.merged(within))
+
     def to_meshio(self) -> Any:
         """The mesh as a `meshio.Mesh`, with groups as cell sets and point sets, and facets of groups as cells.
 

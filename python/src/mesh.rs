@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::mesh::{self, CellKind};
-use emmy_io::mesh::{Grid, GridArray, MeshOptions, Numbers};
+use emmy_io::mesh::{Grid, GridArray, MeshFile, MeshOptions, Numbers};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -280,6 +280,13 @@ impl Mesh {
     fn scaled(&self, py: Python<'_>, factor: f64) -> PyResult<Self> {
         let mesh = pool::work(py, || mesh::Mesh::clone(&self.mesh).scaled(factor))?;
         Ok(Mesh::new(mesh.map_err(|error| errors::library(py, &error))?, self.notes.clone()))
+    }
+
+    fn merged(&self, py: Python<'_>, within: f64) -> PyResult<Self> {
+        let file =
+            MeshFile { mesh: mesh::Mesh::clone(&self.mesh), notes: self.notes.clone(), files: Vec::new() };
+        let file = pool::work(py, || file.merged(within))?.map_err(|error| errors::library(py, &error))?;
+        Ok(Mesh::new(file.mesh, file.notes))
     }
 
     /// Worst values of the measures of quality, with their cells.

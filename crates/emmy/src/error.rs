@@ -43,6 +43,20 @@ pub enum Error {
         /// Index of the point.
         node: usize,
     },
+    /// A cell that would lose an edge where near nodes become one.
+    #[error(
+        "cell {cell} has two nodes within {within} of each other near {position}, which would be one; take a smaller distance",
+        within = short(.within),
+        position = short_vector(.position)
+    )]
+    MergedCell {
+        /// Index of the cell.
+        cell: usize,
+        /// Where its nodes are.
+        position: [f64; 3],
+        /// The distance.
+        within: f64,
+    },
     /// A node of a group that does not exist.
     #[error("group \"{group}\" names node {node}, but the mesh has {n_nodes} nodes")]
     GroupNodeOutOfRange {

@@ -226,6 +226,48 @@ values = [{ name = "stress", quantity = "cell_von_mises_stress", measure = "max"
     }
 }
 
+/// Two blocks whose nodes meet are one by `merge`, without a tie.
+#[test]
+fn near_nodes_are_merged() {
+    let input = r#"[mesh]
+file = "blocks.inp"
+merge = 1e-6
+[[region]]
+density = 1
+material.neo-hooke = { lambda = 4000, mu = 2000 }
+[initial]
+velocity = [1, 0, 0]
+[time]
+scheme = "DGM"
+steps = [{ until = 0.2, size = 0.1 }]
+[output]
+directory = "out"
+"#;
+    let place = Place::with(input);
+    place.write("blocks.inp", &blocks([2, 2]));
+    let checked = place.succeed(&["check", "box.toml"]);
+    assert!(checked.stdout.contains("45 nodes, 16 cells"), "{}", checked.stdout);
+    assert!(checked.stderr.contains("note: 9 nodes are merged with others\n"), "{}", checked.stderr);
+    assert!(!checked.stderr.contains("not joined"), "{}", checked.stderr);
+    // A run from the resolved input has the same mesh.
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    place.succeed(&["run", "out/input.toml", "--quiet", "--output", "again"]);
+    let energies = ["out", "again"].map(|name| place.history(name)["kinetic_energy"].clone());
+    assert_eq!(energies[0], energies[1]);
+    for (merge, message) in [
+        ("0.6", "cell 0 has two nodes within 0.6 of each other near [0, 0, 0], which would be one"),
+        ("-1", "`merge` must be positive"),
+    ] {
+        place.write("wrong.toml", &input.replace("1e-6", merge));
+        let failed = place.emmy(&["check", "wrong.toml"]);
+        assert!(failed.code == 2 && failed.stderr.contains(message), "{}", failed.stderr);
+    }
+    let one = input.replace("file = \"blocks.inp\"", "box = { size = [1, 1, 1], cells = [2, 1, 1] }");
+    place.write("none.toml", &one.replace("1e-6", "1e-9"));
+    let checked = place.succeed(&["check", "none.toml"]);
+    assert!(checked.stderr.contains("note: merge = 1e-9: no two nodes are so near\n"), "{}", checked.stderr);
+}
+
 #[test]
 fn every_fault_is_shown_at_once() {
     let input = INPUT

@@ -50,6 +50,13 @@ pub(super) static MESH: Described = Described::new(|| {
         .exactly_one(&["l-block", "box", "rectangle", "network", "file"])
         .may("scale", POSITIVE, "", "Factor on all coordinates")
         .absent("1")
+        .may(
+            "merge",
+            POSITIVE,
+            "length",
+            "Nodes at most this far apart, after `scale`, become one, so that the cells on both sides are joined",
+        )
+        .absent("none")
         .may("shells", word("a treatment of shells", [PLANE_STRAIN]), "", SHELLS)
         .absent("an error")
 });
@@ -113,6 +120,8 @@ pub(super) struct Shape {
     /// Place of the source's value.
     place: Place,
     scale: Option<f64>,
+    /// Largest distance of nodes that become one.
+    merge: Option<f64>,
     /// Whether shells of a file are cells in plane strain.
     plane_shells: bool,
 }
@@ -212,12 +221,12 @@ fn members(group: &Item<'_>, what: &str, n: usize) -> Result<Vec<u32>, Fault> {
 
 /// A mesh in memory.
 pub(super) fn given(mesh: &Arc<Mesh>, place: &Place) -> Shape {
-    Shape { source: Source::Given(mesh.clone()), place: place.clone(), scale: None, plane_shells: false }
+    Shape::of(Source::Given(mesh.clone()), place.clone())
 }
 
 /// No cells: the place is that of the rigid bodies.
 pub(super) fn without_cells(place: &Place) -> Shape {
-    Shape { source: Source::Nothing, place: place.clone(), scale: None, plane_shells: false }
+    Shape::of(Source::Nothing, place.clone())
 }
 
 /// Reads the table; paths are relative to `directory`.
@@ -242,7 +251,8 @@ pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<Shape, Fault> 
         return Err(shells.fault(message, "of no use here"));
     }
     let place = item.place().clone();
-    Ok(Shape { source, place, scale: table.may("scale"), plane_shells: shells.is_some() })
+    let (scale, merge) = (table.may("scale"), table.may("merge"));
+    Ok(Shape { scale, merge, plane_shells: shells.is_some(), ..Shape::of(source, place) })
 }
 
 fn l_block(table: Table<'_>) -> Result<Source, Fault> {
@@ -283,7 +293,12 @@ const INVERTED: &str =
     "cells count from 0 in the order of the file; check the shape of this one in the mesher";
 
 impl Shape {
-    /// The mesh, scaled, with the remarks of its reader. Lines of a file in one of the groups `links` are cells.
+    fn of(source: Source, place: Place) -> Self {
+        Shape { source, place, scale: None, merge: None, plane_shells: false }
+    }
+
+    /// The mesh, scaled and merged, with the remarks of its reader. Lines of a file in one of the groups `links` are
+    /// cells.
     pub(super) fn mesh(&self, links: &[String]) -> Result<MeshFile, Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
         let made = |mesh: emmy::Result<Mesh>, notes| -> Result<MeshFile, Fault> {
@@ -312,7 +327,11 @@ impl Shape {
         if mesh.n_cells() > 0 {
             finite::check_extent(&mesh, &self.place)?;
         }
-        Ok(MeshFile { mesh, notes: file.notes, files: file.files })
+        let file = MeshFile { mesh, ..file };
+        match self.merge {
+            Some(within) => file.merged(within).map_err(|error| at(&error)),
+            None => Ok(file),
+        }
     }
 
     /// The mesh in memory, if it is the source.

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use crate::message::counted;
-use emmy::internals::number::short_vector;
+use emmy::internals::number::{short, short_vector};
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
 pub use error::{MeshError, Place, Position};
@@ -61,6 +61,21 @@ pub struct MeshFile {
 }
 
 impl MeshFile {
+    /// The mesh in which nodes at most a distance apart are one, with a note on their number.
+    ///
+    /// # Errors
+    /// As [`Mesh::merged`].
+    pub fn merged(self, within: f64) -> emmy::Result<Self> {
+        let (mesh, n) = self.mesh.merged(within)?;
+        let mut file = MeshFile { mesh, ..self };
+        file.leave_out_joined(|_| false);
+        file.notes.push(match n {
+            0 => format!("merge = {}: no two nodes are so near", short(within)),
+            n => counted(n, "node is merged with another one", "nodes are merged with others"),
+        });
+        Ok(file)
+    }
+
     /// Leaves pairs of nodes that are joined out of the note on nodes at one position.
     pub(crate) fn leave_out_joined(&mut self, is_joined: impl Fn([u32; 2]) -> bool) {
         let Some(at) = self.notes.iter().position(|note| note.ends_with(NOT_JOINED)) else { return };

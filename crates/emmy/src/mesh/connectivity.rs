@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::Mesh;
+use super::{Mesh, distance};
+use crate::error::{Error, Result};
 
 impl Mesh {
     /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are
@@ -58,19 +59,79 @@ impl Mesh {
     /// ```
     pub fn coincident_nodes(&self) -> Vec<[u32; 2]> {
         let tolerance = 1e-9 * self.extent().into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        self.for_each_near(tolerance, &mut |[earlier, later]| match pairs.last_mut() {
+            Some(last) if last[1] == later => last[0] = last[0].min(earlier),
+            _ => pairs.push([earlier, later]),
+        });
+        pairs
+    }
+
+    /// The mesh in which nodes at most a distance apart are one, the first of them, and the number of nodes that were
+    /// joined with others. Groups have the node in the place of each.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let points = [0.0, 1.0, 1.001, 2.0].map(|x| [x, 0.0, 0.0]);
+    /// let apart = Mesh::from_cells(CellKind::Line2, &points, &[[0, 1], [2, 3]])?.with_node_group("right", [2])?;
+    /// let (merged, n) = apart.merged(0.01)?;
+    /// assert_eq!((n, merged.n_nodes(), merged.group_nodes("right")?), (1, 3, vec![1]));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] unless the distance is positive and finite; [`Error::MergedCell`] if two nodes of a cell
+    /// would be one.
+    pub fn merged(mut self, within: f64) -> Result<(Mesh, usize)> {
+        if !(within > 0.0 && within.is_finite()) {
+            return Err(Error::NotPositive { what: "distance of nodes to be merged".into(), value: within });
+        }
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        self.for_each_near(within, &mut |pair| {
+            let [a, b] = pair.map(|node| self.points[node as usize]);
+            if distance(a, b) <= within {
+                pairs.push(pair);
+            }
+        });
+        let first_of = roots(self.n_nodes(), pairs.iter().map(<[u32; 2]>::as_slice));
+        let is_kept = |node: &usize| first_of[*node] as usize == *node;
+        let mut number = vec![0; self.n_nodes()];
+        (0..self.n_nodes()).filter(is_kept).enumerate().for_each(|(new, old)| number[old] = new as u32);
+        for (index, cell) in self.cells().enumerate() {
+            let mut nodes: Vec<u32> = cell.nodes.iter().map(|&node| first_of[node as usize]).collect();
+            nodes.sort_unstable();
+            if let Some(pair) = nodes.windows(2).find(|pair| pair[0] == pair[1]) {
+                let position = self.points[pair[0] as usize];
+                return Err(Error::MergedCell { cell: index, position, within });
+            }
+        }
+        let n_before = self.n_nodes();
+        let new = |node: &mut u32| *node = number[first_of[*node as usize] as usize];
+        self.connectivity.iter_mut().for_each(new);
+        for group in self.groups.nodes.values_mut() {
+            group.iter_mut().for_each(new);
+            group.sort_unstable();
+            group.dedup();
+        }
+        self.points = (0..n_before).filter(is_kept).map(|node| self.points[node]).collect();
+        let n_joined = n_before - self.n_nodes();
+        Ok((self, n_joined))
+    }
+
+    /// Calls a function with all nodes at most a distance apart along each axis, `[earlier, later]`, by the later one
+    /// ascending.
+    fn for_each_near(&self, tolerance: f64, visit: &mut dyn FnMut([u32; 2])) {
         let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= tolerance);
         // Boxes much larger than the tolerance, so that a point lies in one of them as a rule, in at most eight.
         let box_of = |x: f64| (x / (64.0 * tolerance)).floor() as i64;
         let mut nodes_in: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.n_nodes());
-        let mut pairs = Vec::new();
         for (node, &point) in self.points().iter().enumerate() {
             let ends = point.map(|x| [box_of(x - tolerance), box_of(x + tolerance)]);
             let candidates = boxes(ends).filter_map(|key| nodes_in.get(&key)).flatten();
-            let earlier = candidates.filter(|&&other| near(self.points()[other as usize], point)).min();
-            pairs.extend(earlier.map(|&earlier| [earlier, node as u32]));
+            let earlier = candidates.filter(|&&other| near(self.points()[other as usize], point));
+            earlier.for_each(|&earlier| visit([earlier, node as u32]));
             nodes_in.entry(point.map(box_of)).or_default().push(node as u32);
         }
-        pairs
     }
 
     /// Edge lengths of the smallest box along the axes around the nodes \[length\].
@@ -169,5 +230,18 @@ mod tests {
         let mesh = tetrahedra(&[0.0, 1.0 + 1e-12, 2.0 + 1e-6]).build().unwrap();
         assert_eq!(mesh.coincident_nodes(), [[1, 4]]);
         assert_eq!(tetrahedra(&[0.0, 0.0]).build().unwrap().coincident_nodes().len(), 4);
+    }
+
+    #[test]
+    fn near_nodes_are_one_over_any_number_of_them() {
+        // The fourth tetrahedron lies between the first and the third, which are too far apart.
+        let mesh = tetrahedra(&[0.0, 3.0, 0.018, 0.009]).build().unwrap();
+        let (merged, n) = mesh.clone().merged(0.01).unwrap();
+        assert_eq!((n, merged.n_nodes(), merged.n_cells()), (8, 8, 4));
+        assert_eq!(merged.cell(2).nodes, merged.cell(0).nodes);
+        assert_eq!(merged.points()[..4], mesh.points()[..4]);
+        assert_eq!(mesh.clone().merged(0.005).unwrap(), (mesh.clone(), 0));
+        let error = mesh.merged(1.1).unwrap_err().to_string();
+        assert!(error.contains("cell 0 has two nodes within 1.1 of each other"), "{error}");
     }
 }
