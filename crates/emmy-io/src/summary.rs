@@ -77,8 +77,8 @@ pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
     if statistics.unresolved_turns > 0 {
         let (missed, steps) = (statistics.unresolved_turns, statistics.steps);
         warnings.push(format!(
-            "a rigid body turned by more than half a turn in {missed} of {steps} steps, which they cannot follow: take \
-             smaller ones"
+            "a rigid body turned further in {missed} of {steps} steps than they can follow: take smaller ones, or a \
+             higher degree"
         ));
     }
     warnings

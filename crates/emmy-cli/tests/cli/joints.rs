@@ -569,6 +569,16 @@ fn an_equilibrium_of_a_pendulum_on_a_spring() {
     let place = Place::with(&static_input("spring = { stiffness = 46.0 }\n"));
     place.succeed(&["run", "box.toml", "--quiet"]);
     assert_near(last_place(&place, "out", "centre"), REST, 1e-10);
+    // The hinge carries the weight from the first row of a motion on.
+    place.write("rests.toml", &format!("[equilibrium]\n{}", on_a_spring(46.0)));
+    place.succeed(&["run", "rests.toml", "--quiet", "--output", "rests"]);
+    let history = place.history("rests");
+    for (name, column) in
+        history.iter().filter(|(name, _)| name.contains("_force_") || name.ends_with("_torque"))
+    {
+        assert!((column[0] - column[1]).abs() < 1e-7, "{name}: {column:?}");
+    }
+    assert!(history.iter().any(|(name, column)| name.ends_with("_force_z") && column[0] > 1.0));
     place.write("free.toml", &static_input(""));
     for verb in ["check", "run"] {
         let failed = place.emmy(&[verb, "free.toml"]);

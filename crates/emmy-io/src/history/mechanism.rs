@@ -81,9 +81,7 @@ impl MechanismColumns {
 
     /// Appends the numbers of a record.
     pub(crate) fn add_to(&self, record: &Record, numbers: &mut Vec<Number>) {
-        // No step led to the start, so that no force has a mean there.
-        let has_forces = record.step_size > 0.0;
-        let mean = |force: f64| if has_forces { Real(force) } else { Missing };
+        let mean = |force: f64| if record.has_joint_forces { Real(force) } else { Missing };
         for joint in &self.joints {
             let state: JointState = record.joints.get(joint.place).copied().unwrap_or_default();
             numbers.extend(state.force.into_iter().chain(state.moment).map(mean));

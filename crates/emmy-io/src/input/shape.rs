@@ -121,7 +121,7 @@ pub(super) struct Shape {
     place: Place,
     scale: Option<f64>,
     /// Largest distance of nodes that become one.
-    merge: Option<f64>,
+    merge: Option<(f64, Place)>,
     /// Whether shells of a file are cells in plane strain.
     plane_shells: bool,
 }
@@ -251,7 +251,8 @@ pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<Shape, Fault> 
         return Err(shells.fault(message, "of no use here"));
     }
     let place = item.place().clone();
-    let (scale, merge) = (table.may("scale"), table.may("merge"));
+    let scale = table.may("scale");
+    let merge = table.item("merge").map(|item| (Read::read(item), item.place().clone()));
     Ok(Shape { scale, merge, plane_shells: shells.is_some(), ..Shape::of(source, place) })
 }
 
@@ -328,8 +329,10 @@ impl Shape {
             finite::check_extent(&mesh, &self.place)?;
         }
         let file = MeshFile { mesh, ..file };
-        match self.merge {
-            Some(within) => file.merged(within).map_err(|error| at(&error)),
+        match &self.merge {
+            Some((within, place)) => {
+                file.merged(*within).map_err(|error| Fault::at(place, error.to_string(), "this distance"))
+            }
             None => Ok(file),
         }
     }

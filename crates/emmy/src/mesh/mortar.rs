@@ -189,7 +189,7 @@ impl Covered {
             let other = leader.projected(follower);
             let overlap = clipped(plane.polygon(&other), &polygon);
             let on_triangle = if follower.is_affine && leader.is_affine { &polynomial } else { &rational };
-            for_each_point(&overlap, (on_triangle, &on_edge), |x, weight| {
+            plane.for_each_point(&overlap, (on_triangle, &on_edge), |x, weight| {
                 let X = plane.point(x);
                 let (N, N_A) = (follower.shape(&own, X), leader.shape(&other, X));
                 let place = |side: &Side, N: &[f64; 4]| {
@@ -268,6 +268,29 @@ impl Plane {
     fn area(&self, polygon: &[[f64; 2]]) -> f64 {
         if self.is_edge { polygon[1][0] - polygon[0][0] } else { signed_area(polygon) }
     }
+
+    /// Calls a function with the points and weights of a rule on the triangles of a convex polygon, or on an interval.
+    /// Facets that touch along an edge have a polygon of two corners, and no area.
+    fn for_each_point(
+        &self,
+        polygon: &[[f64; 2]],
+        (on_triangle, on_edge): (&Quadrature<2>, &Quadrature<1>),
+        mut visit: impl FnMut([f64; 2], f64),
+    ) {
+        let [origin, others @ ..] = polygon else { return };
+        for pair in others.windows(2) {
+            let area = signed_area(&[*origin, pair[0], pair[1]]);
+            on_triangle.iter().for_each(|(xi, weight)| {
+                let along = |end: [f64; 2], d: usize| end[d] - origin[d];
+                let x = [0, 1].map(|d| origin[d] + xi[0] * along(pair[0], d) + xi[1] * along(pair[1], d));
+                visit(x, 2.0 * area * weight);
+            });
+        }
+        if let ([end], true) = (others, self.is_edge) {
+            let length = end[0] - origin[0];
+            on_edge.iter().for_each(|(xi, weight)| visit([origin[0] + xi[0] * length, 0.0], weight * length));
+        }
+    }
 }
 
 /// The part of a polygon within a convex one, both counter-clockwise (Sutherland and Hodgman); of intervals theirs.
@@ -293,31 +316,6 @@ fn clipped(mut polygon: Vec<[f64; 2]>, within: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
     }
     polygon
-}
-
-/// Calls a function with the points and weights of a rule on the triangles of a convex polygon, or on an interval.
-fn for_each_point(
-    polygon: &[[f64; 2]],
-    (on_triangle, on_edge): (&Quadrature<2>, &Quadrature<1>),
-    mut visit: impl FnMut([f64; 2], f64),
-) {
-    match *polygon {
-        [[begin, _], [end, _]] => on_edge.iter().for_each(|(xi, weight)| {
-            visit([begin + xi[0] * (end - begin), 0.0], weight * (end - begin));
-        }),
-        [origin, ref others @ ..] => {
-            for pair in others.windows(2) {
-                let area = signed_area(&[origin, pair[0], pair[1]]);
-                on_triangle.iter().for_each(|(xi, weight)| {
-                    let x = [0, 1].map(|d| {
-                        origin[d] + xi[0] * (pair[0][d] - origin[d]) + xi[1] * (pair[1][d] - origin[d])
-                    });
-                    visit(x, 2.0 * area * weight);
-                });
-            }
-        }
-        [] => {}
-    }
 }
 
 /// A product of rules of n points on the triangle (0,0), (1,0), (0,1), whose side y = 0 to 1 at x = 1 is collapsed.

@@ -91,7 +91,7 @@ pub struct Record {
     pub rejections: usize,
     /// Whether the step did not resolve a load or a given motion ([`super::Resolution`]).
     pub is_unresolved: bool,
-    /// Whether a rigid body turned by more than half a turn in the step.
+    /// Whether a rigid body turned further in the step than it can follow.
     #[serde(default)]
     pub is_turned_over: bool,
     /// Degree of the time element; 1 for other methods.
@@ -99,6 +99,9 @@ pub struct Record {
     /// The joints, in the order of [`Body::joints`].
     #[serde(default)]
     pub joints: Vec<JointState>,
+    /// Whether their forces are known: those of a step, or of a start from an equilibrium.
+    #[serde(default)]
+    pub has_joint_forces: bool,
     /// The rigid bodies, in the order of [`Body::rigid_bodies`], with velocities that the joints allow.
     #[serde(default)]
     pub rigid_bodies: Vec<RigidMotion>,
@@ -134,6 +137,7 @@ impl Record {
             step: state.step,
             time: state.time,
             step_size,
+            has_joint_forces: true,
             external_work: self.external_work + impulses.work,
             dissipated_energy: self.dissipated_energy + impulses.dissipated,
             newton_iterations: outcome.newton.iterations,

@@ -331,7 +331,7 @@ impl<'a> Motion<'a> {
     /// [`Error::Inverted`].
     pub fn with_static_reactions(mut self) -> Result<Self> {
         let (reactions, joints) = static_reactions(self.body, &self.state)?;
-        (self.reactions, self.record.joints) = (reactions, joints);
+        (self.reactions, self.record.joints, self.record.has_joint_forces) = (reactions, joints, true);
         let State { displacement, coordinates, .. } = &self.state;
         let joints = &mut self.record.joints;
         self.body.mechanism.set_coordinates(&|dof| displacement[dof], coordinates, joints);

@@ -114,7 +114,10 @@ impl Supports {
                         "its node at {point} belongs to the rigid body \"{body}\"; hold the body instead, as by a \
                          fixed joint to the ground"
                     ),
-                    None => format!("its node at {point} is tied to others; hold these instead"),
+                    None => format!(
+                        "its node at {point} is tied to others; hold these instead, and by mortar let the finer mesh \
+                         follow"
+                    ),
                 };
                 return Err(Error::Support { group: group.clone(), reason });
             }

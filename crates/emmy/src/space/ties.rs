@@ -71,6 +71,9 @@ pub struct TieSummary {
 /// Distances below this part of the diagonal of the mesh are rounding of coordinates.
 const ROUNDING: f64 = 1e-9;
 
+/// Distances below this part of it are rounding of integrals.
+const ROUNDING_OF_INTEGRALS: f64 = 1e-14;
+
 /// The leaders of followers, while they are collected.
 type Leaders = BTreeMap<u32, Vec<(u32, f64)>>;
 
@@ -134,9 +137,13 @@ impl Ties {
                     (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
                 }
                 let summary = &mut summaries[number];
+                let shift = distance(X, mesh.points()[node as usize]);
                 summary.n_followers += 1;
-                summary.largest_shift = summary.largest_shift.max(distance(X, mesh.points()[node as usize]));
-                mesh.move_node(node as usize, X);
+                summary.largest_shift = summary.largest_shift.max(shift);
+                // Integrals have rounding that coordinates need not have.
+                if summary.kind == TieKind::Nodes || shift > ROUNDING_OF_INTEGRALS * mesh.diagonal() {
+                    mesh.move_node(node as usize, X);
+                }
             }
             followers.push(node);
             leaders.extend(own);

@@ -94,7 +94,7 @@ impl State {
 
     /// The same displacement and velocity as the start of a motion of another body with the same mesh, from a time on:
     /// momentum `p = M v` of that body, velocity zero where it is fixed. Other incompatible modes, and forces with a
-    /// history, start from zero.
+    /// history, start from zero, and angles of joints within half a turn.
     ///
     /// # Errors
     /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins; [`crate::Error::NotFiniteAt`] for
@@ -108,8 +108,8 @@ impl State {
         body.check_start(time, &self.displacement)?;
         let mut velocity = self.velocity;
         let momentum = body.momentum_of(time, &mut velocity)?;
-        let mut coordinates = self.coordinates;
-        body.mechanism.fit_coordinates(&self.displacement, &mut coordinates);
+        // The joints may be others.
+        let coordinates = body.mechanism.coordinates(&self.displacement);
         Ok(State {
             time,
             step: 0,

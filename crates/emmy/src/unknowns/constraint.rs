@@ -157,6 +157,13 @@ impl Constraint {
         terms.sum()
     }
 
+    /// Whether a given angle is half a turn off: then its constraint holds, too.
+    pub(crate) fn is_opposed(&self, u: &dyn Fn(usize) -> f64) -> bool {
+        let Some(Drive { coordinate: Coordinate::Angle, .. }) = &self.drive else { return false };
+        let [cos, sin] = [0, 1].map(|at| dot3(self.pairs[at].0.value(u), self.pairs[at].1.value(u)));
+        self.pairs[1].2 * cos - self.pairs[0].2 * sin < 0.0
+    }
+
     /// dPhi over the change of the given coordinate at displacements of the nodes; 0 without a drive.
     pub(crate) fn drive_arm(&self, u: &dyn Fn(usize) -> f64) -> f64 {
         let Some(Drive { coordinate, scale, .. }) = &self.drive else { return 0.0 };

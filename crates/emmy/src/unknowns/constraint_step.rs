@@ -131,7 +131,10 @@ impl ConstraintStep {
         let largest = |stage: usize, u: &dyn Fn(usize) -> f64| {
             (0..body.0.len()).fold(0.0f64, |most, c| most.max(self.row(body.0, stage, c).value(u).abs()))
         };
-        let residual = largest(self.n_stages, &end);
+        let residual = match self.opposed(body.0, step) {
+            Some(_) => body.0.size(),
+            None => largest(self.n_stages, &end),
+        };
         // Without a factor on that of the start: short steps would double it, and again, where given motions contradict
         // each other.
         if residual <= TOLERANCE * body.0.size() + largest(self.n_stages + 1, &start) {
@@ -139,6 +142,17 @@ impl ConstraintStep {
         }
         self.set_range(body, self.n_stages, &end);
         Held::No { residual }
+    }
+
+    /// The first constraint whose given angle is half a turn off at the end of a step.
+    pub(crate) fn opposed<'s>(
+        &'s self,
+        constraints: &'s Constraints,
+        step: &StepInput<'_>,
+    ) -> Option<&'s Constraint> {
+        let end = |dof: usize| step.displacement_at_end(dof);
+        let rows = self.driven.iter().map(|&c| self.row(constraints, self.n_stages, c));
+        rows.into_iter().find(|row| row.is_opposed(&end))
     }
 
     /// The residuals of all constraints at the end of a step.

@@ -200,6 +200,34 @@ fn a_bracket_is_loaded_through_its_bolt_hole() {
     assert!((body.strain_energy(&state.displacement) - 0.516_100_241_735_654_9).abs() < 1e-11);
 }
 
+/// The constraint of a given angle holds half a turn off, too: increments that end there are cut.
+#[test]
+fn given_angles_are_not_half_a_turn_off() {
+    for (angle, increments) in [(2.0, 1), (3.0, 1), (4.0, 2), (20.0, 10), (20.0, 5)] {
+        let hinge = Joint::new(
+            "hinge",
+            JointKind::Revolute { axis: [0.0, 0.0, 1.0] },
+            [rigid("wheel"), JointEnd::Ground],
+            [0.0; 3],
+        );
+        let given = TimeFunction::smooth("angle", move |t| [angle * t, angle, 0.0]);
+        let body = Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("wheel", 2.0, [0.1, 0.0, 0.0], [0.5, 0.5, 0.8]))
+            .joint(hinge.driven(given))
+            .build()
+            .unwrap();
+        let found = Equilibrium::new(&body, 1.0, increments).unwrap();
+        let state = found.start(NewtonSettings::default(), &[], &mut []).unwrap();
+        assert!(
+            (state.coordinates[0] - angle).abs() < 1e-9,
+            "{angle}, {increments}: {:?}",
+            state.coordinates
+        );
+        let centre = state.position(&body, 0);
+        assert!((centre[0] - 0.1 * angle.cos()).abs() < 1e-9 && (centre[1] - 0.1 * angle.sin()).abs() < 1e-9);
+    }
+}
+
 fn beam(cells: [usize; 3]) -> Mesh {
     mesh::block([4.0, 1.0, 0.5], cells).unwrap()
 }

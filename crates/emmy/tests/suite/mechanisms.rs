@@ -425,9 +425,15 @@ fn angles_are_counted_over_full_turns_within_a_step() {
         assert!((angle - 40.0).abs() < PI, "k = {k}: {angle}");
         assert_eq!(motion.statistics().unresolved_turns, 0);
     }
-    // Beyond half a turn a step the motion is not that of the wheel, and the run says so.
+    // Beyond half a turn a step the motion is not that of the wheel, and the run says so; at low degrees before.
     let (_, _, missed) = run(3, 0.5, 10.0);
     assert!(missed > 5, "{missed}");
+    for (k, rate, coarse) in [(1, 1.0, 0), (1, 1.2, 10), (2, 2.8, 0), (2, 3.0, 10), (3, 3.1, 0)] {
+        let state = State::initial(&wheels, 0.0, &[spin("left", rate)]).unwrap();
+        let mut motion = started(&wheels, at(DGM, k), state);
+        (0..10).for_each(|_| _ = motion.step(1.0).unwrap());
+        assert_eq!(motion.statistics().unresolved_turns, coarse, "k = {k}, {rate}");
+    }
 }
 
 /// A slider whose given speed jumps: with the impulse at the jump its energy and momentum are those of its speed.

@@ -120,7 +120,7 @@ impl<'a> StaticStepper<'a> {
         if !outcome.converged {
             return Err(self.failure(state, outcome));
         }
-        self.check_path(state).map(|()| outcome)
+        self.check_path(state).and_then(|()| self.check_angles(state)).map(|()| outcome)
     }
 
     /// Checks that the equilibrium belongs to the path that leads to it.
@@ -140,6 +140,17 @@ impl<'a> StaticStepper<'a> {
         let node = largest_node(body, moved);
         let position = body.space.at_node(node, |node| state.position(body, node));
         Err(Error::OtherPath { fraction: self.system.time, node, position })
+    }
+
+    /// Checks that given angles are not half a turn off, as after a large increment.
+    fn check_angles(&self, state: &State) -> Result<()> {
+        let equations = &self.system.equations;
+        let body = equations.body;
+        let [x, ..] = equations.blocks.split(&self.unknowns);
+        let opposed = equations.constraint_step.opposed(body.constraints(), &equations.step_at(x));
+        let Some(node) = opposed.and_then(|row| row.nodes().next()) else { return Ok(()) };
+        let position = state.position(body, node as usize);
+        Err(Error::OtherPath { fraction: self.system.time, node: node as usize, position })
     }
 
     /// The error of an iteration that did not converge.
