@@ -322,7 +322,8 @@ impl Body {
     pub(crate) fn notes(&self) -> Vec<String> {
         let notes = self.problem.notes.iter();
         let of_motion = [input::NOTHING_MOVES, input::UNLOADED];
-        notes.filter(|note| !of_motion.contains(&note.as_str())).cloned().collect()
+        let is_of_motion = |note: &str| of_motion.contains(&note) || note.contains(input::END_OF_RUN);
+        notes.filter(|note| !is_of_motion(note)).cloned().collect()
     }
 
     /// Consistent mass matrix of the nodes of the mesh; internal nodes of incompatible modes are massless.

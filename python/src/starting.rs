@@ -145,7 +145,8 @@ fn with_sections(
     }
     let is_of_motion = |note: &&String| {
         // The input does not say whether a body moves from a given state; without a plan nothing is to move.
-        let is_moot = (begin.state().is_some() || !has_plan) && note.as_str() == input::NOTHING_MOVES;
+        let is_moot = (begin.state().is_some() || !has_plan) && note.as_str() == input::NOTHING_MOVES
+            || !has_plan && note.contains(input::END_OF_RUN);
         !is_moot && !body.notes().contains(note)
     };
     let notes = problem.notes.iter().filter(is_of_motion).cloned().collect();

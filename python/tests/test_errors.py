@@ -36,7 +36,7 @@ def test_unknown_groups_all_at_once():
         (lambda: emmy.Region(rubber(), density=1.0, formulation="mixed"), "formulation"),
         (lambda: emmy.Support("foot", fix="xyw"), "fix"),
         (lambda: emmy.Mass("star", 0.0), "mass"),
-        (lambda: emmy.Tie("upper", "lower", kind="mortar"), "kind"),
+        (lambda: emmy.Tie("upper", "lower", kind="mortr"), "kind"),
         (lambda: emmy.Tie("upper", "lower", tolerance=-1.0), "tolerance"),
         (lambda: emmy.Tie("upper", "upper"), "leader"),
         (lambda: emmy.Rigid("hub", mass=0.0, centre=(0, 0, 0)), "mass"),

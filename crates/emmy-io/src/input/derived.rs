@@ -43,6 +43,9 @@ pub(super) fn of_tables(
     of_loads.chain(of_supports).chain(of_joints).chain(of_releases(supports, joints, plan)).collect()
 }
 
+/// Begins the part of a note that says when a run ends, which a body alone does not know.
+pub const END_OF_RUN: &str = "the run ends at t = ";
+
 /// Remarks on supports and joints that are released after the end.
 fn of_releases<'a>(
     supports: &'a [Support],
@@ -54,7 +57,7 @@ fn of_releases<'a>(
     let end = plan.end();
     of_supports.chain(of_joints).filter_map(move |(name, until)| {
         let until = short(until.filter(|time| *time > end)?);
-        Some(format!("{name}: the run ends at t = {}, before its release at t = {until}", short(end)))
+        Some(format!("{name}: {END_OF_RUN}{}, before its release at t = {until}", short(end)))
     })
 }
 

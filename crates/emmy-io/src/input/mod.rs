@@ -60,7 +60,7 @@ mod walk;
 mod write;
 
 pub(crate) use complete::MESH_FILE;
-pub use derived::{NOTHING_MOVES, UNLOADED};
+pub use derived::{END_OF_RUN, NOTHING_MOVES, UNLOADED};
 pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, MissingGroup, Place};
 pub use formulation::{Formulations, elements};
