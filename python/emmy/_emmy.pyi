@@ -12,7 +12,7 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Integers = NDArray[np.int64]
 _Sparse = tuple[_Reals, NDArray[Any], NDArray[Any], int]
-_StateTuple = tuple[float, _Reals, _Reals, _Reals, int, _Reals | None, _Reals | None, Sequence[float] | None]
+_StateTuple = tuple[float, _Reals, _Reals, _Reals, int, _Reals | None, _Reals | None, _Reals | None]
 
 def check(section: str, value: Mapping[str, Any]) -> None: ...
 def energy(material: Mapping[str, Any], strains: _Reals) -> _Reals: ...

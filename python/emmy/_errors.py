@@ -336,4 +336,6 @@ def warn(messages: Iterable[str]) -> None:
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
         level, frame = level + 1, frame.f_back
     for message in messages:
-        warnings.warn(message, EmmyWarning, stacklevel=level)
+        # Constraints that follow from others are the rule; the notes and the mobility of the body have them.
+        if not message.startswith("single forces and moments of the joint"):
+            warnings.warn(message, EmmyWarning, stacklevel=level)

@@ -81,8 +81,7 @@ class State:
 
     def _tuple(self) -> tuple[Any, ...]:
         low, modes = self.displacement_low, self.modes
-        coordinates = None if self.coordinates is None else self.coordinates.tolist()
-        return (self.time, self.displacement, self.velocity, self.momentum, self.step, low, modes, coordinates)
+        return (self.time, self.displacement, self.velocity, self.momentum, self.step, low, modes, self.coordinates)
 
 
 class Snapshot:

@@ -4,7 +4,7 @@ use emmy::body::Body;
 use emmy::motion::State;
 use emmy_io::checkpoint::{self, Checkpoint};
 use emmy_io::message::counted;
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -14,8 +14,9 @@ use crate::mesh::vectors;
 /// Time, displacement, velocity, momentum, step, low part of the displacement, incompatible modes and coordinates of
 /// joints if there are some.
 pub(crate) type StateTuple<'py> =
-    (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>, Option<Array<'py>>, Option<Vec<f64>>);
+    (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>, Option<Array<'py>>, Option<List<'py>>);
 type Array<'py> = Bound<'py, PyArray2<f64>>;
+type List<'py> = Bound<'py, PyArray1<f64>>;
 
 /// The same, given.
 pub(crate) type StateArrays<'py> = (
@@ -26,7 +27,7 @@ pub(crate) type StateArrays<'py> = (
     usize,
     Option<PyReadonlyArray2<'py, f64>>,
     Option<PyReadonlyArray2<'py, f64>>,
-    Option<Vec<f64>>,
+    Option<PyReadonlyArray1<'py, f64>>,
 );
 
 /// The arrays of a state.
@@ -40,7 +41,8 @@ pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResul
     let [momentum, low] = [array(&state.momentum)?, array(&state.displacement_low)?];
     let modes = body.modes_of(&state.displacement);
     let modes = if modes.is_empty() { None } else { Some(vectors(py, &modes)?) };
-    let coordinates = Some(state.coordinates.clone()).filter(|own| !own.is_empty());
+    let has_joints = !state.coordinates.is_empty();
+    let coordinates = has_joints.then(|| PyArray1::from_slice(py, &state.coordinates));
     Ok((state.time, displacement, velocity, momentum, state.step, low, modes, coordinates))
 }
 
@@ -87,6 +89,7 @@ pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyR
         None => state = state.transferred(body, time).map_err(|error| errors::library(py, &error))?,
     }
     if let Some(coordinates) = coordinates {
+        let coordinates: Vec<f64> = coordinates.as_array().iter().copied().collect();
         let (found, expected) = (coordinates.len(), body.joints().len());
         if found != expected {
             let reason = format!(

@@ -61,7 +61,7 @@ def motion(body, tree):
     )
 
 
-@pytest.mark.filterwarnings("ignore:single forces and moments", "ignore:.*the run ends at t =")
+@pytest.mark.filterwarnings("ignore:.*the run ends at t =")
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
 def test_inputs_as_objects(path):
     if "time" not in tomllib.loads(path.read_text()):
