@@ -267,7 +267,7 @@ impl TieSummary {
 }
 
 /// The kind of a tie, and its followers with the weights of their leaders.
-fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Vec<(u32, Vec<(u32, f64)>)>)> {
+fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Leaders)> {
     let nearest = nearest(mesh, number, tie)?;
     let facets = [&tie.follower, &tie.leader].map(|group| facets(mesh, group));
     let is_linear = |facet: &Facet| is_linear(mesh.facet_kind(*facet));

@@ -405,6 +405,9 @@ fn moved(mesh: &Mesh, to: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
     builder.build().unwrap()
 }
 
+/// Kinds of cells and numbers of them along an edge, a region, and whether the meshes are distorted.
+type Patch = (&'static str, [CellKind; 2], [usize; 2], fn() -> Region, bool);
+
 /// By mortar any two meshes pass a uniform stress, if the surfaces are plane: of linear cells of all kinds and
 /// formulations, of different sizes, and distorted.
 #[test]
@@ -430,7 +433,7 @@ fn mortar_passes_a_uniform_stress() {
         low - 1.0
     };
     let modes = || rubber().with_formulation(Formulation::IncompatibleModes);
-    let cases: [(&str, _, _, fn() -> Region, _); 11] = [
+    let cases: [Patch; 11] = [
         ("hexahedra", [Hex8; 2], [2, 3], rubber, false),
         ("with a line in common", [Hex8; 2], [2, 4], rubber, false),
         ("with lines in common", [Hex8; 2], [6, 4], rubber, false),
