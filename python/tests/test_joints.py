@@ -254,5 +254,5 @@ def test_forces_that_are_not_unique_are_in_the_notes():
     door = emmy.Rigid("door", mass=20.0, centre=(0.5, 0, 1), inertia=(7, 9, 3))
     hinges = [emmy.Joint.revolute(f"hinge-{z}", between=("door", "ground"), at=(0, 0, z), axis=(0, 0, 1)) for z in (0, 2)]
     body = emmy.Body(rigid=door, joints=hinges)                      # without a warning
-    assert body.notes[0].startswith("single forces and moments of the joints `hinge-0` and `hinge-2` are not unique")
+    assert body.notes[0].startswith("single forces and moments of the joints `hinge-0`, `hinge-2` are not unique")
     assert body.mobility.indeterminate == ("hinge-0", "hinge-2")

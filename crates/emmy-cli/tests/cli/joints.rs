@@ -254,9 +254,10 @@ fn drives_that_contradict_each_other_by_way_of_other_joints_are_named() {
 
 #[test]
 fn forces_that_are_not_unique_are_noted_with_the_names_of_their_joints() {
-    let forces = "note: single forces and moments of the joints `foot`, `other`, `joint-3` and `joint-4` are not unique";
+    let forces =
+        "note: single forces and moments of the joints `foot`, `other`, `joint-3`, `joint-4` are not unique";
     let drives =
-        ", nor are those by which they obey the given motions of `foot` and `other`: some constraints follow";
+        ", nor are those by which they obey the given motions of `foot`, `other`: some constraints follow";
     for (right, words) in [
         (
             "",

@@ -280,25 +280,13 @@ fn node(joint: &PlacedJoint, end: usize, mesh: &Mesh) -> Result<u32, Fault> {
     }
 }
 
-/// Largest number of joints that a note names.
-const MAX_NAMED: usize = 8;
-
 /// The note on joints whose single forces, and the torques and forces of whose drives, are not unique.
 pub(super) fn note_on_forces(body: &Body) -> Option<String> {
     let Mobility { indeterminate, indeterminate_drives: drives, .. } = body.mobility();
     if indeterminate.is_empty() {
         return None;
     }
-    let named = |names: &[String]| {
-        let mut parts: Vec<String> = names.iter().take(MAX_NAMED).map(|name| format!("`{name}`")).collect();
-        if names.len() > MAX_NAMED {
-            parts.push(format!("{} more", names.len() - MAX_NAMED));
-        }
-        match parts.split_last() {
-            Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
-            _ => parts.join(""),
-        }
-    };
+    let named = |names: &[String]| listed(names.iter().map(String::as_str));
     let of_drives = match drives.is_empty() {
         true => String::new(),
         false => format!(", nor are those by which they obey the given motions of {}", named(&drives)),

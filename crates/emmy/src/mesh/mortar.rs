@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::nearest::coordinates;
 use super::{Facet, FacetKind, Mesh, distance};
 use crate::element::facet_element;
 use crate::quadrature::{Quadrature, gauss, triangle};
@@ -27,9 +28,6 @@ const ROUNDING: f64 = 1e-10;
 
 /// Cosine of the largest angle between two facets that are tied.
 const LEAST_COSINE: f64 = 0.5;
-
-/// Corrections of Newton's iteration for the coordinates of a point.
-const MAX_ITERATIONS: usize = 30;
 
 /// Degree of the rule on a triangle where shape functions are polynomials: four of the products of bilinear ones.
 const DEGREE: usize = 5;
@@ -128,34 +126,8 @@ impl Side {
 
     /// Shape functions at a point X of the plane of some points of the facet.
     fn shape(&self, points: &[[f64; 3]], X: [f64; 3]) -> [f64; 4] {
-        let element = facet_element(self.kind);
-        let (mut N, mut dN) = ([0.0; 4], [[0.0; 2]; 4]);
-        let n = points.len();
-        let corners = element.nodes();
-        let mut xi = [0, 1].map(|axis| corners.iter().map(|xi| xi[axis]).sum::<f64>() / n as f64);
-        for _ in 0..MAX_ITERATIONS {
-            element.shape(xi, &mut N[..n]);
-            element.gradient(xi, &mut dN[..n]);
-            let r = [0, 1, 2].map(|d| points.iter().zip(&N).map(|(X, N)| N * X[d]).sum::<f64>() - X[d]);
-            let tangent =
-                |axis: usize| [0, 1, 2].map(|d| points.iter().zip(&dN).map(|(X, dN)| dN[axis] * X[d]).sum());
-            let [a, b]: [[f64; 3]; 2] = [tangent(0), tangent(1)];
-            let (aa, ab, bb) = (dot3(a, a), dot3(a, b), dot3(b, b));
-            let (ra, rb) = (dot3(r, a), dot3(r, b));
-            let change = match n {
-                2 => [-ra / aa, 0.0],
-                _ => {
-                    let minor = aa * bb - ab * ab;
-                    [(ab * rb - bb * ra) / minor, (ab * ra - aa * rb) / minor]
-                }
-            };
-            xi = [xi[0] + change[0], xi[1] + change[1]];
-            let goes_on = change.iter().any(|change| change.abs() > f64::EPSILON);
-            if !goes_on {
-                break;
-            }
-        }
-        element.shape(xi, &mut N[..n]);
+        let mut N = [0.0; 4];
+        facet_element(self.kind).shape(coordinates(self.kind, points, X), &mut N[..points.len()]);
         N
     }
 }

@@ -12,6 +12,9 @@ const MAX_ITERATIONS: usize = 30;
 /// Change of reference coordinates at which it ends, and how far a point may be outside.
 const ROUNDING: f64 = 1e-12;
 
+/// Largest number of nodes of a facet.
+const MAX_NODES: usize = 9;
+
 /// Bound on the bulge of a curved edge, over the distance of its nodes from their mean.
 const BULGE: f64 = 1.25;
 
@@ -135,15 +138,41 @@ fn candidate(kind: FacetKind, points: &[[f64; 3]], xi: [f64; 2], X: [f64; 3]) ->
 
 /// Position less X at some coordinates of a facet, and the two tangents.
 fn linearised(kind: FacetKind, points: &[[f64; 3]], xi: [f64; 2], X: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2]) {
-    let (mut N, mut dN) = (vec![0.0; points.len()], vec![[0.0; 2]; points.len()]);
-    facet_element(kind).shape(xi, &mut N);
-    facet_element(kind).gradient(xi, &mut dN);
-    let along = |axis: usize| combined(points, &dN.iter().map(|dN| dN[axis]).collect::<Vec<_>>());
+    let n = points.len();
+    let (mut N, mut dN) = ([0.0; MAX_NODES], [[0.0; 2]; MAX_NODES]);
+    facet_element(kind).shape(xi, &mut N[..n]);
+    facet_element(kind).gradient(xi, &mut dN[..n]);
+    let along = |axis: usize| combined(points, &dN.map(|dN| dN[axis]));
     let x = combined(points, &N);
     ([0, 1, 2].map(|d| x[d] - X[d]), [along(0), along(1)])
 }
 
-/// The nearest point of a facet: inside by Gauss and Newton's iteration, or on an edge.
+/// Coordinates of the nearest point of the surface, or line, of a facet, which may be outside of the facet: by Gauss
+/// and Newton's iteration.
+pub(super) fn coordinates(kind: FacetKind, points: &[[f64; 3]], X: [f64; 3]) -> [f64; 2] {
+    let corners = &facet_element(kind).nodes()[..kind.n_corners()];
+    let mut xi = [0, 1].map(|axis| corners.iter().map(|xi| xi[axis]).sum::<f64>() / corners.len() as f64);
+    for _ in 0..MAX_ITERATIONS {
+        let (r, [a, b]) = linearised(kind, points, xi, X);
+        let (aa, ab, bb) = (dot3(a, a), dot3(a, b), dot3(b, b));
+        let (ra, rb) = (dot3(r, a), dot3(r, b));
+        let change = match corners.len() {
+            2 => [-ra / aa, 0.0],
+            _ => {
+                let minor = aa * bb - ab * ab;
+                [(ab * rb - bb * ra) / minor, (ab * ra - aa * rb) / minor]
+            }
+        };
+        xi = [xi[0] + change[0], xi[1] + change[1]];
+        let goes_on = change.iter().any(|change| change.abs() > ROUNDING);
+        if !goes_on {
+            break;
+        }
+    }
+    xi
+}
+
+/// The nearest point of a facet: inside, or on an edge.
 fn on_facet(kind: FacetKind, points: &[[f64; 3]], X: [f64; 3]) -> Candidate {
     let corners = &facet_element(kind).nodes()[..kind.n_corners()];
     if let [a, b] = corners {
@@ -151,19 +180,7 @@ fn on_facet(kind: FacetKind, points: &[[f64; 3]], X: [f64; 3]) -> Candidate {
     }
     let edges = (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]);
     let on_edges = edges.map(|edge| on_edge(kind, points, edge, X)).reduce(nearer);
-    let mut xi = [0, 1].map(|axis| corners.iter().map(|xi| xi[axis]).sum::<f64>() / corners.len() as f64);
-    for _ in 0..MAX_ITERATIONS {
-        let (r, [a, b]) = linearised(kind, points, xi, X);
-        let (aa, ab, bb) = (dot3(a, a), dot3(a, b), dot3(b, b));
-        let (ra, rb) = (dot3(r, a), dot3(r, b));
-        let minor = aa * bb - ab * ab;
-        let change = [(ab * rb - bb * ra) / minor, (ab * ra - aa * rb) / minor];
-        xi = [xi[0] + change[0], xi[1] + change[1]];
-        let goes_on = change.iter().any(|change| change.abs() > ROUNDING);
-        if !goes_on {
-            break;
-        }
-    }
+    let xi = coordinates(kind, points, X);
     let linear = if corners.len() == 3 { FacetKind::Tri3 } else { FacetKind::Quad4 };
     let mut N = vec![0.0; corners.len()];
     facet_element(linear).shape(xi, &mut N);

@@ -197,6 +197,7 @@ impl<'a> TimeElementStepper<'a> {
         let newton = self.step.solve(state, step_size, given)?;
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
+        state.coordinates.clone_from(&self.coordinates);
         self.update(state, step_size, &mut impulses)?;
         self.step.system.equations.body.space.sum_reactions(&mut self.reactions);
         if !self.mass_shares.is_empty() {
@@ -225,11 +226,12 @@ impl<'a> TimeElementStepper<'a> {
         if !correct(system, &mut iteration.unknowns)? {
             return Ok(false);
         }
+        self.step.system.equations.count_on(self.step.rates(), &mut state.coordinates);
         self.update(state, step_size, &mut Impulses::default())?;
         Ok(true)
     }
 
-    /// The state at the end of the step.
+    /// The state at the end of the step, but for the coordinates of the joints.
     ///
     /// Velocity and momentum follow from the inertia terms of the stage equations, with `h f_i` replaced by `R_i = 0`.
     /// Then an error of the iteration enters the energy balance through `R_i . x_i` only, and the velocity belongs to
@@ -237,7 +239,6 @@ impl<'a> TimeElementStepper<'a> {
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         self.displace(state);
         self.step.system.equations.update_history(self.step.rates(), &mut state.history);
-        self.step.system.equations.count_on(self.step.rates(), &mut state.coordinates);
         if self.step.system.equations.body.is_driven() {
             self.update_momentum(state, h);
             self.set_driven_end(state, h, impulses)?;

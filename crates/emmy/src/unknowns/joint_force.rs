@@ -84,6 +84,11 @@ impl JointLaw {
         &self.nodes
     }
 
+    /// Whether it has a spring or a damper.
+    pub(crate) fn has_stored_force(&self) -> bool {
+        self.has_spring() || self.damping > 0.0
+    }
+
     /// Whether it has a spring.
     pub(crate) fn has_spring(&self) -> bool {
         self.spring.stiffness > 0.0
@@ -301,7 +306,7 @@ pub(crate) fn forces(law: &Arc<JointLaw>, is_grounded: bool, pattern: &Pattern) 
     let side = if is_grounded { Side::Outside } else { Side::Inside };
     let coupled = Coupled { law: law.clone(), positions, side };
     let mut forces: Vec<Arc<dyn Force>> = Vec::new();
-    if law.spring.stiffness > 0.0 || law.damping > 0.0 {
+    if law.has_stored_force() {
         forces.push(Arc::new(SpringAndDamper(coupled.clone())));
     }
     if law.motor.is_some() {

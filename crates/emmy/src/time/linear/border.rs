@@ -137,13 +137,14 @@ impl Border {
         self.complement.extend(step.1.range().complement().flatten());
         body.constraints().set_derivatives(step, multipliers, &mut self.derivatives);
         self.beside.clear();
-        if body.mechanism.carriers.is_empty() && body.mechanism.laws().next().is_none() {
+        let laws = || body.mechanism.laws().filter(|law| law.has_stored_force());
+        if body.mechanism.carriers.is_empty() && laws().next().is_none() {
             return;
         }
         self.beside.extend_from_slice(&self.derivatives.forces);
         let n = self.entries.len();
         let local = |stage: usize, dof: usize| stage * (n / k) + body.constraints().local_dof(dof);
-        for law in body.mechanism.laws() {
+        for law in laws() {
             law.for_each_stored_derivative(step.0, &mut |[i, j], [own, other], value| {
                 self.beside[local(i, own) * n + local(j, other)] += value;
             });
