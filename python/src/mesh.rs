@@ -283,8 +283,12 @@ impl Mesh {
     }
 
     fn merged(&self, py: Python<'_>, within: f64) -> PyResult<Self> {
-        let file =
-            MeshFile { mesh: mesh::Mesh::clone(&self.mesh), notes: self.notes.clone(), files: Vec::new() };
+        let file = MeshFile {
+            mesh: mesh::Mesh::clone(&self.mesh),
+            notes: self.notes.clone(),
+            entries: Vec::new(),
+            files: Vec::new(),
+        };
         let file = pool::work(py, || file.merged(within))?.map_err(|error| errors::library(py, &error))?;
         Ok(Mesh::new(file.mesh, file.notes))
     }

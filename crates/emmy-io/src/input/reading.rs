@@ -10,7 +10,7 @@ use super::problem::{Overrides, Problem};
 use super::sections::Sections;
 use super::source::{self, Source};
 use super::tree::{self, Node};
-use super::{complete, set, write};
+use super::{complete, deck, set, write};
 use crate::checkpoint::identity::digest_of_tables;
 use crate::mesh::MeshFile;
 use crate::shares::MeshSource;
@@ -30,7 +30,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
 /// # Errors
 /// [`InputError`] with every fault and its place.
 pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSource), InputError> {
-    let Prepared { sections, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
+    let Prepared { sections, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides, true)?;
     Ok((sections.mesh()?, source::mesh_source(&resolved)?))
 }
 
@@ -53,7 +53,8 @@ pub(super) fn of_tree(
     source: Source<'_>,
 ) -> Result<Problem, InputError> {
     let advised = |error| set::of_one_run(error, &overrides.set);
-    let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides)).map_err(advised);
+    let is_alone = matches!(source, Source::Alone(_));
+    let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides, is_alone)).map_err(advised);
     let prepared = source.agree(prepared)?;
     source.check_input(&prepared.resolved)?;
     let problem = prepared.sections.problem(prepared.resolved, source).map_err(advised);
@@ -75,7 +76,8 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(mut tree: Node, path: &Path, overrides: &Overrides) -> Result<Self, InputError> {
+    /// `reads_mesh`: whether the mesh file is read here, with what it has besides the mesh.
+    fn new(mut tree: Node, path: &Path, overrides: &Overrides, reads_mesh: bool) -> Result<Self, InputError> {
         for flag in &overrides.set {
             set::apply(&mut tree, flag)?;
         }
@@ -83,6 +85,7 @@ impl Prepared {
         complete::fill_defaults(&mut tree)?;
         let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
         let directory = path.parent().unwrap_or(Path::new(""));
+        let file = if reads_mesh { deck::insert(&mut tree, directory) } else { None };
         let mut sections = Sections::read(&tree, directory, overrides)?;
         // The text may have lost characters that are not UTF-8.
         sections.output.directory = output.unwrap_or(sections.output.directory);
@@ -92,6 +95,8 @@ impl Prepared {
         let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
         complete::resolve(&mut tree, mesh_file, &sections.start, &sections.time.plan)?;
         complete::spell(&mut tree);
+        file.iter().for_each(|file| deck::leave_out_all(&mut tree, file));
+        sections.mesh_file.set(file);
         let lost = is_lost.then(|| LOST_MESH.to_string());
         let notes = lost.into_iter().chain(note).collect();
         Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })

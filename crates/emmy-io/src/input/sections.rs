@@ -1,5 +1,6 @@
 //! The sections of an input, read and put together.
 
+use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,8 +30,8 @@ use super::tie::PlacedTie;
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
-    derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities, region, rigid,
-    settings, shape, start, support, tie, time, units, walk,
+    deck, derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities, region,
+    rigid, settings, shape, start, support, tie, time, units, walk,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -57,6 +58,8 @@ pub(super) struct Sections {
     limits: Limits,
     /// Groups of the regions of links: lines of a mesh file that are cells.
     link_groups: Vec<String>,
+    /// The mesh of a file, if it was read before.
+    pub(super) mesh_file: Cell<Option<MeshFile>>,
 }
 
 impl Sections {
@@ -157,6 +160,7 @@ impl Sections {
                     nodal,
                     initial,
                     link_groups,
+                    mesh_file: Cell::default(),
                 })
             }
             (shape, ..) => {
@@ -194,7 +198,17 @@ impl Sections {
 
     /// The mesh with every group found.
     fn checked_mesh(&self) -> Result<CheckedMesh, InputError> {
-        let mut file = self.shape.mesh(&self.link_groups)?;
+        let mut faults = Faults::default();
+        let mut file = match self.mesh_file.take() {
+            Some(file) => file,
+            None => {
+                let file = self.shape.mesh(&self.link_groups)?;
+                deck::check_unused(&self.shape, &file)?;
+                file
+            }
+        };
+        deck::check_left_out(&self.shape, &file, &mut faults);
+        faults.finish()?;
         let formulations = self.check_mesh(&file.mesh).map_err(|error| error.with_notes(&file.notes))?;
         if !(self.ties.is_empty() && self.mechanism.joints.is_empty()) {
             let (is_tied, joined) = (tie::joins(&file.mesh, &self.ties), self.mechanism.joined(&file.mesh));

@@ -59,6 +59,14 @@ pub(super) static MESH: Described = Described::new(|| {
         .absent("none")
         .may("shells", word("a treatment of shells", [PLANE_STRAIN]), "", SHELLS)
         .absent("an error")
+        .may(
+            "leave_out",
+            list(0, Kind::Text),
+            "",
+            "Names of rigid elements, couplings, ties, masses, springs and joints of a Nastran or Abaqus file that do not act; \
+             `emmy check` lists all",
+        )
+        .absent("all act")
 });
 
 /// Word of `shells`.
@@ -124,6 +132,8 @@ pub(super) struct Shape {
     merge: Option<(f64, Place)>,
     /// Whether shells of a file are cells in plane strain.
     plane_shells: bool,
+    /// Names of what a file has besides the mesh and does not act.
+    left_out: Vec<(String, Place)>,
 }
 
 #[derive(Debug)]
@@ -250,10 +260,12 @@ pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<Shape, Fault> 
         let message = "`shells` is a key of mesh files; a built-in mesh has none";
         return Err(shells.fault(message, "of no use here"));
     }
+    let left_out = table.item("leave_out").map(|list| list.items()).unwrap_or_default();
+    let left_out = left_out.iter().map(|item| (item.name(), item.place().clone())).collect();
     let place = item.place().clone();
     let scale = table.may("scale");
     let merge = table.item("merge").map(|item| (Read::read(item), item.place().clone()));
-    Ok(Shape { scale, merge, plane_shells: shells.is_some(), ..Shape::of(source, place) })
+    Ok(Shape { scale, merge, plane_shells: shells.is_some(), left_out, ..Shape::of(source, place) })
 }
 
 fn l_block(table: Table<'_>) -> Result<Source, Fault> {
@@ -295,7 +307,7 @@ const INVERTED: &str =
 
 impl Shape {
     fn of(source: Source, place: Place) -> Self {
-        Shape { source, place, scale: None, merge: None, plane_shells: false }
+        Shape { source, place, scale: None, merge: None, plane_shells: false, left_out: Vec::new() }
     }
 
     /// The mesh, scaled and merged, with the remarks of its reader. Lines of a file in one of the groups `links` are
@@ -304,7 +316,7 @@ impl Shape {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
         let made = |mesh: emmy::Result<Mesh>, notes| -> Result<MeshFile, Fault> {
             let mesh = mesh.map_err(|error| at(&error))?;
-            Ok(MeshFile { mesh, notes, files: Vec::new() })
+            Ok(MeshFile { mesh, notes, entries: Vec::new(), files: Vec::new() })
         };
         let file = match &self.source {
             Source::LBlock { cell_size } => made(emmy::mesh::l_block(*cell_size), Vec::new()),
@@ -335,6 +347,21 @@ impl Shape {
             }
             None => Ok(file),
         }
+    }
+
+    /// Place of its source.
+    pub(super) fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Factor on all lengths.
+    pub(super) fn scale(&self) -> Option<f64> {
+        self.scale
+    }
+
+    /// Names of what a file has besides the mesh and does not act, with their places.
+    pub(super) fn left_out(&self) -> &[(String, Place)] {
+        &self.left_out
     }
 
     /// The mesh in memory, if it is the source.

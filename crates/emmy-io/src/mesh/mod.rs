@@ -2,6 +2,7 @@
 
 mod abaqus;
 pub(crate) mod account;
+mod entry;
 mod error;
 mod gmsh;
 mod includes;
@@ -20,6 +21,7 @@ use crate::message::counted;
 use emmy::internals::number::{short, short_vector};
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
+pub use entry::DeckEntry;
 pub use error::{MeshError, Place, Position};
 pub use vtu::{Grid, GridArray, Numbers};
 
@@ -56,6 +58,8 @@ pub struct MeshFile {
     pub mesh: Mesh,
     /// Sentences such as `C3D8R is read as hex8 and integrated fully`.
     pub notes: Vec<String>,
+    /// What the file has besides the mesh.
+    pub entries: Vec<DeckEntry>,
     /// The source files: itself and its includes.
     pub files: Vec<PathBuf>,
 }
@@ -314,7 +318,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     }
     notes.extend(note_on_coincident_nodes(&mesh, |_| false));
     notes.extend(note_on_collapsed_cells(&mesh, origin));
-    Ok(MeshFile { mesh, notes, files: vec![file()] })
+    Ok(MeshFile { mesh, notes, entries: Vec::new(), files: vec![file()] })
 }
 
 /// A note on cells that [`MeshBuilder::orient_cells`] has turned, if there are any.
