@@ -52,7 +52,7 @@ from ._lists import (
 from ._materials import Energy, Material
 from ._mesh import Mesh
 from ._motion import Motion
-from ._parts import Adaptive, Initial, Load, Mass, Region, Rigid, Support, Tie, Viscosity
+from ._parts import Adaptive, Coupling, Initial, Load, Mass, Region, Rigid, Support, Tie, Viscosity
 from ._results import Frame, Frames, Run
 from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
 from ._run import Comparison, check, compare, report, resume, run
@@ -65,7 +65,7 @@ __version__ = _emmy.version()
 
 __all__ = [
     "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
-    "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
+    "ConvergenceError", "Coupling", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
     "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "Joint",
     "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin", "Motion",
     "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem",

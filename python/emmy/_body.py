@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numbers
+import tomllib
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from . import _words as words
 from ._errors import fault, missing, of_whole_input, warn
 from ._joints import Joint
 from ._mesh import Mesh
-from ._parts import Load, Mass, Region, Rigid, Support, Tie
+from ._parts import Coupling, Load, Mass, Region, Rigid, Support, Tie
 
 
 class Prescribed(NamedTuple):
@@ -105,6 +106,8 @@ class Body:
         Rigid bodies and point masses.
     joints : Joint or list of Joint, optional
         Joints between rigid bodies, nodes and the ground.
+    couplings : Coupling or list of Coupling, optional
+        Points that move with groups of the mesh.
 
     Raises
     ------
@@ -137,6 +140,7 @@ class Body:
         ties: Tie | Iterable[Tie] = (),
         rigid: Rigid | Iterable[Rigid] = (),
         joints: Joint | Iterable[Joint] = (),
+        couplings: Coupling | Iterable[Coupling] = (),
     ) -> None:
         if mesh is not None and not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
@@ -148,6 +152,7 @@ class Body:
         self._ties = words.each(ties, Tie, "ties")
         self._rigid = words.each(rigid, Rigid, "rigid")
         self._joints = words.each(joints, Joint, "joints")
+        self._couplings = words.each(couplings, Coupling, "couplings")
         if self._mesh.n_cells == 0 and not self._rigid:
             raise fault("mesh", "a body needs a mesh or a rigid body")
         self._try_histories()
@@ -158,9 +163,12 @@ class Body:
             "mass": self._masses,
             "tie": self._ties,
             "rigid": self._rigid,
+            "coupling": self._couplings,
             "joint": self._joints,
         }
         tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
+        for _, section, table, _ in self._mesh._native.entries:
+            tables.setdefault(section, []).append(tomllib.loads(table))
         cells = {"mesh": self._mesh._native} if self._mesh.n_cells > 0 else {}
         with of_whole_input():
             self._native = _emmy.Body(cells | tables)
@@ -213,6 +221,11 @@ class Body:
     def rigid(self) -> tuple[Rigid, ...]:
         """Rigid bodies and point masses."""
         return self._rigid
+
+    @property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """Points that move with groups of the mesh."""
+        return self._couplings
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -478,7 +491,7 @@ class Body:
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = (self._regions, self._supports, self._loads, self._masses, self._ties, self._rigid, self._joints)
-        return Body, (self._mesh, *parts)
+        return Body, (self._mesh, *parts, self._couplings)
 
 
 def _counted(n: int, one: str, many: str) -> str:

@@ -257,12 +257,12 @@ class Mesh(Sources):
     def __reduce__(self) -> tuple[Any, ...]:
         if self.n_cells == 0:
             return _empty, ()
-        return _from_vtu, (bytes(self._native.vtu()), self._native.link_groups)
+        return _from_vtu, (bytes(self._native.vtu()), self._native.link_groups, self._native.entries)
 
 
 def _empty() -> Mesh:
     return Mesh._of(_emmy.Mesh.empty())
 
 
-def _from_vtu(content: bytes, links: list[str]) -> Mesh:
-    return Mesh._of(_emmy.Mesh.from_vtu(content, links))
+def _from_vtu(content: bytes, links: list[str], entries: list[tuple[str, str, str, str]]) -> Mesh:
+    return Mesh._of(_emmy.Mesh.from_vtu(content, links).with_entries(entries))

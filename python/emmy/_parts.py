@@ -188,6 +188,9 @@ class Tie(Table):
     tolerance : float, optional
         Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of a node
         onto a node, to the shortest edge at the follower.
+    weights : list of float, optional
+        For a follower of one node: weights of the nodes of the leader in ascending order, with the sum 1; without
+        `kind`.
 
     Raises
     ------
@@ -205,6 +208,7 @@ class Tie(Table):
     leader: str = field(kw_only=False)
     kind: str | None = None
     tolerance: float = 0.05
+    weights: Sequence[float] | NDArray[Any] | None = None
 
 
 class Rigid(Table):
@@ -246,6 +250,42 @@ class Rigid(Table):
     inertia: Vector | Sequence[Vector] | NDArray[Any] | None = None
 
 
+class Coupling(Table):
+    """A point that moves with a group of the mesh, rigidly or with its mean.
+
+    Parameters
+    ----------
+    name : str
+        Its name, and that of a group of one node, the point, for loads, masses, springs, supports, probes and joints.
+    group : str
+        Group of facets, nodes or cells.
+    point : vector
+        The point, on the group or off it.
+    kind : str
+        "rigid": group and point are one rigid body (RBE2), which alone takes moments, inertias and joints with an axis;
+        "distributing": the point follows the mean of the group, which keeps its freedom to deform (RBE3).
+    weights : list of float, optional
+        With "distributing": positive weights of the nodes in ascending order; areas of facets, else equal, if not given.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range, or a rigid coupling has weights.
+
+    Examples
+    --------
+    >>> emmy.Coupling("bolt", group="hole", point=(40, 0, 12), kind="distributing").kind
+    'distributing'
+    """
+
+    _section = "coupling"
+    name: str = field(kw_only=False)
+    group: str
+    point: Vector
+    kind: str
+    weights: Sequence[float] | NDArray[Any] | None = None
+
+
 class Load(Table):
     """A load on a group. Exactly one of the kinds must be given.
 
@@ -258,11 +298,13 @@ class Load(Table):
         Force per reference area of a group of facets; or a function ``f(points, t)`` that returns one vector per point,
         both ``(n, 3)``.
     force : vector, optional
-        Resultant, spread evenly over a group of facets.
+        Resultant, spread evenly over a group of facets; on a rigid body or a coupling at its centre or point.
     nodal_force : vector, optional
         Force at each node of a group.
     moment : vector, optional
-        Moment on a rigid body, whose name is `group`, in the axes of space.
+        Moment on a rigid body or a rigid coupling, whose name is `group`, in the axes of space.
+    torque : dict, optional
+        Moment about an ``axis`` of any length: its ``value``.
     pressure : float, optional
         Pressure on the current surface of a group of facets.
     acceleration : vector or function, optional
@@ -277,6 +319,9 @@ class Load(Table):
         Factor over time: a number, pairs ``[(time, factor), ...]``, an expression such as "sin(2*pi*t)", a dict of
         ``file``, ``time``, ``value``, or a function of one number. A function must be smooth, since the scheme
         integrates it by Gauss points: write one with kinks as pairs.
+    follow : bool, optional
+        Whether a `force`, `moment` or `torque` turns with the rigid body on which it acts; its vector is that in the
+        drawing.
 
     Raises
     ------
@@ -299,12 +344,14 @@ class Load(Table):
     force: Vector | None = None
     nodal_force: Vector | None = None
     moment: Vector | None = None
+    torque: Mapping[str, Any] | None = None
     pressure: float | None = None
     acceleration: Vector | VectorField | None = None
     body_force: Sequence[float | str] | NDArray[Any] | VectorField | None = None
     attraction: Mapping[str, Any] | None = None
     drag: float | None = None
     history: History = 1
+    follow: bool = False
 
     def _tree(self) -> dict[str, Any]:
         given = self._given()
@@ -320,7 +367,7 @@ class Load(Table):
 
 
 class Mass(Table):
-    """A mass besides those of the cells: at each node of a group, or spread over it.
+    """A mass besides those of the cells: at each node of a group, spread over it, or at a place beside it.
 
     Parameters
     ----------
@@ -331,11 +378,21 @@ class Mass(Table):
     total : float, optional
         Mass of the whole group in place of `mass`, spread evenly over the area of its facets, else over the volume of
         its cells (the length of links), else over its nodes.
+    at : vector, optional
+        Place of one mass that is coupled to the group, as an engine to its plate.
+    inertia : vector or array (3, 3), optional
+        Inertia about `at`, or about the centre of a rigid body that `group` names: principal moments along x, y and z,
+        or a symmetric matrix; needs a rigid coupling.
+    coupling : str, optional
+        With `at`: "rigid" (default), the group moves as one with the mass, or "distributing", the mass follows the mean
+        of the group.
+    name : str, optional
+        With `at`: its name in joints and as a group of one node; ``mass-1``, ``mass-2``, ... if not given.
 
     Raises
     ------
     InputError
-        If not exactly one of them is given, or it is not positive.
+        If not exactly one of `mass` and `total` is given, or it is not positive.
 
     Examples
     --------
@@ -343,12 +400,18 @@ class Mass(Table):
     Mass(group='star', mass=2.0)
     >>> emmy.Mass("lid", total=3.0)
     Mass(group='lid', total=3.0)
+    >>> emmy.Mass("plate", 120.0, at=(0, 0, 0.4), inertia=(6, 8, 5)).at
+    (0, 0, 0.4)
     """
 
     _section = "mass"
     group: str = field(kw_only=False)
     mass: float | None = field(default=None, kw_only=False)
     total: float | None = None
+    at: Vector | None = None
+    inertia: Vector | Sequence[Vector] | NDArray[Any] | None = None
+    coupling: str | None = None
+    name: str | None = None
 
 
 class Initial(Table):

@@ -68,7 +68,12 @@ class Sources:
 
     @classmethod
     def read(
-        cls, path: str | os.PathLike[str], links: Sequence[str] = (), *, shells: Literal["plane-strain"] | None = None
+        cls,
+        path: str | os.PathLike[str],
+        links: Sequence[str] = (),
+        *,
+        shells: Literal["plane-strain"] | None = None,
+        leave_out: Sequence[str] = (),
     ) -> Self:
         """Mesh from a file of Gmsh, Abaqus, Nastran or VTK.
 
@@ -81,6 +86,9 @@ class Sources:
         shells : {"plane-strain"}, optional
             What the shells of a Nastran or Abaqus file without solid cells are: cells in plane strain, without their
             thickness. Without it they are an error.
+        leave_out : list of str, optional
+            Names of rigid elements, couplings, ties, masses, springs and joints of a Nastran or Abaqus file that do not
+            act in a body of this mesh; `Mesh.entries` has all.
 
         Returns
         -------
@@ -91,7 +99,7 @@ class Sources:
         MeshError
             If the file cannot be read.
         InputError
-            If ``shells`` is another word.
+            If ``shells`` is another word, or the file has nothing of a name in `leave_out`.
 
         Examples
         --------
@@ -101,7 +109,13 @@ class Sources:
         """
         if shells not in (None, "plane-strain"):
             raise fault("shells", f'expected "plane-strain" or None, not {shells!r}')
-        mesh = cls._of(_emmy.Mesh.read(os.fspath(path), list(links), shells is not None))
+        native = _emmy.Mesh.read(os.fspath(path), list(links), shells is not None)
+        names = [name for name, *_ in native.entries]
+        for name in leave_out:
+            if name not in names:
+                known = f"there is {', '.join(names)}" if names else "the file has a mesh alone"
+                raise fault("leave_out", f"the mesh has nothing that is named {name!r}; {known}")
+        mesh = cls._of(native.with_entries([entry for entry in native.entries if entry[0] not in leave_out]))
         warn(mesh._native.notes)
         return mesh
 

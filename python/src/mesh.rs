@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::mesh::{self, CellKind};
-use emmy_io::mesh::{Grid, GridArray, MeshFile, MeshOptions, Numbers};
+use emmy_io::mesh::{DeckEntry, Grid, GridArray, MeshFile, MeshOptions, Numbers};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -14,16 +14,34 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::arrays::{self, Cells, FacetGroups, Groups};
 use crate::{errors, pool};
 
+/// Sections of the input that a deck fills.
+const SECTIONS: [&str; 6] = ["rigid", "coupling", "tie", "mass", "support", "joint"];
+
 /// A mesh; immutable.
 #[pyclass(frozen, module = "emmy._emmy")]
 pub(crate) struct Mesh {
     pub(crate) mesh: Arc<mesh::Mesh>,
     notes: Vec<String>,
+    entries: Vec<DeckEntry>,
 }
 
 impl Mesh {
     fn new(mesh: mesh::Mesh, notes: Vec<String>) -> Self {
-        Mesh { mesh: Arc::new(mesh), notes }
+        Mesh { mesh: Arc::new(mesh), notes, entries: Vec::new() }
+    }
+
+    fn of_file(file: MeshFile) -> Self {
+        Mesh { entries: file.entries, ..Mesh::new(file.mesh, file.notes) }
+    }
+
+    /// The mesh, its notes and its entries, as of a file.
+    fn file(&self) -> MeshFile {
+        MeshFile {
+            mesh: mesh::Mesh::clone(&self.mesh),
+            notes: self.notes.clone(),
+            entries: self.entries.clone(),
+            files: Vec::new(),
+        }
     }
 
     /// A mesh of the library.
@@ -117,7 +135,7 @@ impl Mesh {
         let options = MeshOptions { links, plane_shells };
         let file = pool::interruptible(py, move || emmy_io::mesh::read_with(&path, &options))?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
-        Ok(Mesh::new(file.mesh, file.notes))
+        Ok(Mesh::of_file(file))
     }
 
     /// A mesh from the bytes of a VTU file; lines in the groups `links` are cells.
@@ -278,19 +296,33 @@ impl Mesh {
     }
 
     fn scaled(&self, py: Python<'_>, factor: f64) -> PyResult<Self> {
-        let mesh = pool::work(py, || mesh::Mesh::clone(&self.mesh).scaled(factor))?;
-        Ok(Mesh::new(mesh.map_err(|error| errors::library(py, &error))?, self.notes.clone()))
+        let file = pool::work(py, || self.file().scaled(factor))?;
+        Ok(Mesh::of_file(file.map_err(|error| errors::library(py, &error))?))
     }
 
     fn merged(&self, py: Python<'_>, within: f64) -> PyResult<Self> {
-        let file = MeshFile {
-            mesh: mesh::Mesh::clone(&self.mesh),
-            notes: self.notes.clone(),
-            entries: Vec::new(),
-            files: Vec::new(),
+        let file = pool::work(py, || self.file().merged(within))?;
+        Ok(Mesh::of_file(file.map_err(|error| errors::library(py, &error))?))
+    }
+
+    /// What a deck has besides the mesh: name, section, table as TOML, and card.
+    #[getter]
+    fn entries(&self) -> Vec<(String, &'static str, String, String)> {
+        let entry =
+            |own: &DeckEntry| (own.name.clone(), own.section, own.table.to_string(), own.card.clone());
+        self.entries.iter().map(entry).collect()
+    }
+
+    /// The same mesh with other entries, as [`Mesh::entries`] gives them.
+    fn with_entries(&self, entries: Vec<(String, String, String, String)>) -> PyResult<Self> {
+        let entry = |(name, section, table, card): (String, String, String, String)| {
+            let section = SECTIONS.into_iter().find(|own| *own == section);
+            let (section, table) =
+                section.zip(table.parse().ok()).ok_or_else(|| PyKeyError::new_err(name.clone()))?;
+            Ok(DeckEntry { name, section, table, card })
         };
-        let file = pool::work(py, || file.merged(within))?.map_err(|error| errors::library(py, &error))?;
-        Ok(Mesh::new(file.mesh, file.notes))
+        let entries = entries.into_iter().map(entry).collect::<PyResult<_>>()?;
+        Ok(Mesh { mesh: self.mesh.clone(), notes: self.notes.clone(), entries })
     }
 
     /// Worst values of the measures of quality, with their cells.

@@ -316,6 +316,14 @@ pub enum Error {
         /// Name in the place of that of a rigid body.
         group: String,
     },
+    /// An impossible distributing coupling.
+    #[error("coupling \"{coupling}\": {reason}")]
+    Coupling {
+        /// Its name.
+        coupling: String,
+        /// Reason.
+        reason: String,
+    },
     /// An impossible tie.
     #[error("tie of \"{follower}\" to \"{leader}\": {reason}")]
     Tie {

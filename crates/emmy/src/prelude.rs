@@ -6,8 +6,8 @@
 
 pub use crate::body::Body;
 pub use crate::input::{
-    InitialVelocity, Joint, JointEnd, JointKind, Load, LoadKind, PointMass, Region, RigidBody, Rotation,
-    Support, Tie, TieKind, TimeFunction, Viscosity,
+    Coupling, InitialVelocity, Joint, JointEnd, JointKind, Load, LoadKind, PointMass, Region, RigidBody,
+    Rotation, Support, Tie, TieKind, TimeFunction, Viscosity,
 };
 pub use crate::material::{
     ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link, Material,

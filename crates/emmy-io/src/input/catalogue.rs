@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use super::description::{Described, Key, Kind, Rule, Section, tables};
 use super::{
-    equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape, support, tie, time,
-    units,
+    coupling, equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape, support,
+    tie, time, units,
 };
 
 /// The whole input.
@@ -29,6 +29,12 @@ pub(super) static ROOT: Described = Described::new(|| {
         tables(0, &rigid::RIGID),
         "",
         "Rigid bodies, without cells or of groups of the mesh; none, one or more",
+    )
+    .may(
+        "coupling",
+        tables(0, &coupling::COUPLING),
+        "",
+        "Points that move with groups of the mesh, rigidly or with their mean; none, one or more",
     )
     .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
     .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
@@ -77,7 +83,7 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     let around = tables.clone().find(|table| table.key_of(section.name).is_some());
     let models: Vec<&Section> = material::sections().filter(|table| table.key_of(word).is_some()).collect();
     // A tolerance or a kind alone is seldom that of a tie, and a name seldom that of a rigid body.
-    let seldom = [&*tie::TIE, &*rigid::RIGID, &*joint::JOINT];
+    let seldom = [&*tie::TIE, &*rigid::RIGID, &*coupling::COUPLING, &*joint::JOINT];
     let other = tables.clone().find(|table| !seldom.iter().any(|own| std::ptr::eq(*own, *table)));
     let table = around.or(other).or_else(|| tables.next())?;
     let name = match models.len() {

@@ -18,7 +18,6 @@ use crate::mesh::{DeckEntry, MeshFile};
 /// file, and with one that is not right, whose faults are found later.
 pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
     let (shape, file) = read(tree, directory)?;
-    let scale = shape.scale().unwrap_or(1.0);
     let left_out: Vec<String> = shape.left_out().iter().map(|(name, _)| name.clone()).collect();
     let from = shape.absolute_file()?;
     let from = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -26,7 +25,6 @@ pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
         let (_, section) = catalogue::kind_of(entry.section)?;
         let place = Place::of_path(&format!("{from}: {}", entry.card));
         let mut node = node(&toml::Value::Table(entry.table.clone()), &place);
-        scale_lengths(&mut node, section, scale);
         complete::fill(&mut node, section).ok()?;
         append(tree, entry.section, node);
     }
@@ -115,27 +113,41 @@ fn node(value: &toml::Value, place: &Place) -> Node {
     Node { value, place: place.clone() }
 }
 
-/// Multiplies lengths by a factor, and moments of inertia by its square.
-fn scale_lengths(table: &mut Node, section: &'static Section, factor: f64) {
-    if factor == 1.0 {
-        return;
+impl DeckEntry {
+    /// The same with all lengths multiplied by a factor, and moments of inertia by its square; masses, times and so
+    /// forces over lengths stay.
+    ///
+    /// ```
+    /// use emmy_io::mesh::DeckEntry;
+    /// let table = "name = 'm'\nmass = 2.0\ncentre = [10, 0, 0.5]".parse().unwrap();
+    /// let entry = DeckEntry { name: "m".into(), section: "rigid", table, card: "CONM2 1".into() };
+    /// let scaled = entry.scaled(0.001).table;
+    /// assert_eq!((scaled["mass"].as_float(), scaled["centre"][0].as_float()), (Some(2.0), Some(0.01)));
+    /// ```
+    pub fn scaled(mut self, factor: f64) -> Self {
+        if let Some((_, section)) = catalogue::kind_of(self.section) {
+            scale_lengths(&mut self.table, section, factor);
+        }
+        self
     }
+}
+
+fn scale_lengths(table: &mut toml::Table, section: &'static Section, factor: f64) {
     for key in &section.keys {
-        let Some(node) = table.get_mut(key.name) else { continue };
-        match (key.kind.section(), key.unit) {
-            (Some(inner), _) => scale_lengths(node, inner, factor),
-            (None, "length") => scale(node, factor),
-            (None, "mass·length²") => scale(node, factor * factor),
-            (None, _) => {}
+        match (table.get_mut(key.name), key.kind.section(), key.unit) {
+            (Some(toml::Value::Table(inner)), Some(section), _) => scale_lengths(inner, section, factor),
+            (Some(value), _, "length") => scale(value, factor),
+            (Some(value), _, "mass·length²") => scale(value, factor * factor),
+            _ => {}
         }
     }
 }
 
-fn scale(node: &mut Node, factor: f64) {
-    match &mut node.value {
-        Value::Float(value) => *value *= factor,
-        Value::Integer(value) => node.value = Value::Float(*value as f64 * factor),
-        Value::Array(items) => items.iter_mut().for_each(|item| scale(item, factor)),
+fn scale(value: &mut toml::Value, factor: f64) {
+    match value {
+        toml::Value::Float(value) => *value *= factor,
+        toml::Value::Integer(whole) => *value = toml::Value::Float(*whole as f64 * factor),
+        toml::Value::Array(items) => items.iter_mut().for_each(|item| scale(item, factor)),
         _ => {}
     }
 }

@@ -42,7 +42,7 @@ pub(super) enum Acting {
 }
 
 /// Every kind of load.
-const ROWS: [Row; 9] = [
+const ROWS: [Row; 10] = [
     Row {
         name: "traction",
         kind: field,
@@ -63,11 +63,15 @@ const ROWS: [Row; 9] = [
         name: "force",
         kind: vector,
         unit: "force",
-        doc: "Resultant, spread evenly over the reference area of a group of facets",
+        doc: "Resultant, spread evenly over the reference area of a group of facets; on a rigid body or a coupling, by its \
+              name, at its centre or point",
         needs_group: true,
         read: |given, faults| {
             let force = Read::read(given.value);
-            given.load(faults, Members::Facets, |group| LoadKind::Force { group, force })
+            match given.follows() {
+                true => given.load(faults, Members::Nodes, |group| LoadKind::FollowingForce { group, force }),
+                false => given.load(faults, Members::Facets, |group| LoadKind::Force { group, force }),
+            }
         },
     },
     Row {
@@ -85,11 +89,22 @@ const ROWS: [Row; 9] = [
         name: "moment",
         kind: vector,
         unit: "force·length",
-        doc: "Moment on a rigid body, whose name is `group`, in the axes of space",
+        doc: "Moment on a rigid body or a rigid coupling, whose name is `group`, in the axes of space",
         needs_group: true,
         read: |given, faults| {
-            let moment = Read::read(given.value);
-            given.load(faults, Members::Nodes, |group| LoadKind::Moment { group, moment })
+            let (moment, follow) = (Read::read(given.value), given.follows());
+            given.load(faults, Members::Nodes, |group| LoadKind::Moment { group, moment, follow })
+        },
+    },
+    Row {
+        name: "torque",
+        kind: || Kind::Table(&TORQUE),
+        unit: "",
+        doc: "Moment on a rigid body or a rigid coupling about an axis, such as `{ axis = [0, 0, 1], value = 20 }`",
+        needs_group: true,
+        read: |given, faults| {
+            let (moment, follow) = (torque(&Table::read(given.value))?, given.follows());
+            given.load(faults, Members::Nodes, |group| LoadKind::Moment { group, moment, follow })
         },
     },
     Row {
@@ -174,9 +189,38 @@ pub(super) static LOAD: Described = Described::new(|| {
             "",
             "Factor over time, by which the load is multiplied",
         )
-        .absent("1");
+        .absent("1")
+        .may(
+            "follow",
+            Kind::True,
+            "",
+            "A `force`, `moment` or `torque` turns with the rigid body on which it acts; its vector is that in the drawing",
+        )
+        .absent("it keeps its direction");
     Section { rule: Rule::ExactlyOne(ROWS.iter().map(needs).collect()), ..section }
 });
+
+static TORQUE: Described = Described::new(|| {
+    Section::new("the torque of a [[load]]", "A moment about an axis")
+        .must("axis", vector(), "", "Direction of the axis, of any length")
+        .must("value", NUMBER, "force·length", "Moment, counter-clockwise seen from the tip of the axis")
+});
+
+/// The moment of a torque.
+fn torque(table: &Table<'_>) -> Result<[f64; 3], Fault> {
+    let (axis, value): ([f64; 3], f64) = (table.must("axis"), table.must("value"));
+    let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    match length > 0.0 {
+        true => Ok(axis.map(|x| value * x / length)),
+        false => {
+            let item: Item<'_> = table.must("axis");
+            Err(item.fault("`axis` of a torque must have a direction", "zero"))
+        }
+    }
+}
+
+/// Kinds of loads that may follow a rigid body.
+const FOLLOWING: [&str; 3] = ["force", "moment", "torque"];
 
 static ATTRACTION: Described = Described::new(|| {
     let strength = "Strength g, of a star G times its mass; negative: repulsion";
@@ -191,12 +235,21 @@ pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults)
     let row = ROWS.iter().find(|row| row.name == value.key);
     let row =
         faults.keep(row.ok_or_else(|| value.fault(format!("`{}` is not a load", value.key), "not known")))?;
+    if let Some(follow) = table.item("follow").filter(|_| !FOLLOWING.contains(&value.key)) {
+        let message = format!("`follow` is a key of `force`, `moment` and `torque`, not of `{}`", value.key);
+        faults.push(follow.fault(message, "of no use here"));
+    }
     let group = table.group().map(|(name, _)| name);
     let acting = (row.read)(Given { table, value, group, context }, faults);
     Some(Placed::new(table, faults.keep(acting)?))
 }
 
 impl Given<'_> {
+    /// Whether it turns with a rigid body.
+    fn follows(&self) -> bool {
+        self.table.item("follow").is_some()
+    }
+
     /// The load of a kind with its factor over time. A faulty factor does not hide an unknown group.
     fn load(
         self,

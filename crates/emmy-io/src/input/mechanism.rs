@@ -1,10 +1,11 @@
-//! Rigid bodies and joints together: their names, and the bodies that joints are between.
+//! Rigid bodies, couplings and joints together: their names, and the bodies that joints are between.
 
-use emmy::body::{Body, InitialVelocity, Joint, JointEnd, Load, LoadKind, Mobility, RigidBody};
+use emmy::body::{Body, Coupling, InitialVelocity, Joint, JointEnd, Load, LoadKind, Mobility, RigidBody};
 use emmy::internals::number::short_vector;
 use emmy::mesh::Mesh;
 use emmy::time::Scheme;
 
+use super::coupling::{self, PlacedCoupling};
 use super::fault::{Fault, Faults, Place};
 use super::joint::{self, PlacedJoint};
 use super::placed::NamedGroup;
@@ -15,10 +16,12 @@ use super::time::Time;
 use crate::message::counted;
 use crate::units::Units;
 
-/// The rigid bodies and joints of an input.
+/// The rigid bodies, couplings and joints of an input.
 #[derive(Debug, Default)]
 pub(super) struct Mechanism {
     pub(super) rigid: Vec<PlacedRigid>,
+    /// Distributing couplings.
+    pub(super) couplings: Vec<PlacedCoupling>,
     pub(super) joints: Vec<PlacedJoint>,
 }
 
@@ -26,9 +29,41 @@ pub(super) struct Mechanism {
 type Named<'a> = (&'static str, &'a str, &'a Place);
 
 impl Mechanism {
-    /// Names of the rigid bodies.
+    /// Names of the rigid bodies and couplings.
     pub(super) fn bodies(&self) -> Vec<&str> {
-        self.rigid.iter().map(|own| own.body.name.as_str()).collect()
+        let couplings = self.couplings.iter().map(|own| own.coupling.name.as_str());
+        self.rigid.iter().map(|own| own.body.name.as_str()).chain(couplings).collect()
+    }
+
+    /// Adds mass and inertia to the rigid body that has a name.
+    pub(super) fn add_mass(
+        &mut self,
+        name: &str,
+        (mass, inertia): (f64, [[f64; 3]; 3]),
+        place: &Place,
+    ) -> Result<(), Fault> {
+        let Some(own) = self.rigid.iter_mut().find(|own| own.body.name == name) else {
+            let is_coupling = self.couplings.iter().any(|own| own.coupling.name == name);
+            let (message, help) = match is_coupling {
+                true => (
+                    format!(
+                        "`{name}` is a distributing coupling, which has no rotation, so `inertia` has no effect"
+                    ),
+                    "take kind = \"rigid\" there, or leave `inertia` out",
+                ),
+                false => (
+                    format!("`inertia` turns with a rigid body, and `{name}` is none"),
+                    "give the mass a place, `at`, to couple it to the group, or name a rigid body",
+                ),
+            };
+            return Err(Fault::at(place, message, "with an `inertia`").help(help));
+        };
+        own.body.mass += mass;
+        let sum = own.body.inertia.get_or_insert([[0.0; 3]; 3]);
+        for (row, other) in sum.iter_mut().zip(inertia) {
+            row.iter_mut().zip(other).for_each(|(sum, own)| *sum += own);
+        }
+        Ok(())
     }
 
     /// Names of the joints.
@@ -39,8 +74,9 @@ impl Mechanism {
     /// The place of the name of a rigid body or joint.
     pub(super) fn place(&self, name: &str) -> Option<Place> {
         let bodies = self.rigid.iter().map(|own| (&own.body.name, &own.name));
+        let couplings = self.couplings.iter().map(|own| (&own.coupling.name, &own.name));
         let joints = self.joints.iter().map(|own| (&own.name, &own.name_place));
-        bodies.chain(joints).find(|(own, _)| *own == name).map(|(_, place)| place.clone())
+        bodies.chain(couplings).chain(joints).find(|(own, _)| *own == name).map(|(_, place)| place.clone())
     }
 
     /// Places of the rigid bodies, and whether they have a mass of their own.
@@ -48,14 +84,16 @@ impl Mechanism {
         self.rigid.iter().map(|own| (&own.place, own.body.mass > 0.0))
     }
 
-    /// The groups of the mesh that are rigid bodies.
+    /// The groups of the mesh that are rigid bodies, or that points follow.
     pub(super) fn groups(&self) -> impl Iterator<Item = NamedGroup> {
-        self.rigid.iter().filter_map(PlacedRigid::group)
+        let couplings = self.couplings.iter().map(PlacedCoupling::group);
+        self.rigid.iter().filter_map(PlacedRigid::group).chain(couplings)
     }
 
     /// Names of these groups.
     pub(super) fn names_of_groups(&self) -> impl Iterator<Item = &str> {
-        self.rigid.iter().filter_map(|own| own.body.group.as_deref())
+        let couplings = self.couplings.iter().map(|own| own.coupling.group.as_str());
+        self.rigid.iter().filter_map(|own| own.body.group.as_deref()).chain(couplings)
     }
 
     /// Whether a joint may move bodies from the start: by a drive, a motor, or a spring that is not as drawn.
@@ -69,8 +107,9 @@ impl Mechanism {
     /// Checks that no name of a rigid body or joint is given twice; `others` are names of other columns.
     pub(super) fn check_names<'a>(&'a self, others: impl Iterator<Item = Named<'a>>, faults: &mut Faults) {
         let bodies = self.rigid.iter().map(|own| ("rigid body", own.body.name.as_str(), &own.name));
+        let couplings = self.couplings.iter().map(|own| ("coupling", own.coupling.name.as_str(), &own.name));
         let joints = self.joints.iter().map(|own| ("joint", own.name.as_str(), &own.name_place));
-        let own: Vec<Named<'_>> = bodies.chain(joints).collect();
+        let own: Vec<Named<'_>> = bodies.chain(couplings).chain(joints).collect();
         let with_earlier = own.iter().enumerate().map(|(i, named)| (*named, &own[..i]));
         for ((what, name, place), earlier) in with_earlier.chain(others.map(|other| (other, &own[..]))) {
             let Some((first, _, before)) = earlier.iter().find(|(_, other, _)| *other == name) else {
@@ -79,6 +118,7 @@ impl Mechanism {
             let message = match (*first, what) {
                 ("rigid body", "rigid body") => format!("two rigid bodies are named `{name}`"),
                 ("joint", "joint") => format!("two joints are named `{name}`"),
+                ("coupling", "coupling") => format!("two couplings are named `{name}`"),
                 _ => format!("a {first} and a {what} are named `{name}`"),
             };
             faults.push(Fault::at(place, message, "second").label(before, "first"));
@@ -103,9 +143,10 @@ impl Mechanism {
 
     /// Checks that one process computes the body.
     pub(super) fn check_alone(&self) -> Result<(), Fault> {
-        match self.first() {
+        let coupling = self.couplings.first().map(|own| (&own.place, "this coupling"));
+        match self.first().or(coupling) {
             Some((place, label)) => {
-                let message = "several ranks do not compute a body with rigid bodies or joints";
+                let message = "several ranks do not compute a body with couplings, rigid bodies or joints";
                 Err(Fault::at(place, message, label).help("take threads: `--threads`"))
             }
             None => Ok(()),
@@ -114,11 +155,12 @@ impl Mechanism {
 
     /// Checks names against the groups of the mesh, and the bodies of all joints.
     pub(super) fn check(&self, mesh: &Mesh, faults: &mut Faults) {
-        for own in &self.rigid {
-            let name = &own.body.name;
+        let rigid = self.rigid.iter().map(|own| (&own.body.name, &own.name, "rigid body"));
+        let couplings = self.couplings.iter().map(|own| (&own.coupling.name, &own.name, "coupling"));
+        for (name, place, what) in rigid.chain(couplings) {
             if !mesh.groups().kinds(name).is_empty() {
-                let message = format!("the mesh has a group `{name}`, too; give the rigid body another name");
-                faults.push(Fault::at(&own.name, message, "taken"));
+                let message = format!("the mesh has a group `{name}`, too; give the {what} another name");
+                faults.push(Fault::at(place, message, "taken"));
             }
         }
         for joint in &self.joints {
@@ -126,7 +168,7 @@ impl Mechanism {
         }
     }
 
-    /// Checks that moments act on rigid bodies that turn.
+    /// Checks that loads in the axes of a body, and moments, act on rigid bodies that turn.
     pub(super) fn check_moments(&self, loads: &[Placed<(Load, Members)>], mesh: &Mesh, faults: &mut Faults) {
         for load in loads.iter().filter(|load| is_moment(&load.value.0)) {
             let Some((name, place)) = &load.group else { continue };
@@ -138,16 +180,22 @@ impl Mechanism {
                         format!("`{name}` is a point mass and has no direction, which a moment turns");
                     Err(Fault::at(place, message, "a point mass").help("give it an `inertia`"))
                 }
+                None if self.couplings.iter().any(|own| own.coupling.name == *name) => {
+                    let message = format!(
+                        "`{name}` is a distributing coupling and has no direction, which this load needs"
+                    );
+                    Err(Fault::at(place, message, "distributing").help("take kind = \"rigid\" there"))
+                }
                 None if mesh.groups().kinds(name).is_empty() => {
                     let label = did_you_mean(name, self.bodies()).unwrap_or("not there".into());
                     let known = format!("rigid bodies: {}", listed(self.bodies().into_iter()));
-                    let message = format!("`moment`: there is no rigid body `{name}`");
+                    let message = format!("there is no rigid body `{name}` on which this load could act");
                     Err(Fault::at(place, message, label).help(known))
                 }
                 None => {
                     let message =
-                        format!("`{name}` is a group of an elastic body; a moment acts on a rigid body");
-                    let help = "make it a body: [[rigid]] with this `group`";
+                        format!("`{name}` is a group of an elastic body; this load acts on a rigid body");
+                    let help = "couple it: [[coupling]] with this `group` and kind = \"rigid\"";
                     Err(Fault::at(place, message, "no rigid body").help(help))
                 }
             });
@@ -172,6 +220,11 @@ impl Mechanism {
     /// The rigid bodies.
     pub(super) fn rigid_bodies(&self) -> Vec<RigidBody> {
         self.rigid.iter().map(|own| own.body.clone()).collect()
+    }
+
+    /// The distributing couplings.
+    pub(super) fn couplings(&self) -> Vec<Coupling> {
+        self.couplings.iter().map(|own| own.coupling.clone()).collect()
     }
 
     /// The load, where a total force on a rigid body is one at its centre.
@@ -215,9 +268,15 @@ impl Mechanism {
                 Err(without("a point mass").help(help))
             }
             Some(_) => Ok(JointEnd::Rigid(name.clone())),
+            None if self.couplings.iter().any(|own| own.coupling.name == *name) => match needs_direction {
+                true => {
+                    Err(without("the point of a distributing coupling").help("take kind = \"rigid\" there"))
+                }
+                false => Ok(JointEnd::Rigid(name.clone())),
+            },
             None if mesh.groups().kinds(name).is_empty() => Err(self.unknown(name, place, mesh)),
             None if needs_direction => {
-                let help = "make it a body: [[rigid]] with this `group`; spherical and distance joints take nodes, inline ones first";
+                let help = "couple it: [[coupling]] with this `group` and kind = \"rigid\"; spherical and distance joints take nodes, inline ones first";
                 Err(without("a group of an elastic body").help(help))
             }
             None => node(joint, end, mesh).map(JointEnd::Node),
@@ -230,7 +289,7 @@ impl Mechanism {
         let groups = groups.iter().copied().filter(|group| !bodies.contains(group));
         let known = || bodies.iter().copied().chain([GROUND]).chain(groups.clone());
         let label = did_you_mean(name, known()).unwrap_or("not there".into());
-        let message = format!("`between`: there is no rigid body and no group `{name}`");
+        let message = format!("`between`: there is no rigid body, coupling or group `{name}`");
         Fault::at(place, message, label).help(format!("there is {}", listed(known())))
     }
 
@@ -249,7 +308,8 @@ impl Mechanism {
 
     /// The fault of a body with an impossible rigid body or joint.
     pub(super) fn fault(&self, error: &emmy::Error) -> Option<Fault> {
-        rigid::fault(error, &self.rigid).or_else(|| joint::fault(error, &self.joints))
+        let of_rigid = rigid::fault(error, &self.rigid).or_else(|| coupling::fault(error, &self.couplings));
+        of_rigid.or_else(|| joint::fault(error, &self.joints))
     }
 }
 
@@ -304,9 +364,9 @@ pub(super) fn is_for_bodies(load: &Load) -> bool {
     matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. })
 }
 
-/// Whether a load is a moment on a rigid body.
+/// Whether a load acts on the axes of a rigid body.
 pub(super) fn is_moment(load: &Load) -> bool {
-    matches!(load.kind, LoadKind::Moment { .. })
+    matches!(load.kind, LoadKind::Moment { .. } | LoadKind::FollowingForce { .. })
 }
 
 /// Part of the kinetic energy that joints take out of the initial velocities, or put in, and that is worth a note.

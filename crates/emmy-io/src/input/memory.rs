@@ -12,8 +12,8 @@ use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, catalogue, complete, joint, load, material, measured, reading, region,
-    rigid, support, tie, walk,
+    Overrides, Problem, adaptive, catalogue, complete, coupling, joint, load, material, measured, nodal,
+    reading, region, rigid, support, tie, walk,
 };
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a
@@ -112,7 +112,7 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
-/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `rigid`, `joint`, `mass`, `initial`, `adaptive`.
+/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `rigid`, `coupling`, `joint`, `mass`, `initial`, `adaptive`.
 ///
 /// ```
 /// use emmy_io::input::{Tree, check};
@@ -136,6 +136,8 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
         }
         "tie" => faults.keep(tie::read(table)).map(drop),
         "rigid" => faults.keep(rigid::read(table)).map(drop),
+        "coupling" => faults.keep(coupling::read(table)).map(drop),
+        "mass" => faults.keep(nodal::read(table, 1)).map(drop),
         "joint" => joint::read(table, 1, context, faults).map(drop),
         "adaptive" => faults.keep(adaptive::check(table)),
         _ => Some(()),

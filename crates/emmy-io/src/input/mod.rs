@@ -9,6 +9,7 @@
 mod adaptive;
 mod catalogue;
 mod complete;
+mod coupling;
 mod deck;
 mod derived;
 mod description;

@@ -1,11 +1,14 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attractions and drags of `[[load]]`.
 
-use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region, SpreadMass};
+use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region, RigidBody, SpreadMass};
+use emmy::internals::material::Bounds;
 use emmy::time::BodyFeature;
 
-use super::description::{Described, Kind, POSITIVE, Section};
+use super::coupling::{self, PlacedCoupling};
+use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector};
 use super::fault::{Fault, Place};
 use super::placed::{self, Placed};
+use super::rigid::{self, PlacedRigid};
 use super::table::{Item, Table};
 use super::time::Time;
 
@@ -22,6 +25,25 @@ pub(super) static MASS: Described = Described::new(|| {
              length of links), else over its nodes",
         )
         .exactly_one(&["mass", "total"])
+        .may("at", vector(), "length", "Place of one mass that is coupled to the group, as an engine to its plate")
+        .absent("at the nodes of the group")
+        .may(
+            "coupling",
+            Kind::Word("a kind of coupling", coupling::KINDS.to_vec(), |_| None),
+            "",
+            "With `at`: `rigid`, the group moves as one with the mass; `distributing`, the mass follows the mean of the group",
+        )
+        .absent("`rigid`")
+        .may(
+            "inertia",
+            either(exactly(3, Kind::Number(Bounds::AtLeast(0.0))), exactly(3, vector())),
+            "mass·length²",
+            "Inertia about `at`, or about the centre of a rigid body that `group` names: principal moments along x, y and \
+             z, or a symmetric matrix",
+        )
+        .absent("a point")
+        .may("name", Kind::Column(&TAKEN), "", "With `at`: its name in joints and as a group, of one node, its place")
+        .absent("`mass-1`, `mass-2`, .. by its place")
 });
 
 /// A mass at each node of a group, or spread over it.
@@ -109,14 +131,65 @@ impl PlacedNodal {
     }
 }
 
-/// Reads one mass.
-pub(super) fn read(table: &Table<'_>) -> Placed<Mass> {
+/// What a table of a mass gives.
+#[derive(Debug)]
+pub(super) enum Read {
+    /// A mass at nodes, or spread.
+    AtNodes(Placed<Mass>),
+    /// A mass that moves rigidly with a group.
+    Rigid(PlacedRigid),
+    /// A mass that follows the mean of a group.
+    Distributing(PlacedCoupling, Placed<Mass>),
+    /// Mass and inertia of the rigid body that the group names.
+    OfBody { name: String, mass: f64, inertia: [[f64; 3]; 3], place: Place },
+}
+
+/// Reads one mass; `number` counts masses from 1.
+pub(super) fn read(table: &Table<'_>, number: usize) -> Result<Read, Fault> {
     let group = table.must::<Item<'_>>("group").name();
-    let mass = match table.may("total") {
-        Some(total) => Mass::Spread(SpreadMass { group, total }),
-        None => Mass::Point(PointMass { group, mass: table.must("mass") }),
+    let [at, coupling, inertia, name] = ["at", "coupling", "inertia", "name"].map(|key| table.item(key));
+    if let Some(total) = table.item("total") {
+        return match [at, coupling, inertia, name].into_iter().flatten().next() {
+            Some(item) => {
+                let message =
+                    format!("`{}` is a key of one `mass`; `total` is spread over the group", item.key);
+                Err(item.fault(message, "not with `total`").label(total.place(), "spread"))
+            }
+            None => {
+                let total = table.must("total");
+                Ok(Read::AtNodes(Placed::new(table, Mass::Spread(SpreadMass { group, total }))))
+            }
+        };
+    }
+    let mass: f64 = table.must("mass");
+    let tensor = inertia.map(rigid::inertia_of).transpose()?;
+    let Some(at) = at.and(table.may::<[f64; 3]>("at")) else {
+        if let Some(item) = [coupling, name].into_iter().flatten().next() {
+            let message = format!("`{}` is a key of a mass with a place", item.key);
+            return Err(item.fault(message, "without `at`").help("give its place in `at`"));
+        }
+        return Ok(match tensor {
+            Some(inertia) => Read::OfBody { name: group, mass, inertia, place: table.place.clone() },
+            None => Read::AtNodes(Placed::new(table, Mass::Point(PointMass { group, mass }))),
+        });
     };
-    Placed::new(table, mass)
+    let name = match name {
+        Some(_) => rigid::name(table)?,
+        None => format!("mass-{number}"),
+    };
+    if coupling.and_then(|item| item.text()) != Some("distributing") {
+        let body = RigidBody { mass, centre: Some(at), inertia: tensor, ..RigidBody::group(name, group) };
+        return Ok(Read::Rigid(PlacedRigid::of_coupling(table, body)));
+    }
+    if let Some(inertia) = inertia {
+        let message = "a distributing coupling has no rotation, so `inertia` has no effect";
+        let help = "take coupling = \"rigid\", or leave `inertia` out";
+        return Err(inertia.fault(message, "needs a rigid coupling").help(help));
+    }
+    let own = Placed::new(table, Mass::Point(PointMass { group: name.clone(), mass }));
+    // The group of the mass is the point itself.
+    let own = Placed { group: None, ..own };
+    Ok(Read::Distributing(PlacedCoupling::new(table, name, at), own))
 }
 
 /// The fault of a mass that cannot be spread.

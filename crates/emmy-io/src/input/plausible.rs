@@ -166,9 +166,10 @@ pub(super) fn notes_on_loads<'a>(
                 let force = density * size(acceleration);
                 (group.as_ref(), force * length(mesh), " over the length of the mesh")
             }
-            LoadKind::Moment { .. } | LoadKind::TractionField { .. } | LoadKind::AccelerationField { .. } => {
-                return None;
-            }
+            LoadKind::Moment { .. }
+            | LoadKind::FollowingForce { .. }
+            | LoadKind::TractionField { .. }
+            | LoadKind::AccelerationField { .. } => return None,
         };
         let is_too_large = stress.is_finite() && stress > LARGEST_STRAIN * modulus;
         let group = group.map_or("all cells".to_string(), |group| format!("`{group}`"));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::body::{Body, InitialVelocity, Joint, Load, PointTerms, RigidBody, Support};
+use emmy::body::{Body, Coupling, InitialVelocity, Joint, Load, PointTerms, RigidBody, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
@@ -60,6 +60,8 @@ pub struct Problem {
     pub nodal: PointTerms,
     /// Rigid bodies.
     pub rigid: Vec<RigidBody>,
+    /// Distributing couplings; rigid ones are rigid bodies.
+    pub couplings: Vec<Coupling>,
     /// Joints.
     pub joints: Vec<Joint>,
     /// Loads.

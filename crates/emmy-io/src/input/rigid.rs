@@ -59,6 +59,18 @@ pub(super) struct PlacedRigid {
 }
 
 impl PlacedRigid {
+    /// The rigid body of a coupling, or of a mass that is coupled.
+    pub(super) fn of_coupling(table: &Table<'_>, body: RigidBody) -> Self {
+        let place = |key: &str| table.item(key).map_or(table.place, |item| item.place()).clone();
+        PlacedRigid {
+            body,
+            place: table.place.clone(),
+            name: place("name"),
+            inertia: place("inertia"),
+            group: table.group(),
+        }
+    }
+
     /// Its group.
     pub(super) fn group(&self) -> Option<NamedGroup> {
         let (name, place) = self.group.clone()?;
@@ -66,14 +78,21 @@ impl PlacedRigid {
     }
 }
 
-/// Reads one rigid body.
-pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
+/// The name of a rigid body or a coupling.
+pub(super) fn name(table: &Table<'_>) -> Result<String, Fault> {
     let name: Item<'_> = table.must("name");
     let text = name.text().unwrap_or_default().to_string();
     if text == GROUND {
-        let message = format!("`{GROUND}` is what joints call the ground; give the rigid body another name");
+        let message = format!("`{GROUND}` is what joints call the ground; give this another name");
         return Err(name.fault(message, "another name"));
     }
+    Ok(text)
+}
+
+/// Reads one rigid body.
+pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
+    let text = name(table)?;
+    let name: Item<'_> = table.must("name");
     let (group, inertia) = (table.group(), table.item("inertia"));
     let is_missing =
         |key: &&str| table.item(key).is_none() && (group.is_none() || inertia.is_some() && *key == "mass");
@@ -101,7 +120,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedRigid, Fault> {
 }
 
 /// The inertia tensor.
-fn inertia_of(item: Item<'_>) -> Result<[[f64; 3]; 3], Fault> {
+pub(super) fn inertia_of(item: Item<'_>) -> Result<[[f64; 3]; 3], Fault> {
     let item = item.of_one_kind().unwrap_or(item);
     let rows = item.items();
     let is_matrix = rows.iter().any(|row| matches!(row.kind, Kind::Exactly(..)));

@@ -30,8 +30,8 @@ use super::tie::PlacedTie;
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
-    deck, derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities, region,
-    rigid, settings, shape, start, support, tie, time, units, walk,
+    coupling, deck, derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities,
+    region, rigid, settings, shape, start, support, tie, time, units, walk,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -97,8 +97,15 @@ impl Sections {
         let joints = root.tables("joint").into_iter().zip(1..);
         let joints =
             joints.filter_map(|(table, number)| joint::read(&table, number, context, &mut root.faults));
-        let mechanism = Mechanism { rigid, joints: joints.collect() };
-        let masses = root.each("mass", |table, _| Some(nodal::read(table)));
+        let joints = joints.collect();
+        let mut mechanism = Mechanism { rigid, couplings: Vec::new(), joints };
+        for own in root.each("coupling", |table, faults| faults.keep(coupling::read(table))) {
+            match own {
+                coupling::Read::Rigid(own) => mechanism.rigid.push(own),
+                coupling::Read::Distributing(own) => mechanism.couplings.push(own),
+            }
+        }
+        let masses = read_masses(&mut root, &mut mechanism);
         let nodal = PlacedNodal { masses, springs, attractions, drags };
         let start = start.map(|start| if table.item("time").is_some() { start } else { Start::Undeformed });
         let newton = root.one("newton", |table, _| Some(settings::newton(table))).unwrap_or_default();
@@ -251,7 +258,7 @@ impl Sections {
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal, mechanism);
         let is_moved =
             derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial, mechanism);
-        let rigid = mechanism.rigid_bodies();
+        let (rigid, couplings) = (mechanism.rigid_bodies(), mechanism.couplings());
         let joints = mesh.as_ref().map(|mesh| mechanism.joints(mesh)).transpose()?.unwrap_or_default();
         notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
         let pulls = derived::pulls(&self.regions);
@@ -272,7 +279,7 @@ impl Sections {
                 && !is_static
                 && !known.is_static()
                 && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
-                && (&known.rigid, &known.joints) == (&rigid, &joints)
+                && (&known.rigid, &known.couplings, &known.joints) == (&rigid, &couplings, &joints)
                 && known.body.drag() == drag
                 && body_of(&resolved).is_some_and(|own| body_of(&known.resolved) == Some(own))
         };
@@ -280,6 +287,7 @@ impl Sections {
             Some(known) => known.body.clone(),
             None => {
                 let builder = rigid.iter().cloned().fold(source.builder(mesh)?, BodyBuilder::rigid);
+                let builder = couplings.iter().cloned().fold(builder, BodyBuilder::coupling);
                 let builder = joints.iter().cloned().fold(builder, BodyBuilder::joint);
                 let body = builder
                     .regions(values(self.regions))
@@ -339,6 +347,7 @@ impl Sections {
             supports,
             nodal,
             rigid,
+            couplings,
             joints,
             loads,
             initial,
@@ -377,6 +386,26 @@ fn read_start(root: &mut Root<'_>, directory: &Path) -> (Option<Start>, Vec<Plac
     (start, tables.iter().filter(|_| !names_state).map(initial::read).collect())
 }
 
+/// The masses at nodes; those that are coupled go to the mechanism.
+fn read_masses(root: &mut Root<'_>, mechanism: &mut Mechanism) -> Vec<Placed<nodal::Mass>> {
+    let mut masses = Vec::new();
+    for (table, number) in root.tables("mass").into_iter().zip(1..) {
+        match root.faults.keep(nodal::read(&table, number)) {
+            Some(nodal::Read::AtNodes(mass)) => masses.push(mass),
+            Some(nodal::Read::Rigid(own)) => mechanism.rigid.push(own),
+            Some(nodal::Read::Distributing(own, mass)) => {
+                mechanism.couplings.push(own);
+                masses.push(mass);
+            }
+            Some(nodal::Read::OfBody { name, mass, inertia, place }) => {
+                root.faults.keep(mechanism.add_mass(&name, (mass, inertia), &place));
+            }
+            None => {}
+        }
+    }
+    masses
+}
+
 /// Scheme and plan; an equilibrium without `[time]` is a static analysis.
 fn read_time(root: &mut Root<'_>, start: Option<&Start>, overrides: &Overrides) -> Option<Time> {
     if root.table.item("time").is_some() {
@@ -399,9 +428,9 @@ fn read_time(root: &mut Root<'_>, start: Option<&Start>, overrides: &Overrides) 
 
 /// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
 /// there: loads and supports themselves tell them apart.
-fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 7]> {
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 8]> {
     let mut table = resolved.parse::<toml::Table>().ok()?;
-    let sections = ["region", "mass", "load", "support", "tie", "rigid", "joint"];
+    let sections = ["region", "mass", "load", "support", "tie", "rigid", "coupling", "joint"];
     Some(sections.map(|section| table.remove(section)))
 }
 

@@ -333,14 +333,13 @@ impl Shape {
                 })
             }
         }?;
-        let mesh = match self.scale {
-            Some(scale) => file.mesh.scaled(scale).map_err(|error| at(&error))?,
-            None => file.mesh,
+        let file = match self.scale {
+            Some(scale) => file.scaled(scale).map_err(|error| at(&error))?,
+            None => file,
         };
-        if mesh.n_cells() > 0 {
-            finite::check_extent(&mesh, &self.place)?;
+        if file.mesh.n_cells() > 0 {
+            finite::check_extent(&file.mesh, &self.place)?;
         }
-        let file = MeshFile { mesh, ..file };
         match &self.merge {
             Some((within, place)) => {
                 file.merged(*within).map_err(|error| Fault::at(place, error.to_string(), "this distance"))
@@ -352,11 +351,6 @@ impl Shape {
     /// Place of its source.
     pub(super) fn place(&self) -> &Place {
         &self.place
-    }
-
-    /// Factor on all lengths.
-    pub(super) fn scale(&self) -> Option<f64> {
-        self.scale
     }
 
     /// Names of what a file has besides the mesh and does not act, with their places.

@@ -6,7 +6,7 @@ use emmy::body::{Body, InitialVelocity, Tie, TieKind, TieSummary};
 use emmy::internals::material::Bounds;
 use emmy::mesh::Mesh;
 
-use super::description::{Described, Kind, Section};
+use super::description::{Described, Kind, NUMBER, Section, list};
 use super::fault::{Fault, Place};
 use super::placed::Members;
 use super::table::{Item, Table};
@@ -41,6 +41,14 @@ pub(super) static TIE: Described = Described::new(|| {
              a node onto a node, to the shortest edge at the follower",
         )
         .default("0.05")
+        .may(
+            "weights",
+            list(1, NUMBER),
+            "",
+            "For a follower of one node: weights of the nodes of the leader, in the order of their numbers, with the sum 1; \
+             without `kind`",
+        )
+        .absent("by `kind`")
 });
 
 /// A tie with the places of its table and of the names of its groups.
@@ -63,7 +71,11 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedTie, Fault> {
         Some("nodes") => TieKind::Nodes,
         _ => TieKind::Mortar,
     });
-    let tie = Tie { kind, ..Tie::new(follower.name(), leader.name()) };
+    let weights = table.item("weights").and_then(|_| table.may::<Vec<f64>>("weights"));
+    if let (Some(kind), Some(_)) = (table.item("kind"), &weights) {
+        return Err(kind.fault("`weights` and `kind` exclude each other", "leave one out"));
+    }
+    let tie = Tie { kind, weights, ..Tie::new(follower.name(), leader.name()) };
     let tie = tie.with_tolerance(table.must("tolerance"));
     let [follower, leader] = [follower, leader].map(|item| item.place().clone());
     Ok(PlacedTie { tie, place: table.place.clone(), follower, leader })

@@ -27,8 +27,17 @@ pub(super) fn toml(root: &Node) -> String {
 }
 
 /// Headers of the sections that describe a body.
-const OF_BODY: [&str; 8] =
-    ["[mesh]", "[[region]]", "[[mass]]", "[[support]]", "[[tie]]", "[[rigid]]", "[[joint]]", "[[load]]"];
+const OF_BODY: [&str; 9] = [
+    "[mesh]",
+    "[[region]]",
+    "[[mass]]",
+    "[[support]]",
+    "[[tie]]",
+    "[[rigid]]",
+    "[[coupling]]",
+    "[[joint]]",
+    "[[load]]",
+];
 
 /// The sections of a resolved input that describe the body, without those of its motion. A comment explains the names
 /// of functions, which no file can hold.

@@ -65,6 +65,19 @@ pub struct MeshFile {
 }
 
 impl MeshFile {
+    /// The mesh with all lengths multiplied by a factor.
+    ///
+    /// # Errors
+    /// As [`Mesh::scaled`].
+    pub fn scaled(self, factor: f64) -> emmy::Result<Self> {
+        let mesh = self.mesh.scaled(factor)?;
+        Ok(MeshFile {
+            mesh,
+            entries: self.entries.into_iter().map(|own| own.scaled(factor)).collect(),
+            ..self
+        })
+    }
+
     /// The mesh in which nodes at most a distance apart are one, with a note on their number.
     ///
     /// # Errors

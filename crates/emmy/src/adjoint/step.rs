@@ -254,7 +254,7 @@ impl<'a> AdjointStep<'a> {
 pub(super) fn check_body(body: &Body) -> Result<()> {
     let not_covered = [
         (!body.mechanism.is_empty(), "rigid bodies and joints are not covered; supports are"),
-        (!body.ties().is_empty(), "ties are not covered"),
+        (body.has_ties(), "ties and couplings are not covered"),
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
     ];

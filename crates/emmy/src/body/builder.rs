@@ -1,17 +1,20 @@
 //! Builder of a body: the mesh first, then regions, supports and loads.
 
 use std::borrow::Borrow;
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use super::couplings;
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
-use crate::input::{GroundSpring, Joint, Load, PointTerms, Region, RigidBody, Support, Tie};
+use crate::input::{
+    Coupling, GroundSpring, Joint, JointEnd, Load, PointTerms, Region, RigidBody, Support, Tie,
+};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Cell, Mesh, Share};
 use crate::space::geometry::{MassKind, for_each_volume_point};
-use crate::space::{InternalNodes, Space, Supports, Ties};
+use crate::space::{CoupledPoint, InternalNodes, Space, Supports, Ties};
 
 use crate::team::{Alone, Subdomain, Team};
 use crate::unknowns::{Frame, Mechanism};
@@ -38,6 +41,7 @@ pub struct BodyBuilder {
     drag: f64,
     forces: Vec<Arc<dyn ForceSource>>,
     ties: Vec<Tie>,
+    couplings: Vec<Coupling>,
     rigid: Vec<RigidBody>,
     joints: Vec<Joint>,
     ranks: Arc<Subdomain>,
@@ -60,6 +64,7 @@ impl BodyBuilder {
             drag: 0.0,
             forces: Vec::new(),
             ties: Vec::new(),
+            couplings: Vec::new(),
             rigid: Vec::new(),
             joints: Vec::new(),
             ranks,
@@ -115,6 +120,12 @@ impl BodyBuilder {
         self
     }
 
+    /// Adds a distributing coupling: a point that follows a group. Its name becomes a group of the mesh, of this node.
+    pub fn coupling(mut self, coupling: Coupling) -> Self {
+        self.couplings.push(coupling);
+        self
+    }
+
     /// Adds a rigid body: a group of the mesh, or one without cells. Its name becomes a group of the mesh: the node of
     /// its centre, at which supports, masses and forces act. A node for each of three axes follows; initial velocities
     /// of the group move all.
@@ -155,6 +166,7 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
+    /// [`crate::Error::Coupling`],
     /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::Moment`],
     /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node without
     /// mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team
@@ -163,13 +175,16 @@ impl BodyBuilder {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;
         let is_mechanism = !(self.rigid.is_empty() && self.joints.is_empty());
-        if ranks.size() > 1 && (is_mechanism || !self.ties.is_empty()) {
-            return Err(Error::NotOnTeam { what: "a body with ties, rigid bodies or joints".to_string() });
+        if ranks.size() > 1 && (is_mechanism || !self.ties.is_empty() || !self.couplings.is_empty()) {
+            let what = "a body with ties, couplings, rigid bodies or joints".to_string();
+            return Err(Error::NotOnTeam { what });
         }
+        let points = self.points()?;
         let frames = self.frames()?;
         let groups = frames.iter().filter(|frame| frame.has_members());
         let followers = groups.map(|frame| frame.followers(&self.mesh)).collect();
-        let ties = Ties::new(&mut self.mesh, &self.ties, followers)?;
+        let held = self.held_nodes()?;
+        let ties = Ties::new(&mut self.mesh, &self.ties, followers, (points, &held))?;
         for frame in &frames {
             if frame.nodes().any(|node| ties.leaders_of(node).is_some()) {
                 let reason = "a tie makes it follow others; join it to them instead".to_string();
@@ -189,6 +204,61 @@ impl BodyBuilder {
 }
 
 impl BodyBuilder {
+    /// Adds the points of the couplings to the mesh.
+    fn points(&mut self) -> Result<Vec<CoupledPoint>> {
+        let BodyBuilder { mesh, couplings, regions, .. } = self;
+        if couplings.is_empty() {
+            return Ok(Vec::new());
+        }
+        let first = mesh.n_nodes() as u32;
+        for Coupling { name, point, .. } in &*couplings {
+            mesh.add_nodes(name, std::iter::once(*point))?;
+        }
+        let section = RegionOfCell::new(mesh, regions)?.sections(mesh, regions);
+        // A joint of the point is one of its node.
+        for end in self.joints.iter_mut().flat_map(|joint| &mut joint.between) {
+            let JointEnd::Rigid(name) = end else { continue };
+            if let Some(at) = couplings.iter().position(|coupling| coupling.name == *name) {
+                *end = JointEnd::Node(first + at as u32);
+            }
+        }
+        let busy = self.busy_nodes();
+        let BodyBuilder { mesh, couplings, .. } = self;
+        let point = |(coupling, node): (&Coupling, u32)| {
+            CoupledPoint::new(coupling, node, (mesh, &section), busy.contains(&node))
+        };
+        let points: Vec<CoupledPoint> = couplings.iter().zip(first..).map(point).collect::<Result<_>>()?;
+        let team = self.ranks.team().clone();
+        self.ranks = Arc::new(Subdomain::whole(team, self.mesh.n_nodes(), self.mesh.n_cells()));
+        Ok(points)
+    }
+
+    /// Nodes with a mass, a spring, a support or a joint.
+    fn busy_nodes(&self) -> HashSet<u32> {
+        let BodyBuilder { mesh, point_terms, supports, joints, .. } = self;
+        let PointTerms { masses, spread, springs, .. } = point_terms;
+        let groups = masses.iter().map(|mass| &mass.group).chain(spread.iter().map(|mass| &mass.group));
+        let groups = groups.chain(springs.iter().map(|spring| &spring.group));
+        let mut nodes = HashSet::new();
+        for group in groups.chain(supports.iter().map(|support| &support.group)) {
+            // The groups of rigid bodies are not there yet.
+            nodes.extend(mesh.group_nodes(group).into_iter().flatten());
+        }
+        for end in joints.iter().flat_map(|joint| &joint.between) {
+            nodes.extend(if let JointEnd::Node(node) = end { Some(*node) } else { None });
+        }
+        nodes
+    }
+
+    /// Whether each node is in the group of a support.
+    fn held_nodes(&self) -> Result<Vec<bool>> {
+        let mut held = vec![false; self.mesh.n_nodes()];
+        for support in self.supports.iter().filter(|_| !self.couplings.is_empty()) {
+            self.mesh.group_nodes(&support.group)?.into_iter().for_each(|node| held[node as usize] = true);
+        }
+        Ok(held)
+    }
+
     /// Adds the nodes of the rigid bodies to the mesh.
     fn frames(&mut self) -> Result<Vec<Frame>> {
         let BodyBuilder { mesh, rigid, regions, .. } = self;

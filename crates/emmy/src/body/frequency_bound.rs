@@ -37,8 +37,7 @@ impl Body {
     pub fn frequency_bound(&self) -> crate::Result<Option<f64>> {
         self.space.check_whole("a bound of the frequencies")?;
         let has_links = self.made_of.iter().any(|region| region.link().is_some());
-        if has_links || self.has_ground() || !self.space.internal_dofs().is_empty() || !self.ties().is_empty()
-        {
+        if has_links || self.has_ground() || !self.space.internal_dofs().is_empty() || self.has_ties() {
             return Ok(None);
         }
         let stiffness = self.made_of.iter().map(specific_stiffness).collect::<crate::Result<Vec<_>>>()?;

@@ -23,12 +23,12 @@ mod team;
 
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
-    Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd, JointKind,
-    JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass, Support,
-    Tie, TieKind, TimeFunction, Viscosity,
+    Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,
+    JointKind, JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass,
+    Support, Tie, TieKind, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
-pub use crate::space::{Reaction, TieSummary};
+pub use crate::space::{CoupledPoint, Reaction, TieSummary};
 pub use crate::sparse::BlockRow;
 pub use crate::unknowns::{JointState, Mobility, RigidMotion};
 pub use builder::BodyBuilder;

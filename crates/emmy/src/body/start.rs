@@ -99,6 +99,7 @@ impl Body {
             });
             self.space.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
         }
+        self.space.ties().set_points(&mut velocity);
         self.space.complete("initial velocity", &mut velocity);
         self.space.set_internal_means(&mut velocity);
         self.space.set_given_velocity(time, 0.0, &mut velocity)?;

@@ -9,7 +9,7 @@ use crate::input::{Joint, Region, RigidBody, Viscosity};
 use crate::mass::RegionSummary;
 use crate::mesh::Mesh;
 use crate::nodal;
-use crate::space::{Space, TieSummary};
+use crate::space::{CoupledPoint, Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
 use crate::unknowns::{Component, Constraints, Frame, Mechanism, Mobility};
@@ -98,6 +98,16 @@ impl Body {
     /// A summary of each tie, in their order.
     pub fn ties(&self) -> &[TieSummary] {
         self.space.ties().summaries()
+    }
+
+    /// The points of the distributing couplings, in their order.
+    pub fn couplings(&self) -> &[CoupledPoint] {
+        self.space.ties().points()
+    }
+
+    /// Whether nodes follow others, those of rigid bodies aside.
+    pub(crate) fn has_ties(&self) -> bool {
+        !(self.ties().is_empty() && self.couplings().is_empty())
     }
 
     /// The rigid bodies; those of a group with their centre.

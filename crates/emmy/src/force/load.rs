@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::dead::DeadLoad;
 use super::field_load::FieldLoad;
+use super::frame_load::{Action, FrameLoad};
 use super::interface::Force;
-use super::moment::Moment;
 use super::source::{ForceSource, Site};
 use super::surface_pressure::SurfacePressure;
 use crate::error::Result;
@@ -21,7 +21,13 @@ impl ForceSource for Load {
             LoadKind::NodalForce { group, force } => {
                 Arc::new(DeadLoad::nodal(number, self, group, *force, site)?)
             }
-            LoadKind::Moment { group, moment } => Arc::new(Moment::new(number, self, group, *moment, site)?),
+            LoadKind::Moment { group, moment, follow } => {
+                let action = if *follow { Action::FollowingMoment } else { Action::Moment };
+                Arc::new(FrameLoad::new(number, self, group, (action, *moment), site)?)
+            }
+            LoadKind::FollowingForce { group, force } => {
+                Arc::new(FrameLoad::new(number, self, group, (Action::FollowingForce, *force), site)?)
+            }
             LoadKind::Acceleration { group, acceleration } => {
                 Arc::new(DeadLoad::acceleration(number, self, group.as_deref(), *acceleration, site)?)
             }

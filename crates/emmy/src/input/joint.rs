@@ -49,7 +49,7 @@ pub enum JointEnd {
     Ground,
     /// A node of the mesh, which has no direction.
     Node(u32),
-    /// A rigid body, by its name.
+    /// A rigid body, or the point of a distributing coupling, by its name.
     Rigid(String),
 }
 

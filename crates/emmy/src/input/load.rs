@@ -47,7 +47,29 @@ impl Load {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn moment(body: impl Into<String>, moment: [f64; 3]) -> Self {
-        Load::new(LoadKind::Moment { group: body.into(), moment })
+        Load::new(LoadKind::Moment { group: body.into(), moment, follow: false })
+    }
+
+    /// A moment \[force length\] that turns with a rigid body, in its axes, which are along x, y and z in the drawing.
+    pub fn following_moment(body: impl Into<String>, moment: [f64; 3]) -> Self {
+        Load::new(LoadKind::Moment { group: body.into(), moment, follow: true })
+    }
+
+    /// A force \[force\] at the centre of a rigid body that turns with it, in its axes, which are along x, y and z in
+    /// the drawing. It has no potential; its work is that of other loads.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let puck = RigidBody::new("puck", 2.0, [0.0; 3], [0.1, 0.1, 0.18]);
+    /// let thrust = Load::following_force("puck", [4.0, 0.0, 0.0]);
+    /// let body = Body::builder(Mesh::without_cells()).rigid(puck).load(thrust).build()?;
+    /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?;
+    /// let record = motion.step(0.1)?;
+    /// assert!((record.linear_momentum[0] - 0.4).abs() < 1e-13); // it does not turn: F t
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn following_force(body: impl Into<String>, force: [f64; 3]) -> Self {
+        Load::new(LoadKind::FollowingForce { group: body.into(), force })
     }
 
     /// A pressure \[force/length^2\] on a facet group that follows the motion.
@@ -81,7 +103,8 @@ impl Load {
     }
 }
 
-/// Kind of a load. All but the pressure are dead: they keep their direction while the body turns.
+/// Kind of a load. All are dead, they keep their direction while the body turns, but the pressure, and the moments and
+/// forces that follow a rigid body.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -137,12 +160,21 @@ pub enum LoadKind {
         /// Force at each node.
         force: [f64; 3],
     },
-    /// Moment \[force length\] on a rigid body, in the axes of space: it keeps its direction while the body turns.
+    /// Moment \[force length\] on a rigid body.
     Moment {
         /// Name of the rigid body.
         group: String,
-        /// Moment.
+        /// Moment, in the axes of space; if it follows, in those of the body, which are the same in the drawing.
         moment: [f64; 3],
+        /// Whether it turns with the body.
+        follow: bool,
+    },
+    /// Force \[force\] at the centre of a rigid body that turns with it.
+    FollowingForce {
+        /// Name of the rigid body.
+        group: String,
+        /// Force in the axes of the body, which are along x, y and z in the drawing.
+        force: [f64; 3],
     },
     /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses
     /// included, without a group.
@@ -210,6 +242,7 @@ impl LoadKind {
             | LoadKind::Force { .. }
             | LoadKind::NodalForce { .. }
             | LoadKind::Moment { .. }
+            | LoadKind::FollowingForce { .. }
             | LoadKind::Acceleration { .. } => None,
         }
     }

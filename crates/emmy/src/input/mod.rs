@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+mod coupling;
 mod field;
 mod initial_velocity;
 mod joint;
@@ -21,6 +22,7 @@ mod tie;
 pub(crate) mod time_function;
 mod viscosity;
 
+pub use coupling::Coupling;
 pub use field::Field;
 pub use initial_velocity::InitialVelocity;
 pub use joint::{Joint, JointEnd, JointKind, JointSpring};

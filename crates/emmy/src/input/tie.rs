@@ -22,6 +22,9 @@ pub struct Tie {
     /// Largest distance of a follower from the leader, over the longest edge of the facet or cell there; for nodes over
     /// the shortest edge at the follower.
     pub tolerance: f64,
+    /// Weights of the nodes of the leader in ascending order, with the sum 1, for a follower of one node; then the kind
+    /// has no effect. `None`: found by the kind.
+    pub weights: Option<Vec<f64>>,
 }
 
 /// How the weights of a tie are found.
@@ -38,7 +41,7 @@ pub enum TieKind {
 impl Tie {
     /// The tie of one group to another, with a tolerance of 0.05.
     pub fn new(follower: impl Into<String>, leader: impl Into<String>) -> Self {
-        Tie { follower: follower.into(), leader: leader.into(), kind: None, tolerance: 0.05 }
+        Tie { follower: follower.into(), leader: leader.into(), kind: None, tolerance: 0.05, weights: None }
     }
 
     /// The tie of the nodes of one group to another group, with a tolerance of 0.05.
@@ -49,6 +52,15 @@ impl Tie {
     /// The tie of two surfaces of linear facets by mortar, with a tolerance of 0.05.
     pub fn mortar(follower: impl Into<String>, leader: impl Into<String>) -> Self {
         Tie { kind: Some(TieKind::Mortar), ..Tie::new(follower, leader) }
+    }
+
+    /// The tie of one node to the nodes of a group with their weights, with a tolerance of 0.05.
+    pub fn weighted(
+        follower: impl Into<String>,
+        leader: impl Into<String>,
+        weights: impl Into<Vec<f64>>,
+    ) -> Self {
+        Tie { weights: Some(weights.into()), ..Tie::nodes(follower, leader) }
     }
 
     /// The same tie with another tolerance.

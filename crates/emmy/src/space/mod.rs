@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod coupled_point;
 pub(crate) mod drive;
 mod driven;
 pub(crate) mod geometry;
@@ -14,6 +15,7 @@ mod ties;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub use coupled_point::CoupledPoint;
 pub(crate) use driven::DrivenRates;
 pub(crate) use geometry::CellTable;
 pub(crate) use internal_nodes::InternalNodes;

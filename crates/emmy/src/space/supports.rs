@@ -51,7 +51,7 @@ impl Supports {
         for (number, support) in held().filter(|(_, support)| support.is_driven()) {
             supports.drive(mesh, number, support)?;
         }
-        supports.fix_planes(mesh, internal);
+        supports.fix_planes(mesh, internal, ties);
         supports.fixed.iter().enumerate().for_each(|(dof, fixed)| supports.held_axes[dof % 3] |= fixed);
         supports.check_tied(mesh, held().map(|(_, support)| support), ties)?;
         ties.dofs().for_each(|dof| supports.fixed[dof] = true);
@@ -80,9 +80,12 @@ impl Supports {
     }
 
     /// Plane strain: nodes of plane cells stay in the plane.
-    fn fix_planes(&mut self, mesh: &Mesh, internal: &InternalNodes) {
+    fn fix_planes(&mut self, mesh: &Mesh, internal: &InternalNodes, ties: &Ties) {
         for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
             cell.nodes.iter().for_each(|&node| self.fixed[nodal::dof(node as usize, 2)] = true);
+        }
+        if mesh.cells().any(|cell| cell.kind.dimension() == 2) {
+            ties.points().iter().for_each(|point| self.fixed[nodal::dof(point.node as usize, 2)] = true);
         }
         for (node, _) in internal.with_cells(mesh).filter(|(_, cell)| cell.kind.dimension() == 2) {
             self.fixed[nodal::dof(node, 2)] = true;

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::coupled_point::CoupledPoint;
 use crate::error::{Error, Result};
 use crate::input::{Tie, TieKind};
 use crate::mesh::{Facet, Mesh, Nearest, Patch, distance, is_linear, mortar};
@@ -29,6 +30,8 @@ pub(crate) struct Ties {
     summaries: Vec<TieSummary>,
     /// Rigid bodies with the nodes that follow them, ascending.
     bodies: Vec<(String, Vec<u32>)>,
+    /// Points of distributing couplings.
+    points: Vec<CoupledPoint>,
 }
 
 /// Nodes that follow a rigid body, ascending.
@@ -78,12 +81,19 @@ const ROUNDING_OF_INTEGRALS: f64 = 1e-14;
 type Leaders = BTreeMap<u32, Vec<(u32, f64)>>;
 
 impl Ties {
-    /// Finds the leaders of all followers, and moves the followers to the points that they follow.
+    /// Finds the leaders of all followers, and moves the followers to the points that they follow. Nodes that are
+    /// `held` do not follow the point of a distributing coupling.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`]; [`Error::Tie`] for a follower too far from its leader, of two ties or a tie and a rigid
-    /// body, or that leads back; [`Error::Rigid`] for a follower of two rigid bodies.
-    pub(crate) fn new(mesh: &mut Mesh, ties: &[Tie], rigid: Vec<RigidFollowers>) -> Result<Self> {
+    /// body, or that leads back; [`Error::Rigid`] for a follower of two rigid bodies; [`Error::Coupling`] for a point
+    /// that leads without a free node.
+    pub(crate) fn new(
+        mesh: &mut Mesh,
+        ties: &[Tie],
+        rigid: Vec<RigidFollowers>,
+        (points, held): (Vec<CoupledPoint>, &[bool]),
+    ) -> Result<Self> {
         let mut all = Leaders::new();
         let mut number_of = BTreeMap::new();
         let mut bodies: Vec<(String, Vec<u32>)> = Vec::new();
@@ -122,10 +132,14 @@ impl Ties {
                 all.insert(node, weights);
             }
         }
-        compose(&mut all, ties.len() + bodies.len().min(1)).map_err(|node| {
-            let number = number_of[&node];
+        add_points(mesh, &mut all, &points, held)?;
+        compose(&mut all, ties.len() + bodies.len().min(1) + points.len()).map_err(|node| {
             let reason = format!("its node at {} leads and follows in a circle", place(mesh, node));
-            fault(number, &ties[number], reason)
+            match (number_of.get(&node), points.first()) {
+                (Some(&number), _) => fault(number, &ties[number], reason),
+                (None, Some(point)) => Error::Coupling { coupling: point.name.clone(), reason },
+                (None, None) => Error::Rigid { body: String::new(), reason },
+            }
         })?;
         let mut summaries: Vec<TieSummary> = ties.iter().zip(kinds).map(TieSummary::new).collect();
         let (mut followers, mut begin, mut leaders) = (Vec::new(), vec![0], Vec::new());
@@ -149,11 +163,21 @@ impl Ties {
             leaders.extend(own);
             begin.push(leaders.len());
         }
-        Ok(Ties { followers, begin, leaders, summaries, bodies })
+        Ok(Ties { followers, begin, leaders, summaries, bodies, points })
     }
 
     pub(crate) fn is_empty(&self) -> bool {
         self.followers.is_empty()
+    }
+
+    /// The points of distributing couplings.
+    pub(crate) fn points(&self) -> &[CoupledPoint] {
+        &self.points
+    }
+
+    /// Sets velocities `[n_nodes][3]` at points of couplings that lead to the mean over their nodes.
+    pub(crate) fn set_points(&self, velocity: &mut [f64]) {
+        self.points.iter().filter(|point| point.leads).for_each(|point| point.set_mean(velocity));
     }
 
     /// A summary of each tie.
@@ -219,18 +243,19 @@ impl Ties {
     pub(crate) fn fold(&self, pattern: &Pattern, matrix: &mut StageMatrix, blocks: bool) {
         for (node, leaders) in self.iter() {
             matrix.fold_force(node, leaders);
-            if blocks {
+            if blocks && is_coupled(pattern, node) {
                 matrix.fold_row(pattern, node, leaders);
             }
         }
         if blocks {
-            self.iter().for_each(|(node, leaders)| matrix.fold_column(pattern, node, leaders));
+            let coupled = self.iter().filter(|(node, _)| is_coupled(pattern, *node));
+            coupled.for_each(|(node, leaders)| matrix.fold_column(pattern, node, leaders));
         }
     }
 
     /// `T^T M T` for a mass of each coupling.
     pub(crate) fn fold_mass(&self, pattern: &Pattern, mass: &mut [f64]) {
-        for (node, leaders) in self.iter() {
+        for (node, leaders) in self.iter().filter(|(node, _)| is_coupled(pattern, *node)) {
             for (from, &column) in pattern.range(node).zip(pattern.row(node)) {
                 let own = std::mem::take(&mut mass[from]);
                 for &(leader, weight) in leaders {
@@ -238,7 +263,7 @@ impl Ties {
                 }
             }
         }
-        for (node, leaders) in self.iter() {
+        for (node, leaders) in self.iter().filter(|(node, _)| is_coupled(pattern, *node)) {
             for row in pattern.row(node).iter().map(|&row| row as usize) {
                 let own = std::mem::take(&mut mass[pattern.coupling(row, node)]);
                 for &(leader, weight) in leaders {
@@ -259,6 +284,12 @@ impl Ties {
     }
 }
 
+/// Whether a node has couplings with others: points of distributing couplings that follow have neither mass nor
+/// stiffness.
+fn is_coupled(pattern: &Pattern, node: usize) -> bool {
+    pattern.row(node).len() > 1
+}
+
 impl TieSummary {
     fn new((tie, kind): (&Tie, TieKind)) -> Self {
         let Tie { follower, leader, .. } = tie.clone();
@@ -266,8 +297,35 @@ impl TieSummary {
     }
 }
 
+/// Moves the points of couplings to the means that they follow, and adds their followers.
+fn add_points(mesh: &mut Mesh, all: &mut Leaders, points: &[CoupledPoint], held: &[bool]) -> Result<()> {
+    for (number, point) in points.iter().enumerate() {
+        let mut X = [0.0; 3];
+        for &(node, weight) in &point.weights {
+            (0..3).for_each(|d| X[d] += weight * mesh.points()[node as usize][d]);
+        }
+        mesh.move_node(point.node as usize, X);
+        // A node in two couplings would lead to a circle.
+        let is_shared = |node: u32| {
+            let others = points.iter().enumerate().filter(|(other, point)| *other != number && point.leads);
+            others.flat_map(|(_, point)| &point.weights).any(|(other, _)| *other == node)
+        };
+        let is_free = |node: u32| !all.contains_key(&node) && !held[node as usize] && !is_shared(node);
+        let Some((follower, leaders)) = point.follower(is_free) else {
+            let reason = "each of its nodes is held, tied, in a rigid body or in another coupling, so none can follow \
+                          its point, which has a mass, a spring, a support or a joint";
+            return Err(Error::Coupling { coupling: point.name.clone(), reason: reason.to_string() });
+        };
+        all.insert(follower, leaders);
+    }
+    Ok(())
+}
+
 /// The kind of a tie, and its followers with the weights of their leaders.
 fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Leaders)> {
+    if let Some(weights) = &tie.weights {
+        return Ok((TieKind::Nodes, weighted(mesh, number, tie, weights)?));
+    }
     let nearest = nearest(mesh, number, tie)?;
     let facets = [&tie.follower, &tie.leader].map(|group| facets(mesh, group));
     let is_linear = |facet: &Facet| is_linear(mesh.facet_kind(*facet));
@@ -287,6 +345,49 @@ fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Leaders)> {
     let weights = |(node, own): (u32, Nearest)| (node, surfaces.remove(&node).unwrap_or(own.weights));
     Ok((kind, nearest.into_iter().map(weights).collect()))
 }
+
+/// The follower of a tie with given weights.
+fn weighted(mesh: &Mesh, number: usize, tie: &Tie, weights: &[f64]) -> Result<Leaders> {
+    let (followers, leaders) = (mesh.group_nodes(&tie.follower)?, mesh.group_nodes(&tie.leader)?);
+    let fail = |reason: String| Err(fault(number, tie, reason));
+    let [node] = followers[..] else {
+        return fail(format!(
+            "weights are those of one follower, and \"{}\" has {}",
+            tie.follower,
+            followers.len()
+        ));
+    };
+    if weights.len() != leaders.len() {
+        return fail(format!("it has {} weights for {} leaders", weights.len(), leaders.len()));
+    }
+    if leaders.binary_search(&node).is_ok() {
+        return fail(format!("both have the node at {}; a tie joins different nodes", place(mesh, node)));
+    }
+    let sum: f64 = weights.iter().sum();
+    // Not a number is no sum, either.
+    if !((sum - 1.0).abs() <= SUM_OF_WEIGHTS) {
+        return fail(format!("its weights sum to {}, not to 1", short(sum)));
+    }
+    let own: Vec<(u32, f64)> = leaders.into_iter().zip(weights.iter().map(|weight| weight / sum)).collect();
+    let mut X = [0.0; 3];
+    for &(leader, weight) in &own {
+        (0..3).for_each(|d| X[d] += weight * mesh.points()[leader as usize][d]);
+    }
+    let shift = distance(X, mesh.points()[node as usize]);
+    let edge = shortest_edges(mesh, &followers).get(&node).copied().unwrap_or(0.0);
+    if shift > tie.tolerance * edge + ROUNDING * mesh.diagonal() {
+        return fail(format!(
+            "its node at {} is {} away from the point of its weights, {}",
+            place(mesh, node),
+            short(shift),
+            short_vector(X)
+        ));
+    }
+    Ok(Leaders::from([(node, own)]))
+}
+
+/// Difference of the sum of weights from 1 that decks with six digits have.
+const SUM_OF_WEIGHTS: f64 = 1e-5;
 
 /// The followers of a tie with the nearest points of the leader.
 fn nearest(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>> {

@@ -34,7 +34,7 @@ impl BodyFeature {
             (BodyFeature::Damping, body.dissipates()),
             (BodyFeature::IncompatibleModes, body.space.has_internal_nodes()),
             (BodyFeature::Joints, !body.mechanism.is_empty()),
-            (BodyFeature::Ties, !body.ties().is_empty()),
+            (BodyFeature::Ties, body.has_ties()),
             (BodyFeature::ForcesWithHistory, body.n_history() > 0),
         ];
         features.into_iter().filter(|(_, has)| *has).map(|(feature, _)| feature)

@@ -6,6 +6,7 @@ mod allocations;
 mod architecture;
 mod balances;
 mod classic_steppers;
+mod couplings;
 mod damping;
 mod driven_supports;
 mod energy_formulas;

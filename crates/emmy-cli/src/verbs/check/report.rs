@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use emmy::body::{
-    Body, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary, Support,
-    TieKind, TimeFunction, Viscosity,
+    Body, Coupling, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary,
+    Support, TieKind, TimeFunction, Viscosity,
 };
 use emmy::mesh::{Worst, quality};
 use emmy::motion::{Adaptivity, State};
@@ -42,9 +42,10 @@ impl Report {
         }
         let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        // Those of rigid bodies come after the others.
-        let first = body.rigid_bodies().next().and_then(|own| body.nodes_of_rigid_body(&own.name));
-        let n_nodes = first.map_or(mesh.n_nodes(), |nodes| nodes.start as usize);
+        // Those of couplings and rigid bodies come after the others.
+        let rigid = body.rigid_bodies().next().and_then(|own| body.nodes_of_rigid_body(&own.name));
+        let point = body.couplings().first().map(|point| point.node);
+        let n_nodes = point.or(rigid.map(|nodes| nodes.start)).map_or(mesh.n_nodes(), |first| first as usize);
         let nodes = counted(n_nodes, "node", "nodes");
         let cells = counted(mesh.n_cells(), "cell", "cells");
         self.line("mesh", &format!("{nodes}, {cells} ({})", kinds.join(", ")));
@@ -63,7 +64,8 @@ impl Report {
         let mesh = body.mesh();
         let groups = mesh.groups();
         for name in groups.names() {
-            if body.nodes_of_rigid_body(name).is_some() {
+            let is_point = body.couplings().iter().any(|point| point.name == name);
+            if is_point || body.nodes_of_rigid_body(name).is_some() {
                 continue;
             }
             let cells = groups.cells.get(name).map(|cells| counted(cells.len(), "cell", "cells"));
@@ -129,11 +131,19 @@ impl Report {
         problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
         self.ties(body);
+        problem.couplings.iter().for_each(|coupling| self.coupling(coupling, body));
         self.mechanism(problem);
         self.damping(body);
     }
 
     /// Ties, with the largest shift of their followers.
+    fn coupling(&mut self, coupling: &Coupling, body: &Body) {
+        let Coupling { name, group, point, .. } = coupling;
+        let nodes = counted(body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()), "node", "nodes");
+        let point = self.units.vector(*point, "length");
+        self.line("coupling", &format!("{name}: the point {point} follows the mean of {nodes} of `{group}`"));
+    }
+
     fn ties(&mut self, body: &Body) {
         for tie in body.ties() {
             let nodes = counted(tie.n_followers, "node", "nodes");
@@ -301,7 +311,8 @@ impl Report {
 
     fn load(&mut self, load: &Load, resultant: &LoadResultant, body: &Body) {
         let all_masses = if body.rigid_bodies().len() == 0 { "all cells" } else { "all masses" };
-        let is_body = |name: &str| body.nodes_of_rigid_body(name).is_some();
+        let is_point = |name: &str| body.couplings().iter().any(|own| own.name == name);
+        let is_body = |name: &str| body.nodes_of_rigid_body(name).is_some() || is_point(name);
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
@@ -311,7 +322,9 @@ impl Report {
             LoadKind::AccelerationField { group, .. } => {
                 ("acceleration field", group.as_deref().unwrap_or(all_masses))
             }
-            LoadKind::Moment { group, .. } => ("moment", group.as_str()),
+            LoadKind::Moment { group, follow: false, .. } => ("moment", group.as_str()),
+            LoadKind::Moment { group, follow: true, .. } => ("following moment", group.as_str()),
+            LoadKind::FollowingForce { group, .. } => ("following force", group.as_str()),
             LoadKind::NodalForce { group, .. } if is_body(group) => ("force", group.as_str()),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),

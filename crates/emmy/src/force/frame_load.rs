@@ -1,6 +1,8 @@
-//! Moments on rigid bodies.
+//! Moments on rigid bodies, and forces that turn with them.
 //!
-//! The moment M acts on the frame of a body with the arms `d_i = P_i - P_0`, at every stage of a step, by the forces
+//! A force with the components f in the axes of the body acts at its centre, `F_0 = sum_i f_i d_i / s`, with the arms
+//! `d_i = P_i - P_0` of its frame, which are s long. A moment M, constant or with the components m in the axes of the
+//! body, `M = sum_i m_i d_i / s`, acts at every stage of a step by the forces
 //!
 //! ```math
 //! F_i = W x d_i,    F_0 = -sum_i F_i,    (tr D 1 - D) W = M,    D = sum_i d_i d_i^T
@@ -21,11 +23,13 @@ use crate::nodal;
 use crate::sparse::RowPart;
 use crate::tensor::{SYM_INDEX, cross, dot3, mat3, sym, sym_cofactor, sym_det};
 
-/// A moment on a rigid body with its factor over time.
+/// A moment or a force on a rigid body with its factor over time.
 #[derive(Debug, Clone)]
-pub(crate) struct Moment {
+pub(crate) struct FrameLoad {
     number: usize,
-    moment: [f64; 3],
+    action: Action,
+    /// Its vector, in the axes of space or of the body, which are those of space in the drawing.
+    vector: [f64; 3],
     time_function: TimeFunction,
     /// Centre and ends of the axes of the body.
     nodes: [u32; N],
@@ -36,6 +40,17 @@ pub(crate) struct Moment {
 }
 
 const N: usize = 4;
+
+/// How a vector acts on a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Action {
+    /// A moment that keeps its direction.
+    Moment,
+    /// A moment that turns with the body.
+    FollowingMoment,
+    /// A force at the centre that turns with the body.
+    FollowingForce,
+}
 
 /// The forces of a moment in a configuration.
 struct Acting {
@@ -69,9 +84,11 @@ impl Acting {
     /// ```math
     /// dF_i = dW x d_i + delta_ij W x e_c,    (tr D 1 - D) dW = e_c (d_j . W) + d_j W_c - 2 d_jc W
     /// ```
-    fn derivative(&self, j: usize, c: usize) -> [[f64; 3]; N] {
+    ///
+    /// `rate`: dM_c, the change of the moment with it along the axis c; it adds to the right side.
+    fn derivative(&self, j: usize, c: usize, rate: f64) -> [[f64; 3]; N] {
         let (own, w) = (self.arms[j], self.axis);
-        let along = dot3(own, w);
+        let along = dot3(own, w) + rate;
         let right = [0, 1, 2].map(|d| if d == c { along } else { 0.0 } + own[d] * w[c] - 2.0 * own[c] * w[d]);
         let change = product(&self.inverse, right);
         let mut forces = self.arms.map(|arm| cross(change, arm));
@@ -92,8 +109,8 @@ fn product(matrix: &[[f64; 3]; 3], vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| dot3(row, vector))
 }
 
-impl Moment {
-    /// The moment.
+impl FrameLoad {
+    /// The load.
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::Moment`] if the group is no rigid body that turns.
@@ -101,10 +118,10 @@ impl Moment {
         number: usize,
         load: &Load,
         group: &str,
-        moment: [f64; 3],
+        (action, vector): (Action, [f64; 3]),
         site: &Site<'_>,
     ) -> Result<Self> {
-        if let Some(&value) = moment.iter().find(|value| !value.is_finite()) {
+        if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {
             return Err(Error::NotFinite { what: "load".into(), value });
         }
         let own = site.rigid.iter().find(|(name, _)| name == group);
@@ -115,18 +132,65 @@ impl Moment {
         let arms = [1, 2, 3].map(|end| [0, 1, 2].map(|d| at(end)[d] - at(0)[d]));
         let pairs = nodes.iter().flat_map(|a| nodes.iter().map(move |b| (*a as usize, *b as usize)));
         let positions = pairs.map(|(a, b)| site.pattern.coupling(a, b) as u32).collect();
-        Ok(Moment { number, moment, time_function: load.time_function.clone(), nodes, arms, positions })
+        Ok(FrameLoad {
+            number,
+            action,
+            vector,
+            time_function: load.time_function.clone(),
+            nodes,
+            arms,
+            positions,
+        })
     }
 
-    /// The forces in a configuration, at a factor.
-    fn acting(&self, u: &dyn Fn(usize) -> f64, factor: f64) -> Acting {
+    /// Components in the axes of the body over the lengths of its arms, at a factor.
+    fn over_arms(&self, factor: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| factor * self.vector[i] / dot3(self.arms[i], self.arms[i]).sqrt())
+    }
+
+    /// The forces on the nodes in a configuration, at a factor, and their derivatives.
+    fn forces(&self, u: &dyn Fn(usize) -> f64, factor: f64) -> Forces {
         let at = |node: usize, d: usize| u(nodal::dof(self.nodes[node] as usize, d));
         let arms = [0, 1, 2].map(|i| [0, 1, 2].map(|d| self.arms[i][d] + at(i + 1, d) - at(0, d)));
-        Acting::new(arms, self.moment.map(|component| factor * component))
+        let turned = |parts: [f64; 3]| [0, 1, 2].map(|d| (0..3).map(|i| parts[i] * arms[i][d]).sum::<f64>());
+        let parts = self.over_arms(factor);
+        match self.action {
+            Action::Moment => Forces::Moment(Acting::new(arms, self.vector.map(|x| factor * x)), [0.0; 3]),
+            Action::FollowingMoment => Forces::Moment(Acting::new(arms, turned(parts)), parts),
+            Action::FollowingForce => Forces::AtCentre(turned(parts), parts),
+        }
     }
 }
 
-impl Force for Moment {
+/// The forces of a load in a configuration, and the change of its vector with each arm.
+enum Forces {
+    Moment(Acting, [f64; 3]),
+    AtCentre([f64; 3], [f64; 3]),
+}
+
+impl Forces {
+    /// The force on each node.
+    fn of_nodes(&self) -> [[f64; 3]; N] {
+        match self {
+            Forces::Moment(acting, _) => acting.forces(),
+            Forces::AtCentre(force, _) => [*force, [0.0; 3], [0.0; 3], [0.0; 3]],
+        }
+    }
+
+    /// The change of these forces with component c of arm j.
+    fn derivative(&self, j: usize, c: usize) -> [[f64; 3]; N] {
+        match self {
+            Forces::Moment(acting, rates) => acting.derivative(j, c, rates[j]),
+            Forces::AtCentre(_, rates) => {
+                let mut forces = [[0.0; 3]; N];
+                forces[0][c] = rates[j];
+                forces
+            }
+        }
+    }
+}
+
+impl Force for FrameLoad {
     fn book(&self) -> Book {
         Book::Work
     }
@@ -165,8 +229,8 @@ impl Force for Moment {
     ) -> Result<()> {
         let k = step.rule.degree();
         for (i, &factor) in memory.of::<Vec<f64>>().iter().enumerate() {
-            let acting = self.acting(&|dof| step.displacement_in(i, dof), factor);
-            for (&node, force) in self.nodes.iter().zip(acting.forces()) {
+            let forces = self.forces(&|dof| step.displacement_in(i, dof), factor);
+            for (&node, force) in self.nodes.iter().zip(forces.of_nodes()) {
                 if sink.owns(node) {
                     sink.add_force(i, node, force);
                 }
@@ -175,7 +239,7 @@ impl Force for Moment {
                 continue;
             }
             for (end, c) in (0..3).flat_map(|end| (0..3).map(move |c| (end, c))) {
-                let derivative = acting.derivative(end, c);
+                let derivative = forces.derivative(end, c);
                 for a in 0..N {
                     if !sink.owns(self.nodes[a]) {
                         continue;
@@ -199,7 +263,7 @@ impl Force for Moment {
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {
-        Some("moments on rigid bodies are not covered")
+        Some("moments on rigid bodies and forces that turn with them are not covered")
     }
 
     fn over_time(&self) -> Option<&dyn OverTime> {
@@ -207,7 +271,7 @@ impl Force for Moment {
     }
 }
 
-impl OverTime for Moment {
+impl OverTime for FrameLoad {
     fn number(&self) -> usize {
         self.number
     }
@@ -218,11 +282,11 @@ impl OverTime for Moment {
 
     fn in_proportion(&self, time: f64, _: usize) -> Arc<dyn Force> {
         let time_function = TimeFunction::ramp(self.time_function.value_before(time));
-        Arc::new(Moment { time_function, ..self.clone() })
+        Arc::new(FrameLoad { time_function, ..self.clone() })
     }
 
     fn add_unit_force(&self, force: &mut [f64]) {
-        for (&node, own) in self.nodes.iter().zip(self.acting(&|_| 0.0, 1.0).forces()) {
+        for (&node, own) in self.nodes.iter().zip(self.forces(&|_| 0.0, 1.0).of_nodes()) {
             let sum = nodal::at_mut(force, node as usize);
             (0..3).for_each(|d| sum[d] += own[d]);
         }
@@ -259,11 +323,65 @@ mod tests {
         };
         let acting = Acting::new(ARMS, MOMENT);
         for (end, c) in (0..3).flat_map(|end| (0..3).map(move |c| (end, c))) {
-            let (own, h) = (acting.derivative(end, c), 1e-5);
+            let (own, h) = (acting.derivative(end, c, 0.0), 1e-5);
             let (more, less) = (forces(end, c, h), forces(end, c, -h));
             for (node, d) in (0..N).flat_map(|node| (0..3).map(move |d| (node, d))) {
                 let difference = (more[node][d] - less[node][d]) / (2.0 * h);
                 assert!((own[node][d] - difference).abs() < 1e-9, "{end} {c} {node} {d}");
+            }
+        }
+    }
+
+    /// Loads that turn with the body: in a turned drawing they are turned, and derivatives are differences.
+    #[test]
+    fn following_loads_turn_with_the_body() {
+        let load = |action| FrameLoad {
+            number: 0,
+            action,
+            vector: MOMENT,
+            time_function: TimeFunction::constant(),
+            nodes: [0, 1, 2, 3],
+            arms: [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
+            positions: Vec::new(),
+        };
+        // A quarter turn about z: x -> y, y -> -x.
+        let turn = |v: [f64; 3]| [-v[1], v[0], v[2]];
+        let turned = |action| {
+            let own = load(action);
+            let end = |node: usize| {
+                node.checked_sub(1).map_or([0.0; 3], |i| {
+                    let (before, now) = (own.arms[i], turn(own.arms[i]));
+                    [0, 1, 2].map(|d| now[d] - before[d])
+                })
+            };
+            own.forces(&|dof| end(dof / 3)[dof % 3], 1.0).of_nodes()
+        };
+        let due = turn(MOMENT);
+        let force = turned(Action::FollowingForce);
+        let ends = turned(Action::FollowingMoment);
+        let arms = [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 2.0]];
+        let moments = [0, 1, 2].map(|i| cross(arms[i], ends[i + 1]));
+        for d in 0..3 {
+            assert!((force[0][d] - due[d]).abs() < 1e-15 && force[1][d] == 0.0, "{force:?}");
+            assert!((moments.iter().map(|own| own[d]).sum::<f64>() - due[d]).abs() < 1e-15, "{moments:?}");
+        }
+        for action in [Action::FollowingForce, Action::FollowingMoment] {
+            let own = load(action);
+            let noise = |dof: usize| 0.3 * ((dof as f64 + 1.0) * 0.618_034).fract();
+            let forces = |moved: usize, step: f64| {
+                own.forces(&|dof| noise(dof) + if dof == moved { step } else { 0.0 }, 1.0)
+            };
+            for (end, c) in (0..3).flat_map(|end| (0..3).map(move |c| (end, c))) {
+                let (h, dof) = (1e-5, 3 * (end + 1) + c);
+                let derivative = forces(dof, 0.0).derivative(end, c);
+                let (more, less) = (forces(dof, h).of_nodes(), forces(dof, -h).of_nodes());
+                for (node, d) in (0..N).flat_map(|node| (0..3).map(move |d| (node, d))) {
+                    let difference = (more[node][d] - less[node][d]) / (2.0 * h);
+                    assert!(
+                        (derivative[node][d] - difference).abs() < 1e-9,
+                        "{action:?} {end} {c} {node} {d}"
+                    );
+                }
             }
         }
     }
