@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 20] = [
+pub(super) const TEMPLATES: [Template; 21] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -51,6 +51,7 @@ pub(super) const TEMPLATES: [Template; 20] = [
     template!("driven-beam"),
     template!("balloon"),
     template!("rubber-mount"),
+    template!("engine-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),
     template!("heavy-top"),
@@ -62,8 +63,15 @@ pub(super) const TEMPLATES: [Template; 20] = [
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.
-const ON_MESHES: [&str; 6] =
-    ["bracket", "satellite", "steel-bracket", "tied-blocks", "tuning-fork", "two-materials"];
+const ON_MESHES: [&str; 7] = [
+    "bolted-bracket",
+    "bracket",
+    "satellite",
+    "steel-bracket",
+    "tied-blocks",
+    "tuning-fork",
+    "two-materials",
+];
 
 /// Writes the example, unless the file exists.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {

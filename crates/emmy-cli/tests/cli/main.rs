@@ -5,6 +5,7 @@ mod adaptive;
 mod cell_modes;
 mod compare;
 mod converge;
+mod couplings;
 mod endings;
 mod equilibrium;
 mod examples;

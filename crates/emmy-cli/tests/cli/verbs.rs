@@ -31,7 +31,15 @@ fn new_without_a_known_name_lists_the_examples() {
 #[test]
 fn new_says_where_the_examples_with_meshes_are() {
     let place = Place::new();
-    for name in ["bracket", "satellite", "steel-bracket", "tied-blocks", "tuning-fork", "two-materials"] {
+    for name in [
+        "bolted-bracket",
+        "bracket",
+        "satellite",
+        "steel-bracket",
+        "tied-blocks",
+        "tuning-fork",
+        "two-materials",
+    ] {
         let outcome = place.emmy(&["new", name]);
         assert_eq!(outcome.code, 2);
         for file in [format!("examples/{name}.toml"), format!("examples/meshes/{name}.msh")] {

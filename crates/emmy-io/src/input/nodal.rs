@@ -144,6 +144,11 @@ pub(super) enum Read {
     OfBody { name: String, mass: f64, inertia: [[f64; 3]; 3], place: Place },
 }
 
+/// Name of a mass beside its group that has none, by its number from 1.
+pub(super) fn name_of(number: usize) -> String {
+    format!("mass-{number}")
+}
+
 /// Reads one mass; `number` counts masses from 1.
 pub(super) fn read(table: &Table<'_>, number: usize) -> Result<Read, Fault> {
     let group = table.must::<Item<'_>>("group").name();
@@ -175,7 +180,7 @@ pub(super) fn read(table: &Table<'_>, number: usize) -> Result<Read, Fault> {
     };
     let name = match name {
         Some(_) => rigid::name(table)?,
-        None => format!("mass-{number}"),
+        None => name_of(number),
     };
     if coupling.and_then(|item| item.text()) != Some("distributing") {
         let body = RigidBody { mass, centre: Some(at), inertia: tensor, ..RigidBody::group(name, group) };

@@ -4,7 +4,7 @@ use emmy::internals::material::ModelCells;
 
 use super::fault::Faults;
 use super::table::Table;
-use super::{material, walk};
+use super::{material, nodal, walk};
 
 /// The root of the tree. Every table is checked before it is read, and one with faults does not hinder the others.
 pub(super) struct Root<'a> {
@@ -43,12 +43,20 @@ impl<'a> Root<'a> {
         self.each(key, read).pop()
     }
 
-    /// Names of the rigid bodies, also of those with faults; `None` if a name cannot be read.
-    pub(super) fn rigid_bodies(&self) -> Option<Vec<&'a str>> {
-        if self.faults.are_many() || walk::meant(&self.table).any(|key| key == "rigid") {
+    /// Names of the rigid bodies and couplings, also of those with faults; `None` if a name cannot be read.
+    pub(super) fn rigid_bodies(&self) -> Option<Vec<String>> {
+        let sections = ["rigid", "coupling", "mass"];
+        if self.faults.are_many() || walk::meant(&self.table).any(|key| sections.contains(&key)) {
             return None;
         }
-        self.raw("rigid").map(|table| table.item("name")?.text()).collect()
+        let text = |table: &Table<'a>| Some(table.item("name")?.text()?.to_string());
+        let named = self.raw("rigid").chain(self.raw("coupling")).map(|table| text(&table));
+        let masses = (1..).zip(self.raw("mass")).filter(|(_, table)| table.item("at").is_some());
+        let masses = masses.map(|(number, table)| match table.item("name") {
+            Some(_) => text(&table),
+            None => Some(nodal::name_of(number)),
+        });
+        named.chain(masses).collect()
     }
 
     /// Groups that the supports name, also in tables with faults; `None` if a name cannot be read.

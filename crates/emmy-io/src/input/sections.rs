@@ -174,6 +174,7 @@ impl Sections {
                 // Further faults: the groups, if the mesh can be made despite faults elsewhere.
                 let mesh = shape.and_then(|shape| faults.keep(shape.mesh(&link_groups)));
                 if let (Some(file), Some(bodies)) = (mesh, bodies) {
+                    let bodies: Vec<&str> = bodies.iter().map(String::as_str).collect();
                     groups::check(&file.mesh, &named, &bodies, &mut faults);
                 }
                 Err(faults.error())
