@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Sequence
 from typing import Any, Self
 
@@ -160,6 +161,14 @@ class Mesh(Sources):
         24
         """
         return [np.asarray(nodes, dtype=np.int64) for nodes in self._native.boundary()]
+
+    @property
+    def entries(self) -> dict[str, dict[str, Any]]:
+        """Rigid elements, couplings, ties, masses, springs and joints of a deck by name.
+
+        They act in every body of this mesh. Each is the table of the input that it stands for, with its ``section``.
+        """
+        return {name: {"section": own} | tomllib.loads(table) for name, own, table, _ in self._native.entries}
 
     def scaled(self, factor: float) -> Self:
         """The mesh with all coordinates multiplied by a factor.

@@ -182,9 +182,8 @@ class Tie(Table):
     leader : str
         Group that they follow: its facets; if it has none its nodes, which they must meet, else its cells.
     kind : str, optional
-        "mortar": by integrals over two surfaces of linear facets, so that a uniform stress passes exactly; "nodes":
-        each node follows the nearest point of the leader. By default "mortar" where both groups have linear facets
-        alone.
+        "mortar": by integrals over two surfaces, so that a uniform stress passes exactly between plane facets; "nodes":
+        each node follows the nearest point of the leader. By default "mortar" where both groups have facets.
     tolerance : float, optional
         Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of a node
         onto a node, to the shortest edge at the follower.

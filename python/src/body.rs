@@ -517,13 +517,15 @@ impl Problem {
         self.problem.title.as_deref()
     }
 
-    /// Its mesh, without the nodes of rigid bodies.
+    /// Its mesh, without the nodes of rigid bodies and couplings.
     fn mesh(&self, py: Python<'_>) -> PyResult<Mesh> {
         let body = &self.problem.body;
-        if self.problem.rigid.is_empty() {
+        let rigid = self.problem.rigid.iter().map(|own| own.name.as_str());
+        let names: Vec<&str> =
+            rigid.chain(self.problem.couplings.iter().map(|own| own.name.as_str())).collect();
+        if names.is_empty() {
             return Ok(Mesh::of(body.mesh().clone()));
         }
-        let names: Vec<&str> = self.problem.rigid.iter().map(|own| own.name.as_str()).collect();
         without_rigid_bodies(body.mesh(), &names).map(Mesh::of).map_err(|error| errors::library(py, &error))
     }
 }

@@ -6,6 +6,7 @@ mod cell_modes;
 mod compare;
 mod converge;
 mod couplings;
+mod decks;
 mod endings;
 mod equilibrium;
 mod examples;

@@ -29,10 +29,10 @@ pub(super) static TIE: Described = Described::new(|| {
             "kind",
             Kind::Word("a kind of tie", KINDS.to_vec(), |_| None),
             "",
-            "`mortar`: by integrals over two surfaces of linear facets, so that a uniform stress passes exactly; \
+            "`mortar`: by integrals over two surfaces, so that a uniform stress passes exactly between plane facets; \
              `nodes`: each node follows the nearest point of the leader",
         )
-        .absent("`mortar` where both groups have linear facets alone, else `nodes`")
+        .absent("`mortar` where both groups have facets, else `nodes`")
         .may(
             "tolerance",
             Kind::Number(Bounds::AtLeast(0.0)),

@@ -17,7 +17,7 @@ pub struct Tie {
     pub follower: String,
     /// Group that they follow: its facets; if it has none its nodes, else its cells.
     pub leader: String,
-    /// How its weights are found; `None` for mortar where both are groups of linear facets, nodes otherwise.
+    /// How its weights are found; `None` for mortar where both are groups of facets, nodes otherwise.
     pub kind: Option<TieKind>,
     /// Largest distance of a follower from the leader, over the longest edge of the facet or cell there; for nodes over
     /// the shortest edge at the follower.
@@ -30,8 +30,8 @@ pub struct Tie {
 /// How the weights of a tie are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TieKind {
-    /// By integrals over two surfaces of linear facets (dual mortar): a uniform stress passes exactly, whatever their
-    /// meshes.
+    /// By integrals over two surfaces (dual mortar): a uniform stress passes exactly between plane facets, whatever
+    /// their meshes.
     Mortar,
     /// Each follower moves with the nearest point of the leader, `w_A = N_A(X)`. A uniform stress does not pass exactly
     /// between meshes that do not match.
@@ -49,7 +49,7 @@ impl Tie {
         Tie { kind: Some(TieKind::Nodes), ..Tie::new(follower, leader) }
     }
 
-    /// The tie of two surfaces of linear facets by mortar, with a tolerance of 0.05.
+    /// The tie of two surfaces by mortar, with a tolerance of 0.05.
     pub fn mortar(follower: impl Into<String>, leader: impl Into<String>) -> Self {
         Tie { kind: Some(TieKind::Mortar), ..Tie::new(follower, leader) }
     }

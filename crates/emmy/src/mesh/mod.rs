@@ -13,7 +13,7 @@ mod share;
 pub use builder::MeshBuilder;
 pub(crate) use connectivity::roots;
 pub use groups::{Facet, Groups};
-pub(crate) use mortar::{is_linear, mortar};
+pub(crate) use mortar::mortar;
 pub(crate) use nearest::{Nearest, Patch, distance};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{MAX_CELLS, block, l_block, rectangle};

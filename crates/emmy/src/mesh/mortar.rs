@@ -9,6 +9,16 @@
 //!
 //! with integrals over the intersections of follower and leader facets, in the plane of the follower facet; D and M
 //! are those of the same points (Wohlmuth, SIAM J. Numer. Anal. 38, 2000; Puso, Int. J. Numer. Meth. Engng 59, 2004).
+//!
+//! The functions N at the corners of tri6 and quad8 have integrals of zero and below. There others take their place,
+//!
+//! ```math
+//! N^_c = N_c + alpha sum_m N_m,    N^_m = (1 - 2 alpha) N_m,      alpha = 1/5
+//! ```
+//!
+//! with the nodes m next to the corner c: they have positive integrals and sum to 1. In terms of their values u^, a
+//! corner has u_c = u^_c and a node between two corners `u_m = (1 - 2 alpha) u^_m + alpha (u^_c + u^_c')` (Popp,
+//! Wohlmuth, Gee and Wall, SIAM J. Sci. Comput. 34, 2012).
 
 #![allow(non_snake_case)]
 
@@ -29,22 +39,29 @@ const ROUNDING: f64 = 1e-10;
 /// Cosine of the largest angle between two facets that are tied.
 const LEAST_COSINE: f64 = 0.5;
 
-/// Degree of the rule on a triangle where shape functions are polynomials: four of the products of bilinear ones.
+/// Degree of the rule on a triangle where shape functions are polynomials of the second degree: four of their products.
 const DEGREE: usize = 5;
 
-/// Points along a side of the rule on a triangle where they are not: on quadrilaterals that are no parallelograms.
+/// Points along a side of the rule on a triangle where they are not: on quadrilaterals that are no parallelograms, and
+/// for shape functions of higher degrees.
 const N_POINTS: usize = 8;
 
 /// Weights of nodes by node.
 type Weights = BTreeMap<u32, f64>;
 
-/// Whether facets of a kind can be tied by mortar: their shape functions have positive integrals.
-pub(crate) fn is_linear(kind: FacetKind) -> bool {
-    matches!(kind, FacetKind::Line2 | FacetKind::Tri3 | FacetKind::Quad4)
+/// Part alpha of a node between two corners that is added to them.
+const SHARE: f64 = 0.2;
+
+/// Largest number of nodes of a facet.
+const MAX_NODES: usize = 9;
+
+/// Whether corners of a kind of facet take a part of the nodes between them: their own integrals are not positive.
+fn takes_share(kind: FacetKind) -> bool {
+    matches!(kind, FacetKind::Tri6 | FacetKind::Quad8)
 }
 
-/// Weights of the leaders of each follower that leaders cover, given linear facets. Leaders further away than
-/// `tolerance` times their longest edge do not count.
+/// Weights of the leaders of each follower that leaders cover. Leaders further away than `tolerance` times their
+/// longest edge do not count.
 pub(crate) fn mortar(
     mesh: &Mesh,
     [followers, leaders]: [&[Facet]; 2],
@@ -72,7 +89,40 @@ pub(crate) fn mortar(
         own.into_iter().map(|(leader, weight)| (leader, weight / sum)).collect()
     };
     let found = sums.into_iter().filter(|(_, (area, _))| *area > 0.0);
-    found.map(|(node, own)| (node, shares(own))).collect()
+    let mut found: BTreeMap<u32, Vec<(u32, f64)>> = found.map(|(node, own)| (node, shares(own))).collect();
+    add_shares(&followers, &mut found);
+    found
+}
+
+/// Takes nodes between two corners, which have shared with these, from the values u^ to those of u. Without both corners
+/// they are not covered.
+fn add_shares(followers: &[Side], found: &mut BTreeMap<u32, Vec<(u32, f64)>>) {
+    let sides = followers.iter().filter(|side| takes_share(side.kind));
+    let between: BTreeMap<u32, [u32; 2]> = sides
+        .flat_map(|side| {
+            let n = side.kind.n_corners();
+            (0..n).map(move |i| (side.nodes[n + i], [side.nodes[i], side.nodes[(i + 1) % n]]))
+        })
+        .collect();
+    let mut own: Vec<(u32, Option<Vec<(u32, f64)>>)> = Vec::new();
+    for (node, ends) in between {
+        let parts = [(node, 1.0 - 2.0 * SHARE), (ends[0], SHARE), (ends[1], SHARE)];
+        let mut sum = Weights::new();
+        let is_whole = parts.into_iter().all(|(part, factor)| {
+            let weights = found.get(&part);
+            let mut weights = weights.into_iter().flatten().peekable();
+            let is_there = weights.peek().is_some();
+            weights.for_each(|(leader, weight)| *sum.entry(*leader).or_insert(0.0) += factor * weight);
+            is_there
+        });
+        own.push((node, is_whole.then(|| sum.into_iter().collect())));
+    }
+    for (node, weights) in own {
+        match weights {
+            Some(weights) => _ = found.insert(node, weights),
+            None => _ = found.remove(&node),
+        }
+    }
 }
 
 /// A facet of one of the surfaces.
@@ -86,7 +136,7 @@ struct Side {
     size: f64,
     /// Unit normal; of an edge the direction along it.
     normal: [f64; 3],
-    /// Whether its shape functions are polynomials of the place.
+    /// Whether its shape functions are polynomials of the place, of at most the second degree.
     is_affine: bool,
 }
 
@@ -95,8 +145,9 @@ impl Side {
         let kind = mesh.facet_kind(facet);
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points()[node as usize]).collect();
-        let n = points.len();
-        let centre = [0, 1, 2].map(|d| points.iter().map(|X| X[d]).sum::<f64>() / n as f64);
+        let n = kind.n_corners();
+        let corners = &points[..n];
+        let centre = [0, 1, 2].map(|d| corners.iter().map(|X| X[d]).sum::<f64>() / n as f64);
         let radius = points.iter().map(|&X| distance(X, centre)).fold(0.0, f64::max);
         let size = (0..n).map(|i| distance(points[i], points[(i + 1) % n])).fold(0.0, f64::max);
         let along = |a: usize, b: usize| less(points[b], points[a]);
@@ -105,10 +156,7 @@ impl Side {
             3 => cross(along(0, 1), along(0, 2)),
             _ => cross(along(0, 2), along(1, 3)),
         };
-        let is_affine = n != 4 || {
-            let twist = [0, 1, 2].map(|d| points[0][d] - points[1][d] + points[2][d] - points[3][d]);
-            dot3(twist, twist).sqrt() <= ROUNDING * size
-        };
+        let is_affine = is_affine(kind, &points, size);
         Side { kind, nodes, points, centre, radius, size, normal: unit(normal), is_affine }
     }
 
@@ -117,18 +165,47 @@ impl Side {
         let arm = |X: &[f64; 3]| less(*X, onto.centre);
         let part = |X: &[f64; 3]| {
             let along = dot3(arm(X), onto.normal);
-            let factor = if onto.nodes.len() == 2 { along } else { -along };
-            let base = if onto.nodes.len() == 2 { onto.centre } else { *X };
+            let factor = if onto.is_edge() { along } else { -along };
+            let base = if onto.is_edge() { onto.centre } else { *X };
             [0, 1, 2].map(|d| base[d] + factor * onto.normal[d])
         };
         self.points.iter().map(part).collect()
     }
 
+    fn is_edge(&self) -> bool {
+        self.kind.n_corners() == 2
+    }
+
     /// Shape functions at a point X of the plane of some points of the facet.
-    fn shape(&self, points: &[[f64; 3]], X: [f64; 3]) -> [f64; 4] {
-        let mut N = [0.0; 4];
+    fn shape(&self, points: &[[f64; 3]], X: [f64; 3]) -> [f64; MAX_NODES] {
+        let mut N = [0.0; MAX_NODES];
         facet_element(self.kind).shape(coordinates(self.kind, points, X), &mut N[..points.len()]);
         N
+    }
+
+    /// The functions N^ of a follower for its shape functions.
+    fn shared(&self, N: [f64; MAX_NODES]) -> [f64; MAX_NODES] {
+        let n = self.kind.n_corners();
+        let mut shared = N;
+        for i in (0..n).filter(|_| takes_share(self.kind)) {
+            shared[n + i] = (1.0 - 2.0 * SHARE) * N[n + i];
+            shared[i] += SHARE * N[n + i];
+            shared[(i + 1) % n] += SHARE * N[n + i];
+        }
+        shared
+    }
+}
+
+/// Whether shape functions of a facet are polynomials of the place, of at most the second degree: of triangles with
+/// straight edges and nodes in their middle, of bilinear parallelograms and of edges.
+fn is_affine(kind: FacetKind, points: &[[f64; 3]], size: f64) -> bool {
+    let n = kind.n_corners();
+    let mean = |a: usize, b: usize| [0, 1, 2].map(|d| 0.5 * (points[a][d] + points[b][d]));
+    match kind {
+        FacetKind::Line2 | FacetKind::Line3 | FacetKind::Tri3 => true,
+        FacetKind::Tri6 => (0..n).all(|i| distance(points[n + i], mean(i, (i + 1) % n)) <= ROUNDING * size),
+        FacetKind::Quad4 => distance(mean(0, 2), mean(1, 3)) <= 0.5 * ROUNDING * size,
+        FacetKind::Quad8 | FacetKind::Quad9 => false,
     }
 }
 
@@ -145,10 +222,10 @@ impl Covered {
         let n = follower.nodes.len();
         let mut areas = vec![0.0; n];
         let mut mass = vec![0.0; n * n];
-        let mut products: BTreeMap<u32, [f64; 4]> = BTreeMap::new();
+        let mut products: BTreeMap<u32, [f64; MAX_NODES]> = BTreeMap::new();
         let plane = Plane::new(follower);
         let own = follower.projected(follower);
-        let polygon = plane.polygon(&own);
+        let polygon = plane.polygon(&own[..follower.kind.n_corners()]);
         let (polynomial, rational, on_edge) = (triangle(DEGREE), collapsed(N_POINTS), gauss(3));
         for leader in leaders {
             let apart = distance(follower.centre, leader.centre);
@@ -159,17 +236,18 @@ impl Covered {
                 continue;
             }
             let other = leader.projected(follower);
-            let overlap = clipped(plane.polygon(&other), &polygon);
+            let overlap = clipped(plane.polygon(&other[..leader.kind.n_corners()]), &polygon);
             let on_triangle = if follower.is_affine && leader.is_affine { &polynomial } else { &rational };
             plane.for_each_point(&overlap, (on_triangle, &on_edge), |x, weight| {
                 let X = plane.point(x);
                 let (N, N_A) = (follower.shape(&own, X), leader.shape(&other, X));
-                let place = |side: &Side, N: &[f64; 4]| {
+                let place = |side: &Side, N: &[f64; MAX_NODES]| {
                     [0, 1, 2].map(|d| side.points.iter().zip(N).map(|(X, N)| N * X[d]).sum::<f64>())
                 };
                 if distance(place(follower, &N), place(leader, &N_A)) > reach + ROUNDING * leader.size {
                     return;
                 }
+                let N = follower.shared(N);
                 for i in 0..n {
                     areas[i] += weight * N[i];
                     (0..n).for_each(|j| mass[i * n + j] += weight * N[i] * N[j]);
@@ -207,7 +285,7 @@ struct Plane {
 
 impl Plane {
     fn new(facet: &Side) -> Self {
-        let is_edge = facet.nodes.len() == 2;
+        let is_edge = facet.is_edge();
         let axes = match is_edge {
             true => [facet.normal, [0.0; 3]],
             false => {

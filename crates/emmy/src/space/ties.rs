@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::coupled_point::CoupledPoint;
 use crate::error::{Error, Result};
 use crate::input::{Tie, TieKind};
-use crate::mesh::{Facet, Mesh, Nearest, Patch, distance, is_linear, mortar};
+use crate::mesh::{Facet, Mesh, Nearest, Patch, distance, mortar};
 use crate::nodal;
 use crate::number::{short, short_vector};
 use crate::sparse::{Pattern, StageMatrix};
@@ -328,14 +328,12 @@ fn of_tie(mesh: &Mesh, number: usize, tie: &Tie) -> Result<(TieKind, Leaders)> {
     }
     let nearest = nearest(mesh, number, tie)?;
     let facets = [&tie.follower, &tie.leader].map(|group| facets(mesh, group));
-    let is_linear = |facet: &Facet| is_linear(mesh.facet_kind(*facet));
-    let are_linear = |facets: &[Facet]| !facets.is_empty() && facets.iter().all(is_linear);
-    let unfit = facets.iter().position(|facets| !are_linear(facets));
+    let unfit = facets.iter().position(|facets| facets.is_empty());
     let kind = tie.kind.unwrap_or(if unfit.is_none() { TieKind::Mortar } else { TieKind::Nodes });
     let mut surfaces = match (kind, unfit) {
         (TieKind::Mortar, Some(side)) => {
             let group = [&tie.follower, &tie.leader][side];
-            let reason = format!("mortar joins facets of linear cells, and \"{group}\" has others or none");
+            let reason = format!("mortar joins facets, and \"{group}\" has none");
             return Err(fault(number, tie, format!("{reason}; kind = \"nodes\" joins all")));
         }
         (TieKind::Mortar, None) => mortar(mesh, facets, tie.tolerance),
