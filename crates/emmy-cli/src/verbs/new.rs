@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 20] = [
+pub(super) const TEMPLATES: [Template; 21] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -53,6 +53,7 @@ pub(super) const TEMPLATES: [Template; 20] = [
     template!("rubber-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),
+    template!("rotor-blade"),
     template!("heavy-top"),
     template!("four-bar"),
     template!("slider-crank"),

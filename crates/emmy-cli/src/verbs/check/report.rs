@@ -302,6 +302,8 @@ impl Report {
     fn load(&mut self, load: &Load, resultant: &LoadResultant, body: &Body) {
         let all_masses = if body.rigid_bodies().len() == 0 { "all cells" } else { "all masses" };
         let is_body = |name: &str| body.nodes_of_rigid_body(name).is_some();
+        let force = self.units.vector(resultant.force, "force");
+        let torque = self.units.vector(resultant.torque, "force·length");
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
@@ -311,13 +313,21 @@ impl Report {
             LoadKind::AccelerationField { group, .. } => {
                 ("acceleration field", group.as_deref().unwrap_or(all_masses))
             }
+            LoadKind::Rotation { axis, about, speed } => {
+                let speed = self.units.number(*speed, "1/time");
+                let about = self.units.vector(*about, "length");
+                let axis = vector(*axis);
+                let turns =
+                    format!("rotation of the observer: {speed} about the axis {axis} through {about}");
+                self.line("load", &turns);
+                return self
+                    .line("", &format!("centrifugal force {force}, torque about the origin {torque}"));
+            }
             LoadKind::Moment { group, .. } => ("moment", group.as_str()),
             LoadKind::NodalForce { group, .. } if is_body(group) => ("force", group.as_str()),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),
         };
-        let force = self.units.vector(resultant.force, "force");
-        let torque = self.units.vector(resultant.torque, "force·length");
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
         let history = summary(&load.time_function, self.units, "");
         match load.kind.field() {
