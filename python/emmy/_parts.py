@@ -291,8 +291,8 @@ class Load(Table):
     Parameters
     ----------
     group : str, optional
-        Group on which the load acts; with `acceleration`, `body_force`, `attraction` and `drag` the whole body if not
-        given.
+        Group on which the load acts; with `acceleration`, `body_force` and `attraction` the whole body if not given, with
+        `rotation` and `drag` always.
     traction : vector or function, optional
         Force per reference area of a group of facets; or a function ``f(points, t)`` that returns one vector per point,
         both ``(n, 3)``.
@@ -312,6 +312,10 @@ class Load(Table):
         Force per reference volume of a group of cells; or ``f(points, t)``.
     attraction : dict, optional
         Attraction to a point: ``centre`` and ``strength``.
+    rotation : dict, optional
+        Centrifugal force on all masses, for an observer that turns: ``axis``, ``speed`` in radians per time and, unless
+        it is the origin, ``about``, a point of the axis. For `emmy.equilibrium` and `emmy.modes` about its state, which
+        takes the Coriolis force; motions refuse it, since in them the body itself turns.
     drag : float, optional
         Rate of a force -rate M v on the whole body.
     history : history, optional
@@ -348,6 +352,7 @@ class Load(Table):
     acceleration: Vector | VectorField | None = None
     body_force: Sequence[float | str] | NDArray[Any] | VectorField | None = None
     attraction: Mapping[str, Any] | None = None
+    rotation: Mapping[str, Any] | None = None
     drag: float | None = None
     history: History = 1
     follow: bool = False

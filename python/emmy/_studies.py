@@ -179,13 +179,15 @@ class Modes:
     frequencies : array (count,)
         Frequencies in cycles per time; 0 for a rigid mode.
     shapes : array (count, n, 3)
-        Mode shapes v with v M v = 1.
+        Mode shapes v with v M v = 1; for an observer that turns one moment of each vibration, in which points run
+        through ellipses.
     effective_masses : array (count, 3)
         Effective masses along x, y and z.
     rigid : int
         Number of rigid modes.
     residuals : array (count,)
-        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in squared frequencies.
+        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in squared frequencies. For
+        an observer that turns, those of the space of real modes, without bound.
 
     Examples
     --------
@@ -203,6 +205,10 @@ class Modes:
 
 def modes(body: Body, count: int = 10, *, state: State | Snapshot | None = None) -> Modes:
     """Natural modes of a body about its reference configuration, or about a state such as an equilibrium.
+
+    With a load `rotation`, modes about a state have the frequencies that its observer sees, who turns: the centrifugal
+    force softens the body, and the Coriolis force couples its modes. They are found in the space of twice as many real
+    modes as are wanted, and `residuals` tell what the others would add.
 
     Parameters
     ----------
@@ -225,7 +231,7 @@ def modes(body: Body, count: int = 10, *, state: State | Snapshot | None = None)
     TypeError
         If `body` is not a `Body`, or `state` is neither a `State` nor a `Snapshot`.
     ConvergenceError
-        If a residual exceeds 1e-6.
+        If a residual exceeds 1e-6, or an observer turns faster than the body is stable.
 
     Examples
     --------

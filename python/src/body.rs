@@ -110,6 +110,11 @@ fn any_time() -> (String, Tree) {
     ("time".to_string(), Tree::Table(time))
 }
 
+/// A body may have loads that its equilibria alone have.
+fn of_body() -> Overrides {
+    Overrides { is_of_body: true, ..Overrides::default() }
+}
+
 /// A start that permits every motion of the supports; the motion says what its start is.
 fn any_start() -> (String, Tree) {
     ("equilibrium".to_string(), Tree::Table(Vec::new()))
@@ -130,7 +135,20 @@ impl Body {
         py: Python<'_>,
         further: Vec<(String, Tree)>,
     ) -> PyResult<Arc<input::Problem>> {
-        let overrides = &Overrides::default();
+        self.problem_of(py, further, &Overrides::default())
+    }
+
+    /// The same without a motion: a plan among the sections does not count.
+    fn problem_at_rest(&self, py: Python<'_>, further: Vec<(String, Tree)>) -> PyResult<Arc<input::Problem>> {
+        self.problem_of(py, further, &of_body())
+    }
+
+    fn problem_of(
+        &self,
+        py: Python<'_>,
+        further: Vec<(String, Tree)>,
+        overrides: &Overrides,
+    ) -> PyResult<Arc<input::Problem>> {
         let tree = Tree::Table([self.tree.clone(), further].concat());
         let problem = pool::work(py, || of_input(|| input::build(&tree, overrides, Some(&self.problem))))?;
         problem.map(Arc::new).map_err(|error| errors::input(py, &error))
@@ -209,7 +227,7 @@ impl Body {
         let mut callables = Callables::default();
         let sections = entries(tree(sections, "", &mut callables)?);
         let whole = Tree::Table([sections.clone(), vec![any_time(), any_start()]].concat());
-        let problem = pool::work(py, || of_input(|| input::build(&whole, &Overrides::default(), None)))?;
+        let problem = pool::work(py, || of_input(|| input::build(&whole, &of_body(), None)))?;
         let problem = problem.map_err(|error| errors::input(py, &error))?;
         Ok(Body { tree: sections, callables, problem: Arc::new(problem) })
     }
@@ -301,7 +319,7 @@ impl Body {
         let load_steps = vec![("load_steps".to_string(), Tree::Whole(load_steps as i64))];
         further.push(("equilibrium".to_string(), Tree::Table(load_steps)));
         further.push(any_time());
-        let problem = self.problem(py, further)?;
+        let problem = self.problem_at_rest(py, further)?;
         let state = pool::work(py, || problem.start_state(&mut []))?;
         tuple(py, &self.problem.body, &state.map_err(|error| errors::start(py, error))?)
     }
@@ -421,7 +439,9 @@ impl Body {
             None => emmy::modes::modes(self.inner(), count),
         })?;
         let modes = found.map_err(|error| match error {
-            emmy::Error::Modes { .. } | emmy::Error::Linear { .. } => errors::step(py, &error),
+            emmy::Error::Modes { .. } | emmy::Error::Linear { .. } | emmy::Error::Rotation { .. } => {
+                errors::step(py, &error)
+            }
             error => errors::library(py, &error),
         })?;
         let table = PyDict::new(py);

@@ -66,3 +66,44 @@ def test_states_have_incompatible_modes():
     standard = emmy.Body(mesh, emmy.Region(material, density=1.0), emmy.Support("x-min", fix="xyz"))
     with pytest.raises(emmy.InputError, match="start.modes: 30 vectors given, but the incompatible modes"):
         emmy.Motion(standard, start=state)
+
+
+def test_an_observer_that_turns_sees_masses_thrown_out():
+    # r = k r_0/(k - m Omega^2), and frequencies omega_0 -+ Omega, with omega_0 along the axis.
+    body = emmy.Body(
+        rigid=emmy.Rigid("ball", mass=2.0, centre=(1.0, 0.0, 0.0)),
+        supports=emmy.Support("ball", spring=18.0),
+        loads=emmy.Load(rotation={"axis": (0, 0, 5), "speed": 1.0}),
+    )
+    state = emmy.equilibrium(body, 2)
+    assert state.displacement[0] == pytest.approx([2.0 / 16.0, 0.0, 0.0], abs=1e-14)
+    modes = emmy.modes(body, 3, state=state)
+    assert modes.frequencies * 2 * np.pi == pytest.approx([2.0, 3.0, 4.0], rel=1e-12)
+    assert np.all(modes.residuals < 1e-12) and modes.effective_masses.sum(axis=0) == pytest.approx(2.0)
+    assert emmy.modes(body, 3).frequencies * 2 * np.pi == pytest.approx(3.0, rel=1e-12)     # without loads
+    # About a line that is not through the origin.
+    moved = emmy.Load(rotation={"axis": np.array([0.0, 0.0, 1.0]), "about": (1.0, 0.0, 0.0), "speed": 1.0})
+    body = emmy.Body(rigid=emmy.Rigid("ball", mass=2.0, centre=(1.0, 0.0, 0.0)), supports=emmy.Support("ball", spring=18.0),
+                     loads=moved)
+    assert np.abs(emmy.equilibrium(body, 1).displacement).max() < 1e-15
+
+
+def test_motions_and_fast_observers_are_refused():
+    def ball(**rotation):
+        return emmy.Body(
+            rigid=emmy.Rigid("ball", mass=2.0, centre=(1.0, 0.0, 0.0)),
+            supports=emmy.Support("ball", spring=18.0),
+            loads=emmy.Load(rotation={"axis": (0, 0, 1), **rotation}),
+        )
+
+    with pytest.raises(emmy.InputError, match="the body itself turns"):
+        emmy.Motion(ball(speed=1.0), steps=(1.0, 0.1))
+    with pytest.raises(emmy.ConvergenceError, match="softens the body more than it is stiff"):
+        emmy.equilibrium(ball(speed=4.0))
+    zero = np.zeros((1, 3))
+    with pytest.raises(emmy.ConvergenceError, match="limit of static stability"):
+        emmy.modes(ball(speed=4.0), 1, state=emmy.State(0.0, zero, zero, zero))
+    with pytest.raises(emmy.InputError, match="speed"):
+        emmy.Load(rotation={"axis": (0, 0, 1), "speed": 0.0})
+    with pytest.raises(emmy.InputError, match="direction"):
+        emmy.Load(rotation={"axis": (0, 0, 0), "speed": 1.0})

@@ -720,6 +720,22 @@ pub enum Error {
         /// The computation.
         what: &'static str,
     },
+    /// An impossible load by an observer that turns, or vibrations that it does not have.
+    #[error("load `rotation`: {reason}")]
+    Rotation {
+        /// Reason.
+        reason: String,
+    },
+    /// An equilibrium at which the centrifugal force softens a body more than it is stiff.
+    #[error(
+        "at a load fraction of {fraction} the centrifugal force softens the body more than it is stiff, so the equilibrium is \
+         unstable for an observer that turns with it: take a lower speed",
+        fraction = short(.fraction)
+    )]
+    Softened {
+        /// Load fraction of the increment.
+        fraction: f64,
+    },
     /// Something that a team of ranks does not compute.
     #[error("{what} is not possible on a team")]
     NotOnTeam {

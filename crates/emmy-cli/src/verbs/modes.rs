@@ -62,6 +62,7 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if !arguments.quiet {
         about(&problem, state.as_ref(), host)?;
         remarks(&modes, host);
+        seen(&problem, &modes, host);
         message!(host, "written: {}", directory.join(emmy_io::modes::TABLE).display());
         message!(host, "to look at: {}", page.display());
     }
@@ -105,7 +106,7 @@ fn failure(error: emmy::Error, is_count_given: bool) -> Failure {
             let help = "nothing was written; thin cells and stiff springs leave the lowest modes few digits";
             Failure::Study { message: error.to_string(), help: help.to_string() }
         }
-        emmy::Error::Linear { .. } => {
+        emmy::Error::Linear { .. } | emmy::Error::Rotation { .. } => {
             Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
         }
         error => error.into(),
@@ -193,6 +194,29 @@ fn remarks(modes: &[Mode], host: &dyn Host) {
         message!(
             host,
             "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
+        );
+    }
+}
+
+/// Residual of a vibration for an observer that turns, above which there is a remark.
+const LARGE_RESIDUAL: f64 = 1e-3;
+
+/// Remarks on frequencies that an observer sees who turns.
+fn seen(problem: &Problem, modes: &[Mode], host: &dyn Host) {
+    let Some(spin) = problem.body.observer_spin() else { return };
+    let speed = spin.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let largest = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
+    message!(
+        host,
+        "note: frequencies are those that the observer sees, who turns with {}; a shape is one moment of a vibration in which \
+         points run through ellipses",
+        problem.units.number(speed, "1/time")
+    );
+    if largest > LARGE_RESIDUAL {
+        message!(
+            host,
+            "note: residuals are up to {largest:.1e}, because twice as many real modes as are wanted span the vibrations: a larger \
+             `--count` takes more"
         );
     }
 }

@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 21] = [
+pub(super) const TEMPLATES: [Template; 22] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -54,6 +54,7 @@ pub(super) const TEMPLATES: [Template; 21] = [
     template!("engine-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),
+    template!("rotor-blade"),
     template!("heavy-top"),
     template!("four-bar"),
     template!("slider-crank"),

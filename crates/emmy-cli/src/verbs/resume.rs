@@ -111,7 +111,7 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint, host: &dyn Host) -> R
         until: arguments.until,
         output: Some(arguments.directory.clone()),
         step: arguments.step.map(|size| (checkpoint.snapshot.state.time, size)),
-        parts: None,
+        ..Overrides::default()
     };
     let problem = read(&arguments.directory.join("input.toml"), &overrides, host)?;
     problem.notes.iter().for_each(|note| message!(host, "note: {note}"));

@@ -300,3 +300,49 @@ fn a_state_in_no_directory_is_named() {
     let check = place.emmy(&["check", "box.toml"]);
     assert!(check.code == 2 && check.stderr.contains("there is no directory bned"), "{}", check.stderr);
 }
+
+/// A mass on springs, drawn at a distance of 1 from the axis: `r = k/(k - m Omega^2)`, and frequencies
+/// `omega_0 -+ Omega`; beyond the limit there is no equilibrium.
+const BALL: &str = r#"
+rigid = [{ name = "ball", mass = 2, centre = [1, 0, 0] }]
+support = [{ group = "ball", spring = 18 }]
+load = [{ rotation = { axis = [0, 0, 5], speed = 1 } }]
+equilibrium.load_steps = 2
+output = { directory = "out", every = 0, probes = [{ name = "ball", group = "ball" }] }
+"#;
+
+#[test]
+fn an_observer_that_turns_sees_masses_thrown_out() {
+    let place = Place::with(BALL);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(
+        check.contains("rotation of the observer: 1 about the axis [0, 0, 5] through [0, 0, 0]"),
+        "{check}"
+    );
+    assert!(check.contains("centrifugal force [2, 0, 0], torque about the origin [0, 0, 0]"), "{check}");
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    // At half of the load and at the whole.
+    let x = &place.history("out")["ball_x"];
+    for (x, square) in x.iter().zip([0.0, 0.5, 1.0]) {
+        assert!((x - 18.0 / (18.0 - 2.0 * square)).abs() < 1e-13, "{x}");
+    }
+    let output = place.succeed(&["modes", "box.toml"]);
+    assert!(output.stderr.contains("note: frequencies are those that the observer sees, who turns with 1;"));
+    let table = place.read("box-modes/modes.csv");
+    for (row, expected) in table.lines().skip(1).zip([2.0, 3.0, 4.0]) {
+        let omega: f64 = row.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((omega - expected).abs() < 1e-12, "{table}");
+    }
+    let beyond = ["box.toml", "--set", "load.rotation.speed=4", "--output", "beyond"];
+    let run = place.emmy(&[&["run"], &beyond[..]].concat());
+    assert!(run.code == 3 && run.stderr.contains("beyond a load fraction of 0.56"), "{}", run.stderr);
+    assert!(run.stderr.contains("softens the body more than it is stiff"), "{}", run.stderr);
+    let modes = place.emmy(&[&["modes"], &beyond[..]].concat());
+    assert!(modes.code == 3 && modes.stderr.contains("take a lower speed"), "{}", modes.stderr);
+    // A motion has no such observer, and without [equilibrium] there is none either.
+    let time = "time={ scheme = 'DGM', steps = [{ until = 1, size = 0.1 }] }";
+    for verb in ["run", "modes", "check"] {
+        let refused = place.emmy(&[verb, "box.toml", "--set", time]);
+        assert!(refused.code == 2 && refused.stderr.contains("the body itself turns"), "{}", refused.stderr);
+    }
+}

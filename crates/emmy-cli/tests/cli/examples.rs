@@ -565,6 +565,35 @@ fn steel_bracket() {
     }
 }
 
+/// Flapping and lagging frequencies of a clamped blade: 5.585 and, 2.5 times as stiff, sqrt(3.925^2 - 1.6^2) at the
+/// speeds 4 and 1.6, in units of sqrt(E I/(rho A L^4)) (Wright and others 1982); `tan(b L)/b - L` of stretch.
+#[test]
+fn rotor_blade() {
+    let (place, history) = run("rotor-blade");
+    let unit = (7e10f64 * 0.02 * 0.02 / (12.0 * 2700.0)).sqrt();
+    close(117.6 / unit, 4.0, 1e-3);
+    let b = 117.6 * (2700.0 / 7e10f64).sqrt();
+    // The root does not get thinner, which stiffens it.
+    close(last(&history["tip_x"]) - 1.0, b.tan() / b - 1.0, 0.02);
+    let output = place.succeed(&["modes", "rotor-blade.toml", "--count", "4"]);
+    assert!(output.stderr.contains("the observer sees, who turns with 117.6 1/s"), "{}", output.stderr);
+    let modes = place.read("rotor-blade-modes/modes.csv");
+    let rows: Vec<Vec<f64>> =
+        modes.lines().skip(1).map(|row| row.split(',').map(|text| text.parse().unwrap()).collect()).collect();
+    close(rows[0][1], 5.585 * unit, 5e-3);
+    close(rows[1][1], (3.925f64.powi(2) - 1.6 * 1.6).sqrt() * 2.5 * unit, 0.01);
+    assert!(rows.iter().all(|row| row[7] < 0.02), "{modes}");
+    // A sweep over the speed has the same numbers.
+    let speeds = "load.rotation.speed=58.8,117.6";
+    place.succeed(&["sweep", "rotor-blade.toml", "--modes", "4", "--set", speeds, "--quiet"]);
+    let table = place.read("rotor-blade-sweep/sweep.csv");
+    let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = lines[0].iter().position(|name| *name == "frequency_1").unwrap();
+    let [slow, fast] = [1, 2].map(|row| lines[row][column].parse::<f64>().unwrap());
+    close(fast, rows[0][2], 1e-12);
+    close(slow, 4.1373 * unit / std::f64::consts::TAU, 5e-3);
+}
+
 /// The reactions at rest are those of FElupe (`rubber.py`: `ThreeFieldVariation` of `NeoHooke(0.5, 1000)`) with the
 /// same cells.
 #[test]

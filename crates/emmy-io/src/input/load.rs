@@ -42,7 +42,7 @@ pub(super) enum Acting {
 }
 
 /// Every kind of load.
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 11] = [
     Row {
         name: "traction",
         kind: field,
@@ -159,6 +159,15 @@ const ROWS: [Row; 10] = [
         read: attraction,
     },
     Row {
+        name: "rotation",
+        kind: || Kind::Table(&ROTATION),
+        unit: "",
+        doc: "Centrifugal force on all masses, for an observer that turns, and in modes the Coriolis force; no `group`, no \
+              `history`; with `[equilibrium]` and without `[time]` only",
+        needs_group: false,
+        read: rotation,
+    },
+    Row {
         name: "drag",
         kind: || POSITIVE,
         unit: "1/time",
@@ -179,7 +188,7 @@ pub(super) static LOAD: Described = Described::new(|| {
     let needs = |row: &Row| if row.needs_group { vec![row.name, "group"] } else { vec![row.name] };
     let section = Section::new("[[load]]", "A load on the body: exactly one kind")
         .may("group", Kind::Text, "", "Group on which the load acts")
-        .absent("with `acceleration`, `body_force` and `attraction` the whole body");
+        .absent("with `acceleration`, `body_force`, `attraction` and `rotation` the whole body");
     let add = |section: Section, row: &Row| section.may(row.name, (row.kind)(), row.unit, row.doc);
     let section = ROWS.iter().fold(section, add);
     let section = section
@@ -229,6 +238,17 @@ static ATTRACTION: Described = Described::new(|| {
         .must("strength", Kind::Number(Bounds::NotZero), "length³/time²", strength)
 });
 
+static ROTATION: Described = Described::new(|| {
+    Section::new(
+        "the rotation of a [[load]]",
+        "An observer that turns, at rest in whose axes the body is in equilibrium",
+    )
+    .must("axis", vector(), "", "Direction of the axis, of any length")
+    .may("about", vector(), "length", "A point of the axis")
+    .absent("the origin")
+    .must("speed", Kind::Number(Bounds::NotZero), "1/time", "Speed in radians")
+});
+
 /// Reads one load.
 pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) -> Option<Placed<Acting>> {
     let value = table.chosen();
@@ -248,6 +268,17 @@ impl Given<'_> {
     /// Whether it turns with a rigid body.
     fn follows(&self) -> bool {
         self.table.item("follow").is_some()
+    }
+
+    /// Checks that the load names neither a group nor a factor over time.
+    fn on_all(&self, what: &str) -> Result<(), Fault> {
+        for key in ["group", "history"] {
+            if let Some(item) = self.table.item(key) {
+                let message = format!("a {what} has no `{key}`: it acts on the whole body at all times");
+                return Err(item.fault(message, "leave it out"));
+            }
+        }
+        Ok(())
     }
 
     /// The load of a kind with its factor over time. A faulty factor does not hide an unknown group.
@@ -276,13 +307,36 @@ fn attraction(given: Given<'_>, _: &mut Faults) -> Result<Acting, Fault> {
 
 /// A drag acts on the whole body.
 fn drag(given: Given<'_>, _: &mut Faults) -> Result<Acting, Fault> {
-    for key in ["group", "history"] {
-        if let Some(item) = given.table.item(key) {
-            let message = format!("a drag has no `{key}`: it acts on the whole body at all times");
-            return Err(item.fault(message, "leave it out"));
-        }
-    }
+    given.on_all("drag")?;
     Ok(Acting::Drag(Read::read(given.value)))
+}
+
+/// An observer sees the centrifugal force on all masses.
+fn rotation(given: Given<'_>, faults: &mut Faults) -> Result<Acting, Fault> {
+    given.on_all("rotation")?;
+    let parameters = Table::read(given.value);
+    let (axis, speed): ([f64; 3], f64) = (parameters.must("axis"), parameters.must("speed"));
+    let about = parameters.may("about").unwrap_or_default();
+    if let (Some(item), true) = (parameters.item("axis"), axis == [0.0; 3]) {
+        return Err(item.fault("`axis` must have a direction", "no direction"));
+    }
+    given.load(faults, Members::Cells, |_| LoadKind::Rotation { axis, about, speed })
+}
+
+/// Checks that there is one observer at most, and no motion: `time` is the place of `[time]`.
+pub(super) fn check_observers(loads: &[Placed<(Load, Members)>], time: Option<&Place>, faults: &mut Faults) {
+    let mut turning = loads.iter().filter(|load| matches!(load.value.0.kind, LoadKind::Rotation { .. }));
+    let Some(first) = turning.next() else { return };
+    for other in turning {
+        let fault = Fault::at(&other.place, "several loads are a `rotation`", "again");
+        faults.push(fault.label(&first.place, "first").help("an observer turns about one axis"));
+    }
+    if let Some(time) = time {
+        let message = "`rotation` is what an observer sees who turns with a body in equilibrium; in a motion the body itself turns";
+        let help = "`[equilibrium]` without `[time]` is a static analysis, also for `emmy modes`; in a motion take `angular_velocity` \
+                    of `[initial]`, or a support with `rotate`";
+        faults.push(Fault::at(&first.place, message, "this load").label(time, "a motion").help(help));
+    }
 }
 
 /// Loads, attractions and drags by themselves.

@@ -166,6 +166,10 @@ pub(super) fn notes_on_loads<'a>(
                 let force = density * size(acceleration);
                 (group.as_ref(), force * length(mesh), " over the length of the mesh")
             }
+            LoadKind::Rotation { speed, .. } => {
+                let stress = density * (speed * length(mesh)).powi(2);
+                (None, stress, " over the length of the mesh")
+            }
             LoadKind::Moment { .. }
             | LoadKind::FollowingForce { .. }
             | LoadKind::TractionField { .. }

@@ -27,6 +27,9 @@ pub struct Overrides {
     pub parts: Option<PathBuf>,
     /// `--step H` of a resumed run: a time, and the size of the later steps.
     pub step: Option<(f64, f64)>,
+    /// Whether the body alone is meant, for a program that computes its equilibria and modes: there is no motion yet,
+    /// whatever `[time]` says.
+    pub is_of_body: bool,
 }
 
 /// A complete, checked problem: everything that the library needs to compute a motion, and the output to write.

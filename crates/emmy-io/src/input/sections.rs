@@ -87,6 +87,8 @@ impl Sections {
         let context = Context { directory, run, is_undeformed: start == Some(Start::Undeformed) };
         let load::Sorted { loads, attractions, drags } =
             root.each("load", |table, faults| load::read(table, context, faults)).into_iter().collect();
+        let motion = table.item("time").filter(|_| !overrides.is_of_body);
+        load::check_observers(&loads, motion.map(|time| time.key_place), &mut root.faults);
         let held = root.each("support", |table, faults| Some(support::read(table, context, faults)));
         let (supports, springs): (Vec<_>, Vec<_>) =
             held.into_iter().map(|held| (held.support, held.spring)).unzip();

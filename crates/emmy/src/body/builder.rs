@@ -168,7 +168,7 @@ impl BodyBuilder {
     /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
     /// [`crate::Error::Coupling`],
     /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::Moment`],
-    /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node without
+    /// [`crate::Error::Rotation`], [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node without
     /// mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team
     /// [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(mut self) -> Result<Body> {
@@ -447,6 +447,17 @@ impl Body {
         }
         regions_and_masses.extend(mechanism.frames.iter().map(Frame::summary));
         regions_and_masses.extend(spread.summaries(&mesh, &section, &nodal.spread, &ranks));
+        let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
+        spread.add_to(&mesh, &section, &pattern, &mut mass);
+        let observers = loads.iter().filter(|load| load.kind.turns_observer()).count();
+        if observers > 1 {
+            let reason = "there are several such loads, and an observer turns about one axis".to_string();
+            return Err(Error::Rotation { reason });
+        }
+        let mut mass_before_ties = if observers == 1 { mass.clone() } else { Vec::new() };
+        if observers == 1 {
+            mechanism.frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass_before_ties));
+        }
         let point_terms = &nodal;
         let rigid: Vec<_> =
             mechanism.frames.iter().map(|frame| (frame.name().to_string(), frame.nodes())).collect();
@@ -459,6 +470,7 @@ impl Body {
                 section: &section,
                 density_of_cell: &density_of_cell,
                 kind,
+                mass: &mass_before_ties,
                 masses: if point_terms.attractions.is_empty() { &[] } else { &masses(kind) },
                 other_masses: &other_masses(kind),
                 point_masses: &point_masses,
@@ -486,8 +498,6 @@ impl Body {
         ties.fold_lumped(&mut lumped_mass);
         points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&mechanism.frames, &mesh))?;
         lumped_mass.resize(internal.n_all(), 0.0);
-        let mut mass = regions::mass(&mesh, &pattern, &density_of_cell, &point_masses);
-        spread.add_to(&mesh, &section, &pattern, &mut mass);
         ties.fold_mass(&pattern, &mut mass);
         mechanism.frames.iter().for_each(|frame| frame.add_inertia(&pattern, &mut mass));
         let mass = Arc::new(mass);

@@ -421,6 +421,21 @@ impl Body {
         })
     }
 
+    /// Angular velocity of the observer, in whose axes the body is at rest in equilibrium \[1/time\]; `None` for an
+    /// observer at rest.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let spun = Load::rotation([0.0, 0.0, 2.0], [0.0; 3], 5.0); // an axis of any length
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).load(spun).build()?;
+    /// assert_eq!(body.observer_spin(), Some([0.0, 0.0, 5.0]));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn observer_spin(&self) -> Option<[f64; 3]> {
+        self.others().find_map(|force| force.observer_spin())
+    }
+
     /// Whether the forces of the body, with those on the right, have symmetric derivatives.
     pub(crate) fn is_symmetric(&self) -> bool {
         self.others().all(|force| force.is_symmetric())

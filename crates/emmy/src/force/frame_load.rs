@@ -15,7 +15,7 @@ use std::sync::Arc;
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, OverTime, Side};
 use super::source::Site;
-use super::step::{Sampling, StepInput, StepStart};
+use super::step::{StepInput, StepStart};
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
 use crate::input::{Load, TimeFunction};
@@ -204,19 +204,7 @@ impl Force for FrameLoad {
     }
 
     fn begin(&self, start: &StepStart<'_>, memory: &mut ForceMemory, _: &mut [f64]) -> Result<bool> {
-        let (factors, span) = (memory.of_mut::<Vec<f64>>(), start.span);
-        match start.sampling {
-            Sampling::Averages => {
-                let found = self.time_function.averages(span.start, span.size, start.rule, factors);
-                found.map_err(|found| self.not_finite(found))?;
-            }
-            Sampling::Points => {
-                for (factor, &alpha) in factors.iter_mut().zip(start.rule.nodes()) {
-                    *factor = self.factor(span.time(alpha))?;
-                }
-            }
-        }
-        Ok(factors.iter().any(|&factor| factor != 0.0))
+        self.stage_factors(start, memory.of_mut::<Vec<f64>>())
     }
 
     fn assemble(

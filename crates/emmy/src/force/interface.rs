@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::integral::Scratch;
 use super::pressures::PressureCells;
 use super::signal::Signal;
-use super::step::{StepInput, StepStart};
+use super::step::{Sampling, StepInput, StepStart};
 use super::strain_state::StrainState;
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
@@ -131,6 +131,11 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// ```
     fn add_start_gradient(&self, _: &StepInput<'_>, _adjoint: &[f64], _gradient: &mut [f64]) {}
 
+    /// Angular velocity of the observer that sees the force \[1/time\]; `None` for an observer at rest.
+    fn observer_spin(&self) -> Option<[f64; 3]> {
+        None
+    }
+
     /// Why adjoints do not cover the force.
     fn without_adjoint(&self) -> Option<&'static str> {
         None
@@ -185,6 +190,26 @@ pub trait OverTime {
     fn factor(&self, time: f64) -> Result<f64> {
         let value = self.time_function().value(time);
         if value.is_finite() { Ok(value) } else { Err(self.not_finite(NotFinite { time, value })) }
+    }
+
+    /// Sets the factor of each stage of a step, `factors: [k]`; returns whether one is not zero.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    fn stage_factors(&self, start: &StepStart<'_>, factors: &mut [f64]) -> Result<bool> {
+        let span = start.span;
+        match start.sampling {
+            Sampling::Averages => {
+                let found = self.time_function().averages(span.start, span.size, start.rule, factors);
+                found.map_err(|found| self.not_finite(found))?;
+            }
+            Sampling::Points => {
+                for (factor, &alpha) in factors.iter_mut().zip(start.rule.nodes()) {
+                    *factor = self.factor(span.time(alpha))?;
+                }
+            }
+        }
+        Ok(factors.iter().any(|&factor| factor != 0.0))
     }
 
     /// The error of a factor that is not a finite number.

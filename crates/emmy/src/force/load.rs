@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::centrifugal::CentrifugalForce;
 use super::dead::DeadLoad;
 use super::field_load::FieldLoad;
 use super::frame_load::{Action, FrameLoad};
@@ -33,6 +34,9 @@ impl ForceSource for Load {
             }
             LoadKind::Pressure { group, pressure } => {
                 Arc::new(SurfacePressure::new(number, self, group, *pressure, site)?)
+            }
+            LoadKind::Rotation { axis, about, speed } => {
+                Arc::new(CentrifugalForce::new(number, self, (*axis, *about, *speed), site)?)
             }
             LoadKind::TractionField { group, field } => {
                 Arc::new(FieldLoad::new(number, self, (field, FieldDomain::Facets(group)), site)?)

@@ -5,6 +5,7 @@
 mod attraction;
 mod batches;
 pub(crate) mod cells;
+mod centrifugal;
 pub(crate) mod dead;
 mod drag;
 mod facets;

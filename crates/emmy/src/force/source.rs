@@ -36,6 +36,8 @@ pub struct Site<'a> {
     pub density_of_cell: &'a [f64],
     /// The kind of mass on which the forces act.
     pub kind: MassKind,
+    /// Consistent mass of each coupling, before ties; empty if nothing asks for it.
+    pub mass: &'a [f64],
     /// Mass of each node; empty if nothing asks for it.
     pub masses: &'a [f64],
     /// Part of it that is not that of cells.

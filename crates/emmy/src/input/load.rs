@@ -82,6 +82,29 @@ impl Load {
         Load::new(LoadKind::Acceleration { group: None, acceleration })
     }
 
+    /// The centrifugal force on all masses, for an observer that turns about an axis (of any length) through a point,
+    /// with a speed \[rad/time\]: for equilibria and their modes.
+    ///
+    /// A mass m on a spring k, its length r_0 along the radius: `r = k r_0/(k - m Omega^2)`.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// use emmy::equilibrium::Equilibrium;
+    /// let line = JointKind::Line { to: [2.0, 0.0, 0.0] };
+    /// let spring = Joint::new("spring", line, [JointEnd::Rigid("ball".into()), JointEnd::Ground], [1.0, 0.0, 0.0]);
+    /// let body = Body::builder(Mesh::without_cells())
+    ///     .rigid(RigidBody::point("ball", 2.0, [1.0, 0.0, 0.0]))
+    ///     .joint(spring.with_spring(8.0, None))
+    ///     .load(Load::rotation([0.0, 0.0, 1.0], [0.0; 3], 1.0))
+    ///     .build()?;
+    /// let state = Equilibrium::new(&body, 0.0, 1)?.start(NewtonSettings::default(), &[], &mut [])?;
+    /// assert!((1.0 + state.displacement[0] - 8.0 / (8.0 - 2.0)).abs() < 1e-12);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn rotation(axis: [f64; 3], about: [f64; 3], speed: f64) -> Self {
+        Load::new(LoadKind::Rotation { axis, about, speed })
+    }
+
     /// The same load with a factor over time: a table of (time, factor).
     ///
     /// ```
@@ -103,8 +126,8 @@ impl Load {
     }
 }
 
-/// Kind of a load. All are dead, they keep their direction while the body turns, but the pressure, and the moments and
-/// forces that follow a rigid body.
+/// Kind of a load. All are dead, they keep their direction while the body turns, but the pressure, the rotation, and the
+/// moments and forces that follow a rigid body.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -184,6 +207,24 @@ pub enum LoadKind {
         /// Acceleration.
         acceleration: [f64; 3],
     },
+    /// Centrifugal force on all masses, for an observer that turns with `Omega a` about the line through c: the body
+    /// is at rest in the observer's axes, in which supports, springs and other loads are given, too. It acts on the
+    /// positions q, with `P = 1 - a a^T`:
+    ///
+    /// ```math
+    /// F_A = Omega^2 sum_B M_AB P (q_B - c)
+    /// ```
+    ///
+    /// It is the gradient of the potential `Omega^2/2 (q - c) . M P (q - c)`. In a motion the body itself turns, so
+    /// motions reject it.
+    Rotation {
+        /// Axis, of any length.
+        axis: [f64; 3],
+        /// A point c on the axis \[length\].
+        about: [f64; 3],
+        /// Speed Omega \[rad/time\].
+        speed: f64,
+    },
     /// Acceleration \[length/time^2\] of every mass of a cell group, by a function of reference position and time; of
     /// all masses, point masses included, without a group.
     ///
@@ -222,6 +263,11 @@ impl LoadKind {
         matches!(self, Acceleration { .. } | AccelerationField { .. } | BodyForceField { .. })
     }
 
+    /// Whether it is the force that an observer sees who turns.
+    pub(crate) fn turns_observer(&self) -> bool {
+        matches!(self, LoadKind::Rotation { .. })
+    }
+
     /// The function of position and time of a load by a field, and where it acts.
     ///
     /// ```
@@ -243,6 +289,7 @@ impl LoadKind {
             | LoadKind::NodalForce { .. }
             | LoadKind::Moment { .. }
             | LoadKind::FollowingForce { .. }
+            | LoadKind::Rotation { .. }
             | LoadKind::Acceleration { .. } => None,
         }
     }

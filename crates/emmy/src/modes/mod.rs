@@ -2,6 +2,7 @@
 
 mod pencil;
 mod rigid;
+mod turning;
 
 use pencil::{BodyPencil, Linearised, n_dependent, n_free};
 
@@ -11,7 +12,7 @@ use crate::sparse::reduce::dot;
 use crate::sparse::{Eigenmodes, Pencil, smallest};
 use crate::time::State;
 
-/// A natural mode.
+/// A natural mode. For an observer that turns, [`modes_about`] says what its fields are.
 ///
 /// ```
 /// use emmy::modes::Mode;
@@ -107,8 +108,22 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// motion at an instant count as those of a body at rest. The forces by which rigid bodies and joints carry the loads
 /// have a stiffness, too: a pendulum has its frequency where it hangs.
 ///
+/// Under a load [`LoadKind::Rotation`](crate::body::LoadKind::Rotation) the frequencies are those that the observer
+/// sees, who turns with `s = Omega a`: K has the softening `-Omega^2 M P`, and the Coriolis force couples its modes.
+///
+/// ```math
+/// M u'' + 2 G u' + K u = 0,    G u = M (s x u)
+/// ```
+///
+/// This is solved in the space of the 2 `count` lowest modes of K and M, and the residual
+/// `|(K + 2 i omega G - omega^2 M) v| / |K v|`, in the norm of `(K + s M)^-1` with a shift s, tells what the others would
+/// add: it has no bound but in the whole space, where it is rounding. The vibration v is complex, since points run through
+/// ellipses. `shape` is its place at the moment of the largest component, `Re v`, with `v^H (K + omega^2 M) v =
+/// 2 omega^2`, and the effective masses `|v^H M e_d|^2` still have the mass as their sum over all modes of a free body.
+///
 /// # Errors
-/// As [`modes`], and [`Error::Inverted`].
+/// As [`modes`], and [`Error::Inverted`]; [`Error::Rotation`] where K is not positive definite for an observer that
+/// turns: beyond the limit of static stability, or with rigid modes.
 ///
 /// ```
 /// use emmy::modes::{modes, modes_about};
@@ -121,7 +136,15 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// ```
 pub fn modes_about(body: &Body, state: &State, count: usize) -> Result<Vec<Mode>> {
     body.space.check_whole("a search for natural modes")?;
-    solved(body, &mut about(body, state)?, count)
+    seen(body, &mut about(body, state)?, count)
+}
+
+/// The modes of a linearised body as its observer sees them.
+fn seen(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
+    match body.observer_spin() {
+        Some(spin) => turning::modes(body, linearised, spin, count),
+        None => solved(body, linearised, count),
+    }
 }
 
 /// The body linearised about a state.
@@ -161,7 +184,7 @@ pub fn n_modes(body: &Body) -> usize {
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     body.space.check_whole("a search for natural modes")?;
-    lowest_elastic(body, &mut Linearised::at_reference(body)?)
+    lowest_elastic(body, &mut Linearised::at_reference(body)?, solved)
 }
 
 /// The lowest elastic mode about a state, and the number of rigid ones, as [`modes_about`] has them; `None` if the 56
@@ -181,10 +204,14 @@ pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
 /// ```
 pub fn lowest_elastic_mode_about(body: &Body, state: &State) -> Result<Option<(Mode, usize)>> {
     body.space.check_whole("a search for natural modes")?;
-    lowest_elastic(body, &mut about(body, state)?)
+    lowest_elastic(body, &mut about(body, state)?, seen)
 }
 
-fn lowest_elastic(body: &Body, linearised: &mut Linearised) -> Result<Option<(Mode, usize)>> {
+fn lowest_elastic(
+    body: &Body,
+    linearised: &mut Linearised,
+    solved: impl Fn(&Body, &mut Linearised, usize) -> Result<Vec<Mode>>,
+) -> Result<Option<(Mode, usize)>> {
     let most = MAX_SEARCHED.min(n_modes(body));
     let mut count = RIGID_AND_ONE.min(most);
     loop {
@@ -242,16 +269,21 @@ fn check_memory(n: usize, n_vectors: usize) -> Result<()> {
     reserved.map_err(|_| Error::OutOfMemory { what: "the basis of the modes", gigabytes })
 }
 
-/// The modes of eigenpairs; values up to `zero` are rounding.
-fn described(body: &Body, mut found: Eigenmodes, zero: f64) -> Vec<Mode> {
+/// Products of the mass with the rigid translation along each axis.
+fn translations(body: &Body) -> [Vec<f64>; 3] {
     let n = body.n_dofs();
-    let translation = |axis: usize| {
+    [0, 1, 2].map(|axis| {
         let e: Vec<f64> = (0..n).map(|dof| if dof % 3 == axis { 1.0 } else { 0.0 }).collect();
         let mut product = vec![0.0; n];
         body.mass_product(&e, &mut product);
         product
-    };
-    let translations = [0, 1, 2].map(translation);
+    })
+}
+
+/// The modes of eigenpairs; values up to `zero` are rounding.
+fn described(body: &Body, mut found: Eigenmodes, zero: f64) -> Vec<Mode> {
+    let n = body.n_dofs();
+    let translations = translations(body);
     let first = found.values.iter().filter(|value| **value < -zero).count();
     let n_rigid = found.values[first..].iter().filter(|value| **value <= zero).count();
     rigid::separate(&mut found.vectors[first * n..(first + n_rigid) * n], &translations);

@@ -9,6 +9,7 @@ use crate::body::{Assembly, Body, Interface};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
 use crate::sparse::{BLOCK, BlockCholesky, Pencil};
+use crate::tensor::cross;
 use crate::time::State;
 use crate::time::classic::Forces;
 use crate::unknowns::LinearConstraints;
@@ -179,6 +180,17 @@ impl<'a> BodyPencil<'a> {
         let stiff = dot(&u, &product);
         self.body.mass_product(&u, &mut product);
         stiff / dot(&u, &product)
+    }
+
+    /// Products with the gyroscopic matrix of an angular velocity, `G x = M (s x x)`, projected like those with the mass.
+    pub(super) fn multiply_gyroscopic(&self, spin: [f64; 3], x: &[f64], product: &mut [f64]) {
+        let n = self.body.n_dofs();
+        for (x, product) in x.chunks_exact(n).zip(product.chunks_exact_mut(n)) {
+            let turned: Vec<[f64; 3]> =
+                self.allowed(x).as_chunks().0.iter().map(|x| cross(spin, *x)).collect();
+            self.body.mass_product(turned.as_flattened(), product);
+            self.hold(product);
+        }
     }
 
     /// The motion that the constraints allow with the free degrees of freedom of a vector.

@@ -35,7 +35,7 @@ mod triangular;
 pub use block_cholesky::BlockCholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
-pub(crate) use dense::{DenseLu, eigenvalues, largest_eigenvalue};
+pub(crate) use dense::{DenseLu, antisymmetric_eigenpairs, eigenvalues, largest_eigenvalue};
 pub use dense::{
     Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space,
     null_space_within, split,

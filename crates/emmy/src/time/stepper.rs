@@ -24,6 +24,9 @@ pub enum BodyFeature {
     Ties,
     /// Forces with history variables ([`State::history`]).
     ForcesWithHistory,
+    /// The centrifugal force for an observer that turns ([`LoadKind::Rotation`](crate::body::LoadKind::Rotation)),
+    /// which equilibria alone have.
+    TurningObserver,
 }
 
 impl BodyFeature {
@@ -36,6 +39,7 @@ impl BodyFeature {
             (BodyFeature::Joints, !body.mechanism.is_empty()),
             (BodyFeature::Ties, body.has_ties()),
             (BodyFeature::ForcesWithHistory, body.n_history() > 0),
+            (BodyFeature::TurningObserver, body.observer_spin().is_some()),
         ];
         features.into_iter().filter(|(_, has)| *has).map(|(feature, _)| feature)
     }
@@ -49,6 +53,7 @@ impl BodyFeature {
             BodyFeature::Joints => "rigid bodies or joints",
             BodyFeature::Ties => "ties",
             BodyFeature::ForcesWithHistory => "forces with a history",
+            BodyFeature::TurningObserver => "a load `rotation`",
         }
     }
 }

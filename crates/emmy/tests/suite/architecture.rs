@@ -113,6 +113,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "spring",
             "attraction",
             "drag",
+            "centrifugal",
             "dead",
             "surface_pressure",
             "moment",

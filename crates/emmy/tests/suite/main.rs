@@ -49,3 +49,4 @@ mod teams;
 mod teams_solvers;
 mod ties;
 mod tuning_fork;
+mod turning_observers;

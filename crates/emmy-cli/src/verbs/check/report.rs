@@ -313,6 +313,8 @@ impl Report {
         let all_masses = if body.rigid_bodies().len() == 0 { "all cells" } else { "all masses" };
         let is_point = |name: &str| body.couplings().iter().any(|own| own.name == name);
         let is_body = |name: &str| body.nodes_of_rigid_body(name).is_some() || is_point(name);
+        let force = self.units.vector(resultant.force, "force");
+        let torque = self.units.vector(resultant.torque, "force·length");
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
@@ -325,12 +327,20 @@ impl Report {
             LoadKind::Moment { group, follow: false, .. } => ("moment", group.as_str()),
             LoadKind::Moment { group, follow: true, .. } => ("following moment", group.as_str()),
             LoadKind::FollowingForce { group, .. } => ("following force", group.as_str()),
+            LoadKind::Rotation { axis, about, speed } => {
+                let speed = self.units.number(*speed, "1/time");
+                let about = self.units.vector(*about, "length");
+                let axis = vector(*axis);
+                let turns =
+                    format!("rotation of the observer: {speed} about the axis {axis} through {about}");
+                self.line("load", &turns);
+                return self
+                    .line("", &format!("centrifugal force {force}, torque about the origin {torque}"));
+            }
             LoadKind::NodalForce { group, .. } if is_body(group) => ("force", group.as_str()),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or(all_masses)),
         };
-        let force = self.units.vector(resultant.force, "force");
-        let torque = self.units.vector(resultant.torque, "force·length");
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
         let history = summary(&load.time_function, self.units, "");
         match load.kind.field() {

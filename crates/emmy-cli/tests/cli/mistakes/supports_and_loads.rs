@@ -42,6 +42,11 @@ fn body_force(name: &str, force: &str) -> Mistake {
     changed(name, &format!("group = \"y-max\"\n{TRACTION}"), &format!("body_force = {force}"))
 }
 
+/// An observer that turns, in place of the traction.
+fn rotation(name: &str, rotation: &str) -> Mistake {
+    changed(name, &format!("group = \"y-max\"\n{TRACTION}\n{HISTORY}"), &format!("rotation = {rotation}"))
+}
+
 fn support(name: &str, to: &str) -> Mistake {
     changed(name, FIX, to)
 }
@@ -74,6 +79,17 @@ fn loads() -> Vec<Mistake> {
         body_force("body-force-with-a-pole-at-the-end", "[0, 0, \"x*tan(pi*t)\"]").unseen(),
         body_force("body-force-that-is-undefined-somewhere", "[\"ln(y - 1)\", 0, 0]").unseen(),
         load("body-force-on-facets", "body_force = [0, 0, \"x\"]").unseen(),
+        load("rotation-of-a-group", "rotation = { axis = [0, 0, 1], speed = 2 }").unseen(),
+        rotation("rotation-in-a-motion", "{ axis = [0, 0, 1], speed = 2 }").unseen(),
+        rotation("rotation-of-two-observers", "{ axis = [0, 0, 1], speed = 2 }")
+            .and("[[load]]", "[[load]]\nrotation = { axis = [1, 0, 0], speed = 3 }\n\n[[load]]")
+            .unseen(),
+        rotation("rotation-with-a-misspelt-key", "{ axes = [0, 0, 1], speed = 2 }"),
+        rotation("rotation-by-another-name", "{ axis = [0, 0, 1], omega = 2 }"),
+        rotation("rotation-about-nothing", "{ axis = [0, 0, 0], speed = 2 }").unseen(),
+        rotation("rotation-about-a-number", "{ axis = 3, speed = 2 }"),
+        rotation("rotation-without-a-speed", "{ axis = [0, 0, 1] }"),
+        rotation("rotation-at-no-speed", "{ axis = [0, 0, 1], speed = 0 }"),
         load("drag-on-a-group", "drag = 0.5").unseen(),
         changed("drag-that-pushes", &format!("group = \"y-max\"\n{TRACTION}\n{HISTORY}"), "drag = -0.5"),
     ]

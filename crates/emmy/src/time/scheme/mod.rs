@@ -256,10 +256,14 @@ impl Scheme {
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
             (BodyFeature::Joints | BodyFeature::ForcesWithHistory, Scheme::TimeElement(_))
-            | (BodyFeature::Joints, Scheme::Static)
+            | (BodyFeature::Joints | BodyFeature::TurningObserver, Scheme::Static)
             | (BodyFeature::Ties, _) => return Ok(()),
             (BodyFeature::Joints, _) => "joints and rigid bodies need a time element, such as DGM",
             (BodyFeature::ForcesWithHistory, _) => "forces with a history need a time element, such as DGM",
+            (BodyFeature::TurningObserver, _) => {
+                "the load `rotation` is for equilibria and their modes; in a motion the body itself turns: by its initial \
+                 angular velocity, or by a support that turns"
+            }
             // An equilibrium has no velocity, and no damping; a stepper from outside says itself what it integrates.
             (
                 _,

@@ -283,6 +283,36 @@ fn equilibria_under_pressures_and_moved_supports_are_those_of_the_whole_body() {
     assert_same_equilibrium(&mesh, moved, &[2]);
 }
 
+/// A body for an observer that turns, whose own rows of the mass are whole on each rank.
+#[test]
+fn equilibria_for_observers_that_turn_are_those_of_the_whole_body() {
+    let mesh = bricks();
+    let displacements = |builder: BodyBuilder| -> Result<Vec<(usize, [f64; 3])>> {
+        let spread = vec![SpreadMass { group: "clamp".into(), total: 0.5 }];
+        let body = builder
+            .region(rubber())
+            .point_terms(PointTerms { spread, ..Default::default() })
+            .support(Support::fixed("clamp"))
+            .load(Load::rotation([0.2, -0.1, 1.0], [0.0, 0.4, 0.0], 3.0))
+            .build()?;
+        let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
+        let state = Equilibrium::new(&body, 0.0, 2)?.start(settings, &[], &mut [])?;
+        let nodes = body.ranks().nodes()[..body.ranks().n_own()].iter().map(|&node| node as usize);
+        Ok(nodes.zip(state.displacement.as_chunks::<3>().0.iter().copied()).collect())
+    };
+    let whole = displacements(Body::builder(mesh.clone())).unwrap();
+    let size = whole.iter().map(|(_, u)| norm(*u)).fold(0.0, f64::max);
+    assert!(size > 1e-3);
+    for ranks in [1, 3] {
+        for own in on_team(&mesh, ranks, |share, team| displacements(Body::shared(share, team)).unwrap()) {
+            for (node, u) in own {
+                let difference = norm([0, 1, 2].map(|d| u[d] - whole[node].1[d]));
+                assert!(difference < 1e-10 * size, "{ranks} ranks: {difference:e}");
+            }
+        }
+    }
+}
+
 /// Two blocks, of which one is held by a plane of symmetry alone.
 #[test]
 fn free_motions_are_found_on_a_team() {

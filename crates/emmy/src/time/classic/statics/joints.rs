@@ -17,6 +17,9 @@ use crate::unknowns::LinearConstraints;
 /// Least stiffness of an anchor, over the mean stiffness of a degree of freedom.
 const LEAST_ANCHOR: f64 = 1e-3;
 
+/// Anchor of a softened degree of freedom over the moduli of its row, which dominates that row.
+const STRONG_ANCHOR: f64 = 2.0;
+
 /// The constraints at an iterate, with the multipliers of the last equilibrium.
 #[derive(Debug)]
 pub(super) struct Joints {
@@ -67,7 +70,8 @@ impl Joints {
     /// the body, anchored at the joint nodes. Returns whether the stiffness is positive definite for allowed motions.
     ///
     /// Parts that joints alone hold have a singular stiffness of their own. Where the joint nodes are anchored, it is
-    /// regular, unless a part can move with them at rest: then the whole is singular, too.
+    /// regular, unless a part can move with them at rest: then the whole is singular, too. A stiffness that is softened
+    /// by a force on the masses of rigid bodies needs stronger anchors.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] for a stiffness that is singular or not finite, [`crate::Error::NotFiniteAt`].
@@ -75,7 +79,7 @@ impl Joints {
         &mut self,
         (body, stiffness): (&Body, &StageMatrix),
         (displacement, time): (&[f64], f64),
-        multipliers: &[f64],
+        (multipliers, is_softened): (&[f64], bool),
         inverse: &mut Inverse,
     ) -> Result<bool> {
         let constraints = (body.constraints(), body.space.inactive());
@@ -83,7 +87,11 @@ impl Joints {
         let interface = self.interface.insert(Interface::new(body, constraints, multipliers));
         let dofs = interface.constraints.dofs();
         let least = LEAST_ANCHOR * self.mean_stiffness;
-        let anchors: Vec<f64> = dofs.iter().map(|&dof| diagonal(body, stiffness, dof).max(least)).collect();
+        let own = |dof: usize| match is_softened {
+            false => diagonal(body, stiffness, dof),
+            true => STRONG_ANCHOR * absolute_row(body, stiffness, dof),
+        };
+        let anchors: Vec<f64> = dofs.iter().map(|&dof| own(dof).max(least)).collect();
         let entries: HashMap<usize, f64> =
             dofs.iter().zip(&anchors).map(|(&dof, anchor)| (place(body, dof), *anchor)).collect();
         let is_definite = inverse.set_anchored(body, stiffness, &entries)?;
@@ -104,4 +112,11 @@ fn place(body: &Body, dof: usize) -> usize {
 fn diagonal(body: &Body, stiffness: &StageMatrix, dof: usize) -> f64 {
     let at = place(body, dof);
     stiffness.block(at / 9)[at % 9]
+}
+
+/// Sum of the moduli of the row of a degree of freedom.
+fn absolute_row(body: &Body, stiffness: &StageMatrix, dof: usize) -> f64 {
+    let row = 3 * (dof % 3)..3 * (dof % 3) + 3;
+    let of_block = |at: usize| stiffness.block(at)[row.clone()].iter().map(|entry| entry.abs()).sum::<f64>();
+    body.pattern().range(dof / 3).map(of_block).sum()
 }

@@ -68,8 +68,8 @@ pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64
 ///
 /// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
 /// stiffness is positive definite, then with a line search. On a team, which does not factorise, it counts as positive
-/// definite until conjugate gradients find a direction in which it is not, and always under follower loads. In a
-/// record, the work of loads and supports is the change of the strain energy, as it is along a path of equilibria, and
+/// definite until conjugate gradients find a direction in which it is not, and always under follower loads. An
+/// equilibrium whose stiffness is not positive definite with the centrifugal force of an observer is refused. In a record, the work of loads and supports is the change of the strain energy, as it is along a path of equilibria, and
 /// the residuals of the momentum balances are the resultant and the moment of loads, reactions and ground.
 #[derive(Debug)]
 pub struct StaticStepper<'a> {
@@ -120,7 +120,10 @@ impl<'a> StaticStepper<'a> {
         if !outcome.converged {
             return Err(self.failure(state, outcome));
         }
-        self.check_path(state).and_then(|()| self.check_angles(state)).map(|()| outcome)
+        self.check_path(state)?;
+        self.check_angles(state)?;
+        self.check_softening()?;
+        Ok(outcome)
     }
 
     /// Checks that the equilibrium belongs to the path that leads to it.
@@ -140,6 +143,19 @@ impl<'a> StaticStepper<'a> {
         let node = largest_node(body, moved);
         let position = body.space.at_node(node, |node| state.position(body, node));
         Err(Error::OtherPath { fraction: self.system.time, node, position })
+    }
+
+    /// Checks that the body is stiffer than the centrifugal force softens it: near its limit a large increment may leap
+    /// over all other checks, because the force is linear.
+    fn check_softening(&mut self) -> Result<()> {
+        let body = self.system.equations.body;
+        if body.observer_spin().is_none() || !body.is_symmetric() {
+            return Ok(());
+        }
+        match self.system.is_definite_under_loads(&self.unknowns)? {
+            true => Ok(()),
+            false => Err(Error::Softened { fraction: self.system.time }),
+        }
     }
 
     /// Checks that given angles are not half a turn off, as after a large increment.

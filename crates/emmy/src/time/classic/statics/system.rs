@@ -156,22 +156,37 @@ impl<'a> StaticSystem<'a> {
         self.is_linearised = true;
         let body = self.equations.body;
         self.lu = None;
-        let [x, multipliers, _] = self.equations.blocks.split(unknowns);
-        let displacement = self.displacement(x);
-        let matrix = &self.equations.assembly.matrix;
-        let is_definite = match &mut self.joints {
-            None => self.inverse.set(body, matrix)?,
-            Some(joints) => {
-                let at = (&displacement[..], self.time);
-                joints.factorize((body, matrix), at, multipliers, &mut self.inverse)?
-            }
-        };
+        let is_definite = self.factorize_matrix(unknowns, false)?;
         if !is_definite && self.must_be_definite {
             return Err(not_definite());
         }
+        let [x, ..] = self.equations.blocks.split(unknowns);
+        let displacement = self.displacement(x);
+        let matrix = &self.equations.assembly.matrix;
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, &displacement);
         self.floor += FLOOR * f64::EPSILON * self.square_of_constraints(&[body.constraints().size()]).sqrt();
         self.equations.add_external_tangent(x)
+    }
+
+    /// Factorises the matrix as it is, beside the constraints. Returns whether it is positive definite.
+    fn factorize_matrix(&mut self, unknowns: &[f64], is_softened: bool) -> Result<bool> {
+        let body = self.equations.body;
+        let [x, multipliers, _] = self.equations.blocks.split(unknowns);
+        let displacement = self.displacement(x);
+        let matrix = &self.equations.assembly.matrix;
+        match &mut self.joints {
+            None => self.inverse.set(body, matrix),
+            Some(joints) => {
+                let at = (&displacement[..], self.time);
+                joints.factorize((body, matrix), at, (multipliers, is_softened), &mut self.inverse)
+            }
+        }
+    }
+
+    /// Whether the symmetric stiffness with follower loads is positive definite; not known on a team.
+    pub(super) fn is_definite_under_loads(&mut self, unknowns: &[f64]) -> Result<bool> {
+        self.equations.assemble_tangent(unknowns)?;
+        self.factorize_matrix(unknowns, true)
     }
 
     /// The displacement at the end of the step.
@@ -302,10 +317,11 @@ impl<'a> StaticSystem<'a> {
     }
 }
 
-/// Largest extent of a body, with the places of its joints.
+/// Largest extent of a body, with the places of its joints; infinite for a single point, from which nothing is far.
 fn size(body: &Body) -> f64 {
     let extent = body.mesh().extent().into_iter().fold(0.0, f64::max);
-    if body.mechanism.is_empty() { extent } else { extent.max(body.constraints().size()) }
+    let size = if body.mechanism.is_empty() { extent } else { extent.max(body.constraints().size()) };
+    if size > 0.0 { size } else { f64::INFINITY }
 }
 
 fn not_definite() -> Error {
