@@ -1,6 +1,7 @@
 //! `[[coupling]]`, masses beside their groups, torques and loads that follow: from the input to the answers.
 
 use crate::Place;
+use crate::resume::assert_same_rows;
 
 /// A clamped block with a force at a point that its free end moves.
 const BLOCK: &str = r#"
@@ -83,6 +84,30 @@ fn a_held_point_has_a_reaction() {
         history["step_size"].iter().zip(&history["x-min_force_z"]).skip(1).map(|(h, f)| h * f).sum();
     let momentum = last(&place, "out", "linear_momentum_z");
     assert!((impulse + foot - momentum).abs() < 1e-11, "{impulse} {foot} {momentum}");
+    // A run that is stopped and resumed, and one by another number of threads, have the same bits.
+    place.succeed(&["run", "box.toml", "--quiet", "--until", "0.1", "--output", "parts"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.2"]);
+    assert_same_rows(&place, "out", "parts");
+    place.succeed(&["run", "box.toml", "--quiet", "--threads", "1", "--output", "alone"]);
+    assert_same_rows(&place, "out", "alone");
+}
+
+/// A block that one point holds can turn about it.
+#[test]
+fn a_point_alone_does_not_hold_a_body() {
+    let support = "[[support]]\ngroup = \"x-min\"\nfix = [\"x\", \"y\", \"z\"]\n";
+    let hung = BLOCK.replace(support, "").replace(
+        "[time]",
+        "[[support]]\ngroup = \"hook\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\n\n[time]",
+    );
+    for input in [hung.clone(), hung.replace("kind = \"distributing\"", "kind = \"rigid\"")] {
+        let outcome = Place::with(&input).emmy(&["run", "box.toml"]);
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("turn"), "{}", outcome.stderr);
+    }
+    // Three springs hold it.
+    let sprung = hung.replace("[equilibrium]", "[[support]]\ngroup = \"x-min\"\nspring = 5\n\n[equilibrium]");
+    Place::with(&sprung).succeed(&["run", "box.toml", "--quiet"]);
 }
 
 /// A rigid coupling is a rigid body of the group whose centre is the point; so is a mass beside the group.

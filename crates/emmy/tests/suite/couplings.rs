@@ -11,7 +11,7 @@ use emmy::body::{BodyBuilder, Formulation, GroundSpring, PointTerms};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::MeshBuilder;
 use emmy::modes::modes;
-use emmy::motion::NewtonSettings;
+use emmy::motion::{Adaptivity, NewtonSettings};
 use emmy::prelude::*;
 
 fn rubber() -> Region {
@@ -332,6 +332,31 @@ fn a_coupling_to_one_node_is_the_node() {
             assert!(off < 1e-12, "{scheme:?}: {off:e}");
         }
     }
+}
+
+/// Steps of any sizes, chosen by the error, and dissipation: what is lost is booked.
+#[test]
+fn adaptive_steps_and_dissipation() {
+    let body = with_mass(block(CellKind::Hex8), rubber(), 40.0).build().unwrap();
+    let mut fine = started(&body, at(DGM, 3));
+    (0..80).for_each(|_| _ = fine.step(0.0125).unwrap());
+    let exact = fine.record().strain_energy;
+    let mut last = f64::INFINITY;
+    for tolerance in [1e-3, 1e-5] {
+        let mut motion = started(&body, at(DGM, 2));
+        let plan = StepPlan::adaptive(0.0, 1.0, Adaptivity::new(tolerance)).unwrap();
+        motion.march(&plan, &mut []).unwrap();
+        let error = (motion.record().strain_energy - exact).abs() / exact;
+        assert!(error < 0.3 * last, "{tolerance:e}: {error:e}");
+        last = error;
+    }
+    let mut motion = started(&body, dgm(0.5));
+    let first = motion.record().total_energy;
+    for _ in 0..20 {
+        let record = motion.step(0.05).unwrap();
+        assert!(record.energy_residual.abs() < 1e-11 * first, "{:e}", record.energy_residual);
+    }
+    assert!(motion.record().total_energy < 0.99 * first);
 }
 
 /// Velocities of the cells alone are those of the point, which leads.
