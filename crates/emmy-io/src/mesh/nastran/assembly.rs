@@ -99,9 +99,9 @@ impl Reader {
             }
             // Springs with a stiffness act, or have a note of their own.
             let is_spring = card == "CBUSH" && has_stiffness && !is_cell;
-            if (is_alone || !is_cell && has_stiffness) && !is_spring {
+            if !is_spring && (is_alone || !is_cell && has_stiffness) {
                 self.account.leave_out(card);
-            } else if kind == CellKind::Line2 && !is_cell && !is_facet {
+            } else if kind == CellKind::Line2 && !is_spring && !is_cell && !is_facet {
                 n_lines += 1;
             }
             let body = &mut self.deck.root;

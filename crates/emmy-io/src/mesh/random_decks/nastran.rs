@@ -107,7 +107,7 @@ fn cards(
     choices: &mut Choices,
     block: &Block,
     wanted: &mut Wanted,
-) -> (Vec<(String, Vec<String>)>, super::Contents) {
+) -> (Vec<(String, Vec<String>)>, Contents) {
     let mut contents = block.contents();
     let mut cards: Vec<(&str, Vec<String>)> = Vec::new();
     // The system 5 has its origin at x = 10.
@@ -173,7 +173,7 @@ fn cards(
 }
 
 /// Springs, dampers and masses make a group of the grid points at their ends.
-fn add_ends(block: &Block, name: &str, fields: &[String], contents: &mut super::Contents) {
+fn add_ends(block: &Block, name: &str, fields: &[String], contents: &mut Contents) {
     let field = |index: usize| fields.get(index).map_or("", String::as_str);
     if ["CELAS1", "CDAMP1", "CMASS1"].contains(&name) {
         let of = |end: usize| block.numbers.iter().position(|number| number.to_string() == field(end));

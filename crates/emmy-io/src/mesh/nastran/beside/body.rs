@@ -1,15 +1,15 @@
 //! Grid points that move as one rigid body.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use emmy::internals::tensor::eigen;
 
 use super::super::super::abaqus::At;
-use super::Work;
 use super::fields::Reason;
 use super::grids::{moments, symmetric};
 use super::pair::{How, Pair};
 use super::register::{listed, table, text, texts, vector};
+use super::{Mass, Work};
 use toml::Value;
 
 /// A rigid element of several grid points.
@@ -141,7 +141,7 @@ impl Work<'_> {
     /// Grid points that turn: several rigid bars meet there, or a mass at one without cells has an inertia or lies
     /// beside it.
     fn turning(&self) -> HashSet<u64> {
-        let is_wide = |mass: &&super::Mass| {
+        let is_wide = |mass: &&Mass| {
             mass.inertia.is_some() || !self.grids.is_near(mass.centre, self.grids.place(mass.grid))
         };
         let mut n_bars = HashMap::<u64, usize>::new();
@@ -200,6 +200,7 @@ impl Work<'_> {
         grids.sort_unstable_by_key(|&grid| self.grids.index(grid));
         let nodes: Vec<u64> = grids.iter().copied().filter(|&grid| self.grids.is_of_cell(grid)).collect();
         if let Err(reason) = self.check_body(&grids, &nodes) {
+            self.lost.extend(grids.into_iter().filter(|&grid| self.grids.is_unused(grid)));
             for link in links {
                 self.register.leave_out_named(link.card, link.label, link.at, reason.clone());
             }
@@ -238,8 +239,8 @@ impl Work<'_> {
 
     /// Whether grid points make a rigid body that has a mass and turns about no line without inertia.
     fn check_body(&self, grids: &[u64], nodes: &[u64]) -> Result<(), Reason> {
-        let is_own = |mass: &&super::Mass| grids.contains(&self.resolved(mass.grid)) && mass.mass > 0.0;
-        let masses: Vec<&super::Mass> = match nodes.len() {
+        let is_own = |mass: &&Mass| grids.contains(&self.resolved(mass.grid)) && mass.mass > 0.0;
+        let masses: Vec<&Mass> = match nodes.len() {
             // A search among many grid points has no effect on a body of many nodes.
             n if n > 2 && !self.is_line(nodes.iter().map(|&node| self.grids.place(node))) => return Ok(()),
             _ => self.masses.iter().filter(is_own).collect(),
@@ -288,23 +289,25 @@ impl Work<'_> {
         self.register.add("joint", &name, (card, label), ["joint acts", "joints act"], rows);
     }
 
-    /// Free grid points with their masses, by the rigid body or by the grid point.
-    pub(super) fn masses_of(&self, masses: Vec<super::Mass>) -> BTreeMap<Of, Vec<super::Mass>> {
-        let mut all = BTreeMap::<Of, Vec<super::Mass>>::new();
+    /// Masses by the rigid body or the grid point that has them, in the order of the file.
+    pub(super) fn masses_of(&self, masses: Vec<Mass>) -> Vec<(Of, Vec<Mass>)> {
+        let mut all: Vec<(Of, Vec<Mass>)> = Vec::new();
+        let mut index = HashMap::new();
         for mass in masses {
             let grid = self.resolved(mass.grid);
-            let of = match self.body_of.get(&grid) {
-                Some(&body) => Of::Body(body),
-                None => Of::Grid(grid),
-            };
-            all.entry(of).or_default().push(mass);
+            let of = self.body_of.get(&grid).map_or(Of::Grid(grid), |&body| Of::Body(body));
+            let own = *index.entry(of).or_insert_with(|| {
+                all.push((of, Vec::new()));
+                all.len() - 1
+            });
+            all[own].1.push(mass);
         }
         all
     }
 }
 
 /// What has a mass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Of {
     Body(usize),
     Grid(u64),

@@ -76,9 +76,11 @@ impl Work<'_> {
         let found: BTreeSet<u64> = all.keys().map(|(set, _)| *set).collect();
         if sets.is_none() && !found.is_empty() {
             let names: Vec<String> = found.iter().map(u64::to_string).collect();
-            let act = if found.len() == 1 { "set acts" } else { "sets act" };
-            self.register
-                .remark(format!("MPC: no case control chooses a set, and each {act}: {}", listed(&names)));
+            let act = match &names[..] {
+                [set] => format!("set {set} acts"),
+                sets => format!("sets {} act", listed(sets)),
+            };
+            self.register.remark(format!("MPC: no case control chooses a set: {act}"));
         }
         let mut averages = Vec::new();
         for ((set, grid), mut equations) in all {

@@ -168,6 +168,12 @@ impl Work<'_> {
                             self.mass_alone(grid, &name, mass, "a node of a cell has none");
                         }
                     }
+                    None if self.lost.contains(&grid) => {
+                        for Mass { card, label, at, .. } in masses {
+                            let reason = Reason::new("a rigid element at its grid point is left out");
+                            self.register.leave_out_named(card, label, at, reason);
+                        }
+                    }
                     None => self.free_mass(grid, &masses),
                 },
             }
@@ -251,7 +257,11 @@ impl Work<'_> {
     fn free_mass(&mut self, grid: u64, masses: &[Mass]) {
         let (mass, centre, inertia) = combined(masses);
         let first = &masses[0];
-        let labels: Vec<String> = masses.iter().map(|mass| mass.label.clone()).collect();
+        let label = |mass: &Mass| match mass.card == first.card {
+            true => mass.label.clone(),
+            false => format!("{} {}", mass.card, mass.label),
+        };
+        let labels: Vec<String> = masses.iter().map(label).collect();
         let all = Mass { mass, centre, inertia, ..first.clone() };
         let name = self.add_rigid((first.card, labels.join(", ")), &first.name, &all, inertia);
         self.register.used.insert(grid);

@@ -95,6 +95,10 @@ struct Work<'a> {
     means: HashMap<u64, String>,
     /// Free masses by their grid points: name, centre, and whether they turn.
     free: BTreeMap<u64, (String, [f64; 3], bool)>,
+    /// Those of them that a joint or a spring holds.
+    held: HashSet<u64>,
+    /// Grid points without cells whose rigid element is left out.
+    lost: HashSet<u64>,
 }
 
 impl Work<'_> {
@@ -109,6 +113,19 @@ impl Work<'_> {
         self.join_pairs();
         supports.into_iter().for_each(|support| self.support(support));
         self.lines();
+        self.note_on_free_masses();
+    }
+
+    /// A note on masses that nothing holds, such as those of beams that are left out.
+    fn note_on_free_masses(&mut self) {
+        let is_free = |grid: &&u64| !self.held.contains(grid);
+        let names = self.free.keys().filter(is_free).map(|grid| self.free[grid].0.clone());
+        let names: Vec<String> = names.collect();
+        if !names.is_empty() {
+            let names = listed(&names);
+            self.register
+                .remark(format!("joined to nothing, as masses at grid points without cells: {names}"));
+        }
     }
 
     /// A note on constraints of points of couplings and masses, which are no nodes of cells.
@@ -166,7 +183,10 @@ impl Work<'_> {
             Some((_, centre, turns)) if !turns && !self.grids.is_near(*centre, place) => {
                 Err(Reason::new("a grid point lies beside its mass, which has no inertia"))
             }
-            Some((name, ..)) => Ok(name.clone()),
+            Some((name, ..)) => {
+                self.held.insert(own);
+                Ok(name.clone())
+            }
             None => {
                 Err(Reason::new("a grid point of it has no cell, no rigid element that acts, and no mass"))
             }
@@ -210,6 +230,8 @@ impl Reader {
             alias: HashMap::new(),
             means: HashMap::new(),
             free: BTreeMap::new(),
+            held: HashSet::new(),
+            lost: HashSet::new(),
         };
         if is_plane {
             let why = || Reason::new("the body is in plane strain");

@@ -98,8 +98,11 @@ impl<'a> Register<'a> {
         let Reason { text, is_fault } = reason;
         let new = || LeftOut { n: 0, names: Vec::new(), at, is_fault };
         let own = self.left_out.entry((card.to_string(), text.into_owned())).or_insert_with(new);
-        own.n += 1;
-        own.names.extend((own.names.last() != Some(&name)).then_some(name));
+        // Several cards may be one thing.
+        for name in name.split(", ").map(str::to_string) {
+            own.n += 1;
+            own.names.extend((own.names.last() != Some(&name)).then_some(name));
+        }
     }
 
     pub(super) fn remark(&mut self, note: String) {

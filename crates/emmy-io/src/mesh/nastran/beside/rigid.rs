@@ -16,7 +16,11 @@ impl Work<'_> {
                 // Two grid points: their distance is all that solid cells see.
                 Ok(link) if link.members.len() == 1 => self.pairs.push(link.into_pair()),
                 Ok(link) => links.push(link),
-                Err(reason) => self.register.leave_out(card, reason),
+                Err(reason) => {
+                    let hub = card.number(1).ok().filter(|&hub| self.grids.is_unused(hub));
+                    self.lost.extend(hub);
+                    self.register.leave_out(card, reason);
+                }
             }
         }
         for card in self.cards {

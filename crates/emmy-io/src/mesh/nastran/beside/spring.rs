@@ -109,7 +109,11 @@ impl Work<'_> {
             match alike(kind, &scalars) {
                 Ok(value) => {
                     let card = scalars[0].card;
-                    let labels: Vec<String> = scalars.iter().map(|scalar| scalar.card.label()).collect();
+                    let label = |scalar: &Scalar<'_>| match scalar.card.name == card.name {
+                        true => scalar.card.label(),
+                        false => format!("{} {}", scalar.card.name, scalar.card.label()),
+                    };
+                    let labels: Vec<String> = scalars.iter().map(label).collect();
                     let name = format!("{}_{}", card.name.to_ascii_lowercase(), card.label());
                     let (label, at) = (labels.join(", "), card.at);
                     if kind == Kind::Mass {
@@ -244,7 +248,10 @@ impl Work<'_> {
         let at_point = match (self.means.get(&own), self.free.get(&own), body) {
             _ if self.grids.is_of_cell(own) => None,
             (Some(mean), ..) => Some(mean.clone()),
-            (_, Some((name, centre, _)), _) if is_at(*centre) => Some(name.clone()),
+            (_, Some((name, centre, _)), _) if is_at(*centre) => {
+                self.held.insert(own);
+                Some(name.clone())
+            }
             (_, _, Some(body)) if is_at(body.place) && !body.nodes.is_empty() => Some(body.name.clone()),
             _ => {
                 let why = "its grid point has no cell, and is not the point of a coupling or mass";
