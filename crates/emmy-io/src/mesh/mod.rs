@@ -98,6 +98,13 @@ impl MeshFile {
         let Some(at) = self.notes.iter().position(|note| note.ends_with(NOT_JOINED)) else { return };
         self.notes.splice(at..=at, note_on_coincident_nodes(&self.mesh, is_joined));
     }
+
+    /// Replaces the number of nodes in the note on those of no cell by the number of those that nothing else uses.
+    fn count_unused(&mut self, of_no_cell: usize, unused: usize) {
+        let note = note_on_unused(of_no_cell);
+        let Some(at) = self.notes.iter().position(|own| Some(own) == note.as_ref()) else { return };
+        self.notes.splice(at..=at, note_on_unused(unused));
+    }
 }
 
 /// How a file is read where its format leaves a choice.
@@ -133,7 +140,8 @@ pub struct MeshOptions {
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
-/// `spc_SET`. Cards that are left out are counted in notes.
+/// `spc_SET`. Rigid elements, masses, springs and equations are [`MeshFile::entries`], with notes on those that are left
+/// out, and why. Other cards that are left out are counted in notes.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
@@ -320,18 +328,19 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     let mesh = builder.build().map_err(|reason| MeshError::Mesh { file: file(), reason })?;
     check_cells(&mesh, origin)?;
     notes.extend(note_on_turned_cells(&mesh, turned));
-    let unused = origin.n_nodes - mesh.n_nodes();
-    if unused > 0 {
-        let [one, many] =
-            ["node belongs to no cell and is left out", "nodes belong to no cell and are left out"];
-        notes.push(counted(unused, one, many));
-    }
+    notes.extend(note_on_unused(origin.n_nodes - mesh.n_nodes()));
     for (name, _) in mesh.groups().nodes.iter().filter(|(_, nodes)| nodes.is_empty()) {
         notes.push(format!("node group \"{name}\" has no node of a cell"));
     }
     notes.extend(note_on_coincident_nodes(&mesh, |_| false));
     notes.extend(note_on_collapsed_cells(&mesh, origin));
     Ok(MeshFile { mesh, notes, entries: Vec::new(), files: vec![file()] })
+}
+
+/// A note on nodes that no cell has.
+fn note_on_unused(n: usize) -> Option<String> {
+    let [one, many] = ["node belongs to no cell and is left out", "nodes belong to no cell and are left out"];
+    (n > 0).then(|| counted(n, one, many))
 }
 
 /// A note on cells that [`MeshBuilder::orient_cells`] has turned, if there are any.

@@ -24,6 +24,8 @@ mod mesh_limits;
 mod mesh_links;
 mod mesh_mirrored;
 mod mesh_nastran;
+mod mesh_nastran_beside;
+mod mesh_nastran_masses;
 mod mesh_partitions;
 mod mesh_plane;
 mod mesh_round_trip;

@@ -120,7 +120,7 @@ fn sets_names_and_shells_become_groups() {
     );
     let file = parse_text("a.nas", &text).unwrap();
     let groups = file.mesh.groups();
-    assert_eq!(groups.names(), ["pid_4", "spc_5", "spc_6", "steel"]);
+    assert_eq!(groups.names(), ["conm2_9-node", "pid_4", "rbe2_10-nodes", "spc_5", "spc_6", "steel"]);
     assert_eq!((groups.facets("pid_4").unwrap().len(), groups.cells("steel").unwrap()), (1, &[0][..]));
     assert_eq!((&groups.nodes["spc_5"][..], &groups.nodes["spc_6"][..]), (&[0, 1, 2][..], &[1, 3][..]));
     assert!(close(file.mesh.points()[2], [0.0, 2.0, 0.0]) && (volume(&file.mesh) - 4.0 / 3.0).abs() < 1e-15);
@@ -128,7 +128,9 @@ fn sets_names_and_shells_become_groups() {
         file.notes,
         [
             "2 constraints (SPC, SPC1) fix nothing without a `support`: groups spc_5, spc_6",
-            "left out, though it may change the motion: 1 CONM2, 1 CTRIA3, 1 FORCE, 1 RBE2"
+            "CONM2: 1 mass acts: conm2_9 (mesh.leave_out switches it off)",
+            "RBE2: 1 rigid coupling acts: rbe2_10 (mesh.leave_out switches it off)",
+            "left out, though it may change the motion: 1 CTRIA3, 1 FORCE"
         ]
     );
 }
@@ -480,14 +482,20 @@ fn what_is_beside_the_cells_is_left_out_and_its_sets_are_groups() {
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Hex8, 2)]);
     assert!((volume(&file.mesh) - 2.0).abs() < 1e-15);
     let groups = file.mesh.groups();
-    assert_eq!(groups.names(), ["cover", "pid_1", "pid_5", "pid_6", "pid_7", "pid_8", "spc_5"]);
+    let names = ["conm2_24-node", "cover", "pid_1", "pid_5", "pid_6", "pid_7", "pid_8", "spc_5"];
+    assert_eq!(groups.names(), names);
     assert_eq!((groups.facets("pid_5").unwrap().len(), groups.nodes["cover"].len()), (1, 2));
     assert_eq!(
         (groups.nodes["pid_6"].len(), groups.nodes["pid_7"].len(), groups.nodes["pid_8"].len()),
         (2, 1, 1)
     );
     assert_eq!(groups.nodes["spc_5"].len(), 5);
-    let left_out = "1 CBEAM, 1 CBUSH, 1 CELAS1, 1 CONM2, 1 MPC, 1 PLOAD4, 1 TEMPD, 1 TIC";
+    let left_out = "1 CBEAM, 1 PLOAD4, 1 TEMPD, 1 TIC";
+    has_note(
+        &file.notes,
+        "CELAS1: 1 is left out (21): its component is not along the line between its grid points",
+    );
+    has_note(&file.notes, "MPC: 1 is left out (grid point 9): they are not one for each");
     has_note(&file.notes, &format!("left out, though it may change the motion: 2 CQUAD4, {left_out}"));
     has_note(&file.notes, "not known, and left out: 1 FOO");
     has_note(&file.notes, "1 constraint (SPC1) fixes nothing without a `support`: groups spc_5");

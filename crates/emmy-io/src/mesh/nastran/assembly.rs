@@ -52,7 +52,8 @@ impl Reader {
         }
         self.fill_midsides(&mut elements, dimension)?;
         // Links alone may be in space.
-        self.name_constraints(dimension == 2 && elements.iter().any(|element| element.kind.dimension() == 2));
+        let is_plane = dimension == 2 && elements.iter().any(|element| element.kind.dimension() == 2);
+        self.name_constraints(is_plane);
         let facets = facets(&elements, dimension);
         // Gmsh gives a volume, a surface and a curve the same number.
         let mut highest = HashMap::<u64, usize>::new();
@@ -93,9 +94,14 @@ impl Reader {
                 CellKind::Line2 => self.bars.contains(&property),
                 _ => matches!(self.sheets.get(&property), Some(Sheet::Shell(_))),
             };
-            if is_alone || !is_cell && has_stiffness {
+            if card == "CBUSH" && is_cell {
+                self.beside.links.insert(number);
+            }
+            // Springs with a stiffness act, or have a note of their own.
+            let is_spring = card == "CBUSH" && has_stiffness && !is_cell;
+            if !is_spring && (is_alone || !is_cell && has_stiffness) {
                 self.account.leave_out(card);
-            } else if kind == CellKind::Line2 && !is_cell && !is_facet {
+            } else if kind == CellKind::Line2 && !is_spring && !is_cell && !is_facet {
                 n_lines += 1;
             }
             let body = &mut self.deck.root;
@@ -119,6 +125,7 @@ impl Reader {
             let lines = counted(n_lines, "line element is", "line elements are");
             self.deck.notes.insert(format!("{lines} read as the nodes at the ends, not as bars"));
         }
+        self.add_entries(is_plane);
         self.deck.notes.extend(self.account.notes());
         Ok(())
     }
@@ -232,8 +239,8 @@ impl Reader {
     /// Groups of constrained grid points, with a note: nothing is fixed by them.
     fn name_constraints(&mut self, is_plane: bool) {
         let body = &mut self.deck.root;
-        for (name, range) in std::mem::take(&mut self.ranges) {
-            let set = |body: &mut Body, node| body.set_mut(Of::Nodes, &name).push(None, node);
+        for (name, range) in &self.ranges {
+            let set = |body: &mut Body, node| body.set_mut(Of::Nodes, name).push(None, node);
             if range.first == range.last {
                 set(body, range.first);
                 continue;
@@ -245,7 +252,7 @@ impl Reader {
             known.into_iter().for_each(|node| set(body, node));
         }
         let mut names: BTreeSet<String> = body.node_sets.keys().cloned().collect();
-        let default = self.defaults.as_ref().map_or("", |(_, components)| components);
+        let default = self.defaults.as_ref().map_or("", |defaults| defaults.components.as_str());
         let mut counts = std::mem::take(&mut self.n_supports);
         for (grid, own) in self.grids.iter().zip(&self.constraints) {
             // A plane body does not move along z.

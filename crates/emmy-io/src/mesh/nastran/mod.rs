@@ -1,6 +1,7 @@
 //! Nastran: bulk data with grid points and elements (MSC Nastran Quick Reference Guide, "Bulk Data Entries").
 
 mod assembly;
+mod beside;
 mod card;
 mod element;
 mod names;
@@ -19,6 +20,7 @@ use super::abaqus::{At, Deck, assembled};
 use super::account::{self, Account, Treatment};
 use super::{MeshError, MeshFile, MeshOptions, Result};
 use crate::message::counted;
+use beside::Beside;
 use card::{Bulk, Card};
 use range::Range;
 use source::Sources;
@@ -41,10 +43,14 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], options: &MeshOptions) -> Result<M
     reader.deck.files = sources.files.clone();
     reader.is_of_gmsh = sources.texts().any(|text| text.starts_with("$ Created by Gmsh"));
     reader.notes_on(&bulk);
+    reader.beside.sets = beside::chosen_sets(sources.lines().map(|(line, _)| line));
     let read = reader.complete(bulk.cards, &names, options);
     let mesh = read.and_then(|()| assembled::mesh(file, &reader.deck));
     let mesh = mesh.map_err(|error| reader.explained(error))?;
-    Ok(MeshFile { files: sources.files, ..mesh })
+    let n_unused = reader.deck.root.points.len() - mesh.mesh.n_nodes();
+    let mut mesh = MeshFile { files: sources.files, entries: reader.beside.entries, ..mesh };
+    mesh.count_unused(n_unused, n_unused.saturating_sub(reader.beside.n_used));
+    Ok(mesh)
 }
 
 /// An element with its nodes in the order of VTK.
@@ -79,8 +85,8 @@ struct Reader {
     too_long: Option<(usize, At)>,
     grids: Vec<Grid>,
     systems: HashMap<u64, System>,
-    /// `GRDSET`: system and constraints of grid points that name none.
-    defaults: Option<(u64, String)>,
+    /// `GRDSET`, for grid points that name none.
+    defaults: Option<Defaults>,
     /// Constraints of grid points by themselves; none: those of `GRDSET`.
     constraints: Vec<Option<String>>,
     /// Numbers of the cards `SPC` and `SPC1`.
@@ -93,6 +99,16 @@ struct Reader {
     sheets: HashMap<u64, Sheet>,
     /// Properties of bars, beams, springs, ...
     bars: HashSet<u64>,
+    /// Rigid elements, equations, masses and springs.
+    beside: Beside,
+}
+
+/// System, system of displacements and constraints of grid points that name none.
+#[derive(Debug)]
+struct Defaults {
+    system: u64,
+    displacement: u64,
+    components: String,
 }
 
 impl Reader {
@@ -205,6 +221,11 @@ impl Reader {
         if table::n_fields(&card.name).is_some_and(|most| card.fields.len() > most) {
             card::count(&mut self.too_long, card.at);
         }
+        // CBUSH is a line, too, and PBUSH the property of one.
+        if self.beside.keep(card) && !card.name.ends_with("BUSH") {
+            self.keep_ends(card);
+            return Ok(());
+        }
         match card.name.as_str() {
             "GRID" => self.grid(card),
             "GRDSET" => self.grid_defaults(card),
@@ -254,17 +275,18 @@ impl Reader {
         for (axis, x) in coordinates.iter_mut().enumerate() {
             *x = self.real(card, card.field(2 + axis))?;
         }
-        // The system of displacements has no effect on groups; -1 is a point of a fluid.
-        if card.field(5) != "-1" {
-            self.system(card, card.field(5))?;
-        }
+        // -1 is a point of a fluid.
+        let displacement = match card.field(5) {
+            "-1" => Some(0),
+            field => self.system(card, field)?,
+        };
         let components = self.components(card, card.field(6))?;
         let body = &mut self.deck.root;
         if body.nodes.insert(number, body.points.len() as u32).is_some() {
             return Err(MeshError::Duplicate { place: self.deck.place(card.at), what: "node", number });
         }
         body.points.push(coordinates);
-        self.grids.push(Grid { number, system, coordinates, at: card.at });
+        self.grids.push(Grid { number, system, coordinates, displacement, at: card.at });
         self.constraints.push(components);
         Ok(())
     }
@@ -272,8 +294,9 @@ impl Reader {
     /// `GRDSET`.
     fn grid_defaults(&mut self, card: &Card<'_>) -> Result<()> {
         let system = self.system(card, card.field(1))?.unwrap_or(0);
+        let displacement = self.system(card, card.field(5)).ok().flatten().unwrap_or(0);
         let components = self.components(card, card.field(6))?.unwrap_or_default();
-        match self.defaults.replace((system, components)) {
+        match self.defaults.replace(Defaults { system, displacement, components }) {
             None => Ok(()),
             Some(_) => Err(self.malformed(card.at, "a second GRDSET".into(), "remove one of the two")),
         }
@@ -349,7 +372,9 @@ impl Reader {
             Ok(row) => row,
             // A spring to the ground.
             Err(1) if rows[0].0 == CellKind::Line2 => {
-                self.account.leave_out(name);
+                if name != "CBUSH" {
+                    self.account.leave_out(name);
+                }
                 self.keep_ends(card);
                 return Ok(());
             }
@@ -424,7 +449,7 @@ impl Reader {
 
     /// Places the grid points, when all coordinate systems are known.
     fn place_grids(&mut self) -> Result<()> {
-        let default = self.defaults.as_ref().map_or(0, |(system, _)| *system);
+        let default = self.defaults.as_ref().map_or(0, |defaults| defaults.system);
         let points = Placement::new(&self.deck, &self.systems, &self.grids, default).points()?;
         self.deck.root.points = points;
         Ok(())

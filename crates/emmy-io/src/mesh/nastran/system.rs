@@ -37,6 +37,8 @@ pub(super) struct Grid {
     /// None: the system of `GRDSET`.
     pub(super) system: Option<u64>,
     pub(super) coordinates: [f64; 3],
+    /// The system of its displacements. None: that of `GRDSET`.
+    pub(super) displacement: Option<u64>,
     pub(super) at: At,
 }
 
@@ -53,6 +55,27 @@ impl Frame {
         let local = rectangular(self.shape, coordinates);
         let sum = |i: usize| (0..3).map(|axis| local[axis] * self.axes[axis][i]).sum::<f64>();
         [0, 1, 2].map(|i| self.origin[i] + sum(i))
+    }
+
+    /// Directions of the components 1, 2, 3 at a place: the axes, or the radius, the angles and the axis there.
+    fn directions(&self, place: [f64; 3]) -> [[f64; 3]; 3] {
+        let [x, y, z] = self.axes;
+        let arm = minus(place, self.origin);
+        let [a, b, c] = self.axes.map(|axis| dot(arm, axis));
+        // On the axis z the angle is zero.
+        let (cos, sin) = if a.hypot(b) > 0.0 { (a / a.hypot(b), b / a.hypot(b)) } else { (1.0, 0.0) };
+        let radial = [0, 1, 2].map(|i| cos * x[i] + sin * y[i]);
+        let around = [0, 1, 2].map(|i| cos * y[i] - sin * x[i]);
+        match self.shape {
+            Shape::Rectangular => self.axes,
+            Shape::Cylindrical => [radial, around, z],
+            Shape::Spherical => {
+                let length = a.hypot(b).hypot(c);
+                let (cos, sin) = if length > 0.0 { (c / length, a.hypot(b) / length) } else { (1.0, 0.0) };
+                let outward = [0, 1, 2].map(|i| sin * radial[i] + cos * z[i]);
+                [outward, [0, 1, 2].map(|i| cos * radial[i] - sin * z[i]), around]
+            }
+        }
     }
 }
 
@@ -106,6 +129,14 @@ impl<'a> Placement<'a> {
 
     pub(super) fn points(mut self) -> Result<Vec<[f64; 3]>> {
         self.grids.iter().map(|grid| self.point(grid, 0)).collect()
+    }
+
+    /// Directions of the components 1, 2, 3 of a system at a place.
+    pub(super) fn directions(&mut self, system: u64, by: At, place: [f64; 3]) -> Result<[[f64; 3]; 3]> {
+        match system {
+            0 => Ok([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+            system => Ok(self.frame(system, by, 0)?.directions(place)),
+        }
     }
 
     fn point(&mut self, grid: &Grid, depth: usize) -> Result<[f64; 3]> {

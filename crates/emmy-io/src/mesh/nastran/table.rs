@@ -28,7 +28,7 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     ),
     entries(
         Read,
-        "lines: links, or groups of nodes, with a note",
+        "lines: links, or groups of nodes, with a note; `CBUSH` is a spring, too",
         &["CBAR", "CBEAM", "CBEND", "CROD", "CTUBE", "CBUSH", "CBUSH1D", "CVISC", "CGAP"],
     ),
     entries(
@@ -44,15 +44,26 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "PVISC", "PGAP",
         ],
     ),
+    entries(
+        Read,
+        "rigid elements and equations, and sets of these; a note names what is left out",
+        &["RBE2", "RBE3", "RBAR", "RROD", "MPC", "MPCADD"],
+    ),
+    entries(
+        Read,
+        "masses, springs and dampers; a note names what is left out",
+        &["CONM2", "CMASS1", "CMASS2", "CELAS1", "CELAS2", "CDAMP1", "CDAMP2"],
+    ),
+    entries(Read, "properties of masses, springs and dampers", &["PMASS", "PELAS", "PDAMP"]),
     entries(Read, "supports: their grid points are groups, with a note", &["SPC", "SPC1"]),
     entries(Read, "other files", &["INCLUDE"]),
     entries(
         NoEffect,
         "materials and properties, for the input has them",
         &[
-            "MAT*", "PSOLID", "PLSOLID", "PCOMPS", "PELAS*", "PDAMP*", "PMASS", "PSHEAR", "PWELD", "PFAST",
-            "PBUSHT", "PBUSH2D", "PBMSECT", "PBRSECT", "PCONEAX", "PBARN1", "PBEMN1", "PSHLN1", "PSLDN1",
-            "PSHLN2", "CREEP", "TABLES1", "TABLEST", "TABLEM*", "BAROR", "BEAMOR", "MLAY*", "NSMADD",
+            "MAT*", "PSOLID", "PLSOLID", "PCOMPS", "PELAS*", "PDAMP*", "PSHEAR", "PWELD", "PFAST", "PBUSHT",
+            "PBUSH2D", "PBMSECT", "PBRSECT", "PCONEAX", "PBARN1", "PBEMN1", "PSHLN1", "PSLDN1", "PSHLN2",
+            "CREEP", "TABLES1", "TABLEST", "TABLEM*", "BAROR", "BEAMOR", "MLAY*", "NSMADD",
         ],
     ),
     entries(
@@ -73,8 +84,8 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
         NoEffect,
         "tables and sets of loads and constraints",
         &[
-            "TABLED*", "TABRND*", "TABLRPC", "DELAY", "DPHASE", "SPCADD", "SPCOFF*", "MPCADD", "RANDPS",
-            "RANDT1", "SPOINT", "EPOINT",
+            "TABLED*", "TABRND*", "TABLRPC", "DELAY", "DPHASE", "SPCADD", "SPCOFF*", "RANDPS", "RANDT1",
+            "SPOINT", "EPOINT",
         ],
     ),
     entries(
@@ -111,10 +122,10 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     ),
     entries(
         LeftOut,
-        "rigid elements and constraints",
+        "other rigid elements and constraints",
         &[
-            "RBE*", "RBAR*", "RROD", "RTRPLT*", "RSPLINE", "RJOINT", "RSSCON", "RSPINT", "MPC*", "SUPORT*",
-            "SUPAX", "AECOMP*", "RCONN",
+            "RBE*", "RBAR*", "RTRPLT*", "RSPLINE", "RJOINT", "RSSCON", "RSPINT", "MPC*", "SUPORT*", "SUPAX",
+            "AECOMP*", "RCONN",
         ],
     ),
     entries(
@@ -125,10 +136,10 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "CWELD", "CFAST", "CSEAM",
         ],
     ),
-    entries(LeftOut, "masses", &["CONM1", "CONM2", "CMASS*", "NSM*"]),
+    entries(LeftOut, "other masses", &["CONM1", "CMASS*", "NSM*"]),
     entries(
         LeftOut,
-        "springs, dampers and matrices",
+        "other springs, dampers and matrices",
         &["CELAS*", "CDAMP*", "CBUSH2D", "GENEL", "DMIG*", "TF", "TABDMP1", "CONROD"],
     ),
     entries(
