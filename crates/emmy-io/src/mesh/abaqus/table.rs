@@ -26,6 +26,8 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "*INCLUDE",
         ],
     },
+    Entries { treatment: Read, what: "rigid bodies, couplings, ties and other constraints", names: &CONSTRAINTS },
+    Entries { treatment: Read, what: "masses, springs, dampers, and connectors with their directions", names: &PROPERTIES },
     Entries {
         treatment: NoEffect,
         what: "headings and output",
@@ -321,7 +323,6 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
         treatment: NoEffect,
         what: "directions and distributions",
         names: &[
-            "*ORIENTATION",
             "*TRANSFORM",
             "*TRANSFORMF",
             "*DISTRIBUTION",
@@ -331,19 +332,10 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     },
     Entries {
         treatment: LeftOut,
-        what: "constraints",
+        what: "constraints of other kinds",
         names: &[
-            "*TIE",
-            "*EQUATION",
             "*EQUATIONF",
-            "*MPC",
             "*NETWORK MPC",
-            "*RIGID BODY",
-            "*COUPLING",
-            "*KINEMATIC",
-            "*DISTRIBUTING",
-            "*KINEMATIC COUPLING",
-            "*DISTRIBUTING COUPLING",
             "*SHELL TO SOLID COUPLING",
             "*EMBEDDED ELEMENT",
             "*FASTENER*",
@@ -433,16 +425,12 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     },
     Entries {
         treatment: LeftOut,
-        what: "masses, springs, dampers, connectors",
+        what: "masses, springs, dampers and connectors of other kinds",
         names: &[
-            "*MASS",
-            "*ROTARY INERTIA",
             "*NONSTRUCTURAL MASS",
             "*MASS ADJUST",
             "*FIXED MASS SCALING",
             "*VARIABLE MASS SCALING",
-            "*SPRING",
-            "*DASHPOT",
             "*GAP",
             "*JOINT",
             "*JOINT ELASTICITY",
@@ -506,6 +494,35 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
         ],
     },
 ];
+
+const CONSTRAINTS: [&str; 9] = [
+    "*TIE",
+    "*COUPLING",
+    "*KINEMATIC",
+    "*DISTRIBUTING",
+    "*KINEMATIC COUPLING",
+    "*DISTRIBUTING COUPLING",
+    "*RIGID BODY",
+    "*MPC",
+    "*EQUATION",
+];
+
+const PROPERTIES: [&str; 9] = [
+    "*MASS",
+    "*ROTARY INERTIA",
+    "*SPRING",
+    "*DASHPOT",
+    "*CONNECTOR SECTION",
+    "*CONNECTOR BEHAVIOR",
+    "*CONNECTOR ELASTICITY",
+    "*CONNECTOR DAMPING",
+    "*ORIENTATION",
+];
+
+/// Whether a keyword, as the table spells it, is kept with its data as a [`Card`](super::body::Card).
+pub(super) fn is_card(name: &str) -> bool {
+    CONSTRAINTS.contains(&name) || PROPERTIES.contains(&name)
+}
 
 /// Name of a keyword, `*END PART`, as the table spells it; spaces do not count.
 pub(super) fn spelled(title: &str) -> &str {
