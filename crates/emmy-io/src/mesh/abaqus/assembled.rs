@@ -43,7 +43,7 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         file,
         deck,
         builder: MeshBuilder::new(),
-        group_names: GroupNames::default(),
+        group_names: GroupNames::new(has_cards(deck)),
         starts: Vec::new(),
         placements: placements(deck).collect(),
         n_nodes: 0,
@@ -68,14 +68,18 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     notes.extend(assembly.account_for_elements(&mut account, &made.told));
     notes.extend(account.notes());
     notes.extend(on_groups);
-    notes.extend(made.notes);
+    notes.extend(made.notes.iter().cloned());
     assembly.faces = None;
     let builder = assembly.builder;
     let starts = assembly.starts;
     let name = |cell: usize| element_name(deck, &starts, cell);
     let origin = Origin { file, n_nodes: assembly.n_nodes - made.n_points, name: &name };
     let finished = finished(builder, &origin, notes);
-    finished.map(|mesh| MeshFile { entries: made.entries, ..mesh }).map_err(|error| match error {
+    let with_entries = |file: MeshFile| {
+        let notes = file.notes.into_iter().filter_map(|note| made.on_group(note)).collect();
+        MeshFile { entries: made.entries.clone(), notes, ..file }
+    };
+    finished.map(with_entries).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
         MeshError::Mesh { reason: emmy::Error::NotInPlane { node, z, plane }, .. } => {
             let node = node_name(deck, &starts, node as u32);
@@ -83,6 +87,11 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         }
         error => error,
     })
+}
+
+/// Whether some of the keywords may become entries.
+fn has_cards(deck: &Deck) -> bool {
+    deck.bodies().any(|body| !body.cards.is_empty())
 }
 
 const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y plane";
@@ -343,7 +352,9 @@ impl<'a> Assembly<'a> {
         let mut read = BTreeMap::<&str, &str>::new();
         let mut links = BTreeSet::<&str>::new();
         let edges = self.edges_at_lines();
-        for ((body, instance), &[first_node, _]) in self.deck.bodies().zip(self.deck.numbers()).zip(&self.starts) {
+        for ((body, instance), &[first_node, _]) in
+            self.deck.bodies().zip(self.deck.numbers()).zip(&self.starts)
+        {
             let lines = body.elements.iter().filter(|element| element.kind == CellKind::Line2);
             let named = lines.filter(|element| element.element_type.is_some());
             links.extend(named.map(|element| self.deck.type_of(element)));
@@ -366,7 +377,8 @@ impl<'a> Assembly<'a> {
                     _ => _ = read.insert(name, LINES),
                 }
             }
-            let others = body.left_out.iter().zip(0..).filter(|(_, index)| !told.contains(&(instance, *index)));
+            let others =
+                body.left_out.iter().zip(0..).filter(|(_, index)| !told.contains(&(instance, *index)));
             for (element, _) in others {
                 account.leave_out(&self.deck.types[element.element_type as usize]);
             }

@@ -6,7 +6,8 @@ use super::super::account::{Entries, Treatment};
 use Treatment::{LeftOut, NoEffect, Read, Refused};
 
 /// All known keywords. Materials, sections, amplitudes and steps have no effect: the input of Emmy gives materials and
-/// times, and the loads and elements to which they belong are counted by themselves.
+/// times, and the loads and elements to which they belong are counted by themselves. Cards that are read are left out in
+/// part, with notes.
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: Read,
@@ -26,8 +27,16 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "*INCLUDE",
         ],
     },
-    Entries { treatment: Read, what: "rigid bodies, couplings, ties and other constraints", names: &CONSTRAINTS },
-    Entries { treatment: Read, what: "masses, springs, dampers, and connectors with their directions", names: &PROPERTIES },
+    Entries {
+        treatment: Read,
+        what: "rigid bodies, couplings, ties and other constraints",
+        names: &CONSTRAINTS,
+    },
+    Entries {
+        treatment: Read,
+        what: "masses, springs, dampers, and connectors with their directions",
+        names: &PROPERTIES,
+    },
     Entries {
         treatment: NoEffect,
         what: "headings and output",
@@ -322,13 +331,7 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: NoEffect,
         what: "directions and distributions",
-        names: &[
-            "*TRANSFORM",
-            "*TRANSFORMF",
-            "*DISTRIBUTION",
-            "*DISTRIBUTION TABLE",
-            "*NORMAL",
-        ],
+        names: &["*TRANSFORM", "*TRANSFORMF", "*DISTRIBUTION", "*DISTRIBUTION TABLE", "*NORMAL"],
     },
     Entries {
         treatment: LeftOut,
@@ -544,7 +547,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), n);
         assert!(names.iter().all(|name| name.starts_with('*') && *name == name.to_uppercase()));
-        let found = ["*CONTACT PAIR", "*CONTACT OUTPUT", "*CONNECTOR ELASTICITY", "*NODE", "*NODES", "*NGEN"];
+        let found = ["*CONTACT PAIR", "*CONTACT OUTPUT", "*CONNECTOR STOP", "*NODE", "*NODES", "*NGEN"];
         let (left_out, read) = (Some(LeftOut), Some(Read));
         let expected = [left_out, Some(NoEffect), left_out, read, None, Some(Refused)];
         assert_eq!(found.map(|name| treatment(TABLE, name)), expected);

@@ -245,7 +245,8 @@ impl Deck {
         };
         let is_of_nodes = surface.combine.is_none() && surface.of == Of::Nodes;
         let area = fields_after.filter(|area| is_of_nodes && !area.is_empty());
-        let rows = rows.into_iter().map(|(target, face)| Row { target, face, instance, area: area.clone(), at });
+        let rows =
+            rows.into_iter().map(|(target, face)| Row { target, face, instance, area: area.clone(), at });
         if let Some(surface) = self.body_mut().surfaces.last_mut() {
             surface.rows.extend(rows);
         }

@@ -1,10 +1,10 @@
 //! Keywords; each determines the meaning of its data lines.
 
 use super::super::super::account::Treatment;
+use super::super::super::includes::included;
 use super::super::super::{MeshError, Result};
 use super::super::body::{At, Body, Card, Combine, Instance, Member, Of, Surface};
 use super::super::element::{self, Role};
-use super::super::super::includes::included;
 use super::super::keyword::Keyword;
 use super::super::placement::Placement;
 use super::super::table::{TABLE, is_card, spelled};
@@ -28,6 +28,12 @@ impl Deck {
                 let problem = format!("{name} makes or moves nodes or elements and is not supported");
                 let advice = "write out all nodes and elements, as Abaqus/CAE does";
                 return Err(self.malformed(at, problem, advice));
+            }
+            Some(Treatment::LeftOut) if keyword.name == "BOUNDARY" => {
+                // It says which ends of springs without cells are fixed.
+                self.section = Section::Card;
+                self.body_mut().cards.push(Card { keyword: keyword.clone(), at, lines: Vec::new() });
+                return Ok(());
             }
             Some(Treatment::NoEffect | Treatment::LeftOut) | None => return Ok(()),
         }

@@ -113,8 +113,16 @@ impl<'a> Maker<'a, '_> {
             if lumps.is_empty() {
                 continue;
             }
-            let types: Vec<String> = owned.card.lines.first().map(|(_, fields)| fields.as_slice()).unwrap_or_default()
-                .iter().filter(|field| !field.is_empty()).map(|field| field.to_ascii_uppercase()).collect();
+            let types: Vec<String> = owned
+                .card
+                .lines
+                .first()
+                .map(|(_, fields)| fields.as_slice())
+                .unwrap_or_default()
+                .iter()
+                .filter(|field| !field.is_empty())
+                .map(|field| field.to_ascii_uppercase())
+                .collect();
             let types: Vec<&str> = types.iter().map(String::as_str).collect();
             let section = self.section(owned, &types);
             let set = owned.value("ELSET").unwrap_or_default();
@@ -123,7 +131,11 @@ impl<'a> Maker<'a, '_> {
                 match section {
                     Err(reason) => {
                         if self.tell(lump) {
-                            self.report.leave_out(card.trim_end(), reason, format!("element {}", self.number_of(lump)));
+                            self.report.leave_out(
+                                card.trim_end(),
+                                reason,
+                                format!("element {}", self.number_of(lump)),
+                            );
                         }
                     }
                     Ok((kind, behaviour, axes)) if self.tell(lump) => {
@@ -154,10 +166,19 @@ impl<'a> Maker<'a, '_> {
         if !kind.needs_axes() {
             return Ok((kind, behaviour, None));
         }
-        let names: Vec<&str> = owned.card.lines.get(1).map(|(_, fields)| fields.as_slice()).unwrap_or_default()
-            .iter().map(String::as_str).collect();
+        let names: Vec<&str> = owned
+            .card
+            .lines
+            .get(1)
+            .map(|(_, fields)| fields.as_slice())
+            .unwrap_or_default()
+            .iter()
+            .map(String::as_str)
+            .collect();
         let axes = |name: Option<&&str>| {
-            name.filter(|name| !name.is_empty()).map(|name| self.orientation(owned.instance, name)).transpose()
+            name.filter(|name| !name.is_empty())
+                .map(|name| self.orientation(owned.instance, name))
+                .transpose()
         };
         let first = axes(names.first())?.ok_or("it has no orientation at its first node")?;
         let second = axes(names.get(1))?.unwrap_or(first);
@@ -168,18 +189,23 @@ impl<'a> Maker<'a, '_> {
     fn behaviour(&mut self, instance: Option<u32>, name: &str, kind: Kind) -> Behaviour {
         let mut behaviour = Behaviour::default();
         let is_own = |owned: &Owned<'a>| {
-            owned.keyword() == "CONNECTORBEHAVIOR" && owned.value("NAME").is_some_and(|own| own.eq_ignore_ascii_case(name))
+            owned.keyword() == "CONNECTORBEHAVIOR"
+                && owned.value("NAME").is_some_and(|own| own.eq_ignore_ascii_case(name))
         };
         let of = |wanted: Option<u32>| {
             self.cards.iter().position(|owned| owned.instance == wanted && is_own(owned))
         };
         let Some(start) = of(instance).or_else(|| of(None)) else {
-            self.report.remark(format!("*CONNECTOR BEHAVIOR {name} is not in the file"));
+            self.report.remark("*CONNECTOR BEHAVIOR", Some(name), "not in the file");
             return behaviour;
         };
-        let is_part = |owned: &Owned<'a>| ["CONNECTORELASTICITY", "CONNECTORDAMPING"].contains(&owned.keyword());
-        let parts: Vec<Owned<'a>> =
-            self.cards[start + 1..].iter().copied().take_while(|owned| is_part(owned) || owned.keyword() == "ORIENTATION").collect();
+        let is_part =
+            |owned: &Owned<'a>| ["CONNECTORELASTICITY", "CONNECTORDAMPING"].contains(&owned.keyword());
+        let parts: Vec<Owned<'a>> = self.cards[start + 1..]
+            .iter()
+            .copied()
+            .take_while(|owned| is_part(owned) || owned.keyword() == "ORIENTATION")
+            .collect();
         for part in parts.into_iter().filter(|part| is_part(part)) {
             let component = part.value("COMPONENT").and_then(|component| component.parse::<u8>().ok());
             let value = part.first().and_then(real).filter(|value| *value > 0.0);
@@ -216,7 +242,9 @@ impl<'a> Maker<'a, '_> {
                     let words = ["rigid link acts", "rigid links act"];
                     return self.rods.push(Rod { nodes: [a, b], card, called: of, words });
                 }
-                Kind::Line => return self.add_line(Line { nodes: [a, b], name, card, of, stiffness, damping }),
+                Kind::Line => {
+                    return self.add_line(Line { nodes: [a, b], name, card, of, stiffness, damping });
+                }
                 _ => {}
             }
         }
@@ -228,7 +256,14 @@ impl<'a> Maker<'a, '_> {
                 let spring = |stiffness| ("spring", inner(vec![("stiffness", Value::Float(stiffness))]));
                 table.extend(behaviour.stiffness.map(spring));
                 table.extend(behaviour.damping.map(|damping| ("damping", Value::Float(damping))));
-                self.push(Entry { name, section: "joint", card, of, words: ["joint acts", "joints act"], table });
+                self.push(Entry {
+                    name,
+                    section: "joint",
+                    card,
+                    of,
+                    words: ["joint acts", "joints act"],
+                    table,
+                });
             }
             Err(reason) => self.report.leave_out(card, reason, of.clone()),
         }
@@ -269,7 +304,8 @@ impl<'a> Maker<'a, '_> {
                 [end, "ground".to_string()]
             }
         };
-        let mut joint = vec![("between", list(ends.iter().map(|end| text(end)).collect())), ("at", vector(at))];
+        let mut joint =
+            vec![("between", list(ends.iter().map(|end| text(end)).collect())), ("at", vector(at))];
         match (kind, axes) {
             (Kind::Universal, Some([first, second])) => {
                 joint.push(("axes", list(vec![vector(second[2]), vector(first[0])])));

@@ -64,7 +64,8 @@ impl<'a> Maker<'a, '_> {
 
     /// Reads the equations of a card: each has a line with the number of its terms, then these.
     fn read_equations(&mut self, owned: Owned<'a>, all: &mut Vec<Equation>) {
-        let filled = |fields: &'a [String]| fields.iter().map(String::as_str).filter(|field| !field.is_empty());
+        let filled =
+            |fields: &'a [String]| fields.iter().map(String::as_str).filter(|field| !field.is_empty());
         let lines = owned.card.lines.iter().map(|(at, fields)| (at, filled(fields).collect::<Vec<&str>>()));
         let mut lines = lines.filter(|(_, fields)| !fields.is_empty()).peekable();
         if lines.peek().is_none() {
@@ -72,7 +73,8 @@ impl<'a> Maker<'a, '_> {
         }
         while let Some((&at, fields)) = lines.next() {
             let called = self.line(at);
-            let n_terms = fields[0].parse::<usize>().ok().filter(|n| fields.len() == 1 && (1..100_000).contains(n));
+            let n_terms =
+                fields[0].parse::<usize>().ok().filter(|n| fields.len() == 1 && (1..100_000).contains(n));
             let Some(n_terms) = n_terms else {
                 let reason = "the number of its terms is missing";
                 self.report.leave_out(CARD, reason, called);
@@ -163,7 +165,8 @@ impl<'a> Maker<'a, '_> {
         let (nodes, weights): (Vec<u32>, Vec<f64>) = weights.into_iter().unzip();
         let follower = self.group(&format!("{name}-nodes"), [follower]);
         let leader = self.group(&format!("{name}-leaders"), nodes);
-        let table = vec![("follower", text(&follower)), ("leader", text(&leader)), ("weights", numbers(&weights))];
+        let table =
+            vec![("follower", text(&follower)), ("leader", text(&leader)), ("weights", numbers(&weights))];
         let words = ["tie by weights acts", "ties by weights act"];
         self.push(Entry { name, section: "tie", card: CARD, of: called, words, table });
     }

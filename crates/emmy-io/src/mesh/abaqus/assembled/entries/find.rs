@@ -99,9 +99,10 @@ impl<'a> Maker<'a, '_> {
         }
     }
 
-    /// The only node that a parameter names.
-    pub(super) fn node_of(&self, owned: Owned<'_>, key: &str) -> Option<u32> {
-        self.node(owned.instance, owned.value(key)?)
+    /// The reference node of a card; Abaqus reads shorter names of parameters, too.
+    pub(super) fn reference(&self, owned: Owned<'_>) -> Option<u32> {
+        let names = ["REFNODE", "REFNOD", "REFNO", "REFN", "REF"];
+        self.node(owned.instance, names.iter().find_map(|key| owned.value(key))?)
     }
 
     /// Members of an element set.
@@ -118,7 +119,9 @@ impl<'a> Maker<'a, '_> {
             let mut indices = member.indices(&body.left_out_index).0;
             indices.sort_unstable();
             let lump = |index| Lump { instance: member.instance, index };
-            lumps.extend(indices.into_iter().map(lump).filter(|&lump| self.type_of(lump).starts_with(element_type)));
+            lumps.extend(
+                indices.into_iter().map(lump).filter(|&lump| self.type_of(lump).starts_with(element_type)),
+            );
         }
         lumps
     }
@@ -135,9 +138,8 @@ impl<'a> Maker<'a, '_> {
 
     /// Nodes of an element; `None` if one of them is not there.
     pub(super) fn nodes_of(&self, lump: Lump) -> Option<Vec<u32>> {
-        let node = |member: &Member| {
-            self.assembly.indices(Of::Nodes, lump.instance, *member).0.first().copied()
-        };
+        let node =
+            |member: &Member| self.assembly.indices(Of::Nodes, lump.instance, *member).0.first().copied();
         self.element(lump).nodes.iter().map(node).collect()
     }
 
@@ -233,7 +235,8 @@ impl<'a> Maker<'a, '_> {
         let mut nodes: BTreeSet<u32> = contents.nodes.iter().copied().collect();
         contents.facets.iter().for_each(|&facet| nodes.extend(self.nodes_of_facet(facet)));
         let body = self.assembly.body(key.0);
-        let rows = body.surfaces.iter().filter(|surface| surface.name.to_lowercase() == key.1);
+        let places = self.surfaces_of.get(&key).map(Vec::as_slice).unwrap_or_default();
+        let rows = places.iter().map(|&at| &body.surfaces[at]);
         let first = rows.clone().next()?;
         let group = self.qualified(key.0, &first.name);
         let names = &self.assembly.group_names;
@@ -265,7 +268,9 @@ impl<'a> Maker<'a, '_> {
         let Some(element) = body.elements.get((facet.cell - first) as usize) else { return Vec::new() };
         let nodes = self.assembly.node_indices(instance, element).unwrap_or_default();
         let local = element.kind.facets().get(usize::from(facet.local));
-        local.map(|local| local.nodes.iter().filter_map(|&at| nodes.get(at).copied()).collect()).unwrap_or_default()
+        local
+            .map(|local| local.nodes.iter().filter_map(|&at| nodes.get(at).copied()).collect())
+            .unwrap_or_default()
     }
 
     pub(super) fn is_of_cells(&self, node: u32) -> bool {

@@ -35,6 +35,10 @@ impl Maker<'_, '_> {
             self.used.insert(node);
             return Some(self.frames[frame].name.clone());
         }
+        if self.is_ground(node) {
+            self.used.insert(node);
+            return Some("ground".to_string());
+        }
         if !self.is_of_cells(node) {
             return None;
         }
@@ -55,8 +59,11 @@ impl Maker<'_, '_> {
             return Err("both of its nodes belong to one rigid body");
         }
         let is_moved = |node| self.frame_of.contains_key(&node) || self.is_of_cells(node);
-        if !(is_moved(a) && is_moved(b)) {
+        if [a, b].iter().any(|&node| !is_moved(node) && !self.is_ground(node)) {
             return Err("one of its nodes belongs to no cell, coupling or mass");
+        }
+        if !is_moved(a) && !is_moved(b) {
+            return Err("both of its nodes are fixed");
         }
         let ends = [self.end(a), self.end(b)];
         match ends {

@@ -76,17 +76,19 @@ impl<'a> Maker<'a, '_> {
     pub(super) fn lumps_of_card(&mut self, owned: Owned<'a>, element_type: &str) -> Vec<Lump> {
         let lumps = self.lumps(owned, element_type);
         if lumps.is_empty() {
-            let name = super::super::super::table::spelled(&owned.card.keyword.title);
-            self.account.leave_out(name);
+            self.account.leave_out(owned.title());
         }
         lumps
     }
 
     /// The mass of each element of a card.
     fn mass_of(&mut self, owned: Owned<'a>, lumps: &[Lump]) -> Option<f64> {
-        let mass = owned.card.lines.first().and_then(|(_, fields)| reals(fields)).and_then(|values| {
-            values.first().copied().filter(|mass| *mass >= 0.0)
-        });
+        let mass = owned
+            .card
+            .lines
+            .first()
+            .and_then(|(_, fields)| reals(fields))
+            .and_then(|values| values.first().copied().filter(|mass| *mass >= 0.0));
         let is_isotropic = owned.value("TYPE").is_none_or(|own| own.eq_ignore_ascii_case("ISOTROPIC"));
         let reason = match mass {
             _ if !is_isotropic => "the mass is not alike in x, y and z",
@@ -145,7 +147,8 @@ impl<'a> Maker<'a, '_> {
             let Some(&lump) = own.lumps.first() else { continue };
             if own.mass == 0.0 {
                 for &lump in own.lumps.iter().filter(|_| own.inertia.is_some()) {
-                    let (element_type, which) = (self.type_of(lump), format!("element {}", self.number_of(lump)));
+                    let (element_type, which) =
+                        (self.type_of(lump), format!("element {}", self.number_of(lump)));
                     self.report.leave_out(element_type, "inertia without a mass", which);
                 }
                 continue;
@@ -195,7 +198,9 @@ impl<'a> Maker<'a, '_> {
             let Some(mass) = self.mass_of(owned, &lumps) else { continue };
             let mut counts = BTreeMap::<u32, usize>::new();
             for lump in lumps {
-                let Some(node) = self.only_node(lump).filter(|&node| self.is_of_cells(node)) else { continue };
+                let Some(node) = self.only_node(lump).filter(|&node| self.is_of_cells(node)) else {
+                    continue;
+                };
                 if self.tell(lump) {
                     *counts.entry(node).or_default() += 1;
                 }
@@ -244,7 +249,11 @@ mod tests {
     fn moments_of_inertia_obey_the_triangle_inequality() {
         let of = |[a, b, c]: [f64; 3]| [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]];
         assert!(is_possible(&of([1.0, 1.0, 2.0])) && is_possible(&of([2.0, 3.0, 4.0])));
-        assert!(!is_possible(&of([1.0, 1.0, 2.1])) && !is_possible(&of([0.0; 3])) && !is_possible(&of([1.0, -1.0, 1.0])));
+        assert!(
+            !is_possible(&of([1.0, 1.0, 2.1]))
+                && !is_possible(&of([0.0; 3]))
+                && !is_possible(&of([1.0, -1.0, 1.0]))
+        );
         // Two equal masses on the diagonal of x and y.
         assert!(is_possible(&[[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 2.0]]));
         assert!(!is_possible(&[[1.0, -1.5, 0.0], [-1.5, 1.0, 0.0], [0.0, 0.0, 2.0]]));

@@ -3,6 +3,7 @@
 mod connector;
 mod equation;
 mod find;
+mod ground;
 mod line;
 mod mass;
 mod mpc;
@@ -21,7 +22,8 @@ use toml::Value;
 use super::super::super::DeckEntry;
 use super::super::super::account::Account;
 use super::super::body::{At, Card};
-use super::{Assembly, Told};
+use super::super::table::spelled;
+use super::{Assembly, Key, Told};
 use line::{Line, Rod};
 use mass::PointMass;
 use names::Names;
@@ -36,6 +38,20 @@ pub(super) struct Made {
     pub(super) told: Told,
     /// Number of the nodes without cells that entries use.
     pub(super) n_points: usize,
+    /// Groups that have such nodes alone, each with the entry whose point its only node is.
+    pub(super) points_of: HashMap<String, Option<String>>,
+}
+
+impl Made {
+    /// The note on a group without nodes of cells, which may have a point of an entry.
+    pub(super) fn on_group(&self, note: String) -> Option<String> {
+        let name =
+            note.strip_prefix("node group \"").and_then(|rest| rest.strip_suffix(super::super::super::EMPTY));
+        match name.and_then(|name| self.points_of.get(name)) {
+            None => Some(note),
+            Some(entry) => entry.as_ref().map(|entry| format!("{note}: it is the point of {entry}")),
+        }
+    }
 }
 
 /// A card and the instance that has it.
@@ -46,6 +62,11 @@ struct Owned<'a> {
 }
 
 impl<'a> Owned<'a> {
+    /// Its name in notes, as the table spells it: `*RIGID BODY`.
+    fn title(&self) -> &'a str {
+        spelled(&self.card.keyword.title)
+    }
+
     /// Its name without spaces, in upper case and without the star.
     fn keyword(&self) -> &'a str {
         &self.card.keyword.name
@@ -74,6 +95,8 @@ struct Maker<'a, 'b> {
     has_cell: Vec<bool>,
     /// First cell and instance of each body with cells.
     cell_starts: Vec<(u32, Option<u32>)>,
+    /// Places of the surfaces of a name in their body.
+    surfaces_of: HashMap<Key, Vec<usize>>,
     /// The number of each node in the file.
     numbers: Vec<u64>,
     /// Largest distance between nodes that rounding of the file explains.
@@ -84,6 +107,8 @@ struct Maker<'a, 'b> {
     told: Told,
     /// Nodes that entries use.
     used: BTreeSet<u32>,
+    /// Nodes without cells that are fixed.
+    fixed: BTreeSet<u32>,
     frames: Vec<Frame>,
     /// The frame to which a node belongs.
     frame_of: HashMap<u32, usize>,
@@ -105,10 +130,11 @@ impl<'a> Assembly<'a> {
             body.cards.iter().map(move |card| Owned { instance, card })
         };
         let cards: Vec<Owned<'a>> = deck.bodies().zip(deck.numbers()).flat_map(of_body).collect();
-        if cards.is_empty() {
+        if cards.iter().all(|owned| owned.keyword() == "BOUNDARY") {
             return Made::default();
         }
         let mut maker = Maker::new(self, account, cards);
+        maker.find_ground();
         maker.bodies();
         maker.masses();
         maker.ties();
@@ -118,16 +144,19 @@ impl<'a> Assembly<'a> {
         maker.connectors();
         maker.rods();
         maker.line_joints();
+        maker.remark_on_ground();
+        let points_of = maker.groups_of_points();
         let Maker { entries, report, told, used, has_cell, .. } = maker;
         let n_points = used.iter().filter(|&&node| !has_cell[node as usize]).count();
-        Made { entries, notes: report.notes(), told, n_points }
+        Made { entries, notes: report.notes(), told, n_points, points_of }
     }
 
     /// Names of surfaces that cards may name, in lower case.
     pub(super) fn named_by_cards(&self) -> impl Iterator<Item = String> + use<'_> {
         let cards = self.deck.bodies().flat_map(|body| &body.cards);
         cards.flat_map(|card| {
-            let of_ties = card.lines.iter().filter(|_| card.keyword.name == "TIE").flat_map(|(_, fields)| fields);
+            let of_ties =
+                card.lines.iter().filter(|_| card.keyword.name == "TIE").flat_map(|(_, fields)| fields);
             let names = card.keyword.value("SURFACE").into_iter().chain(of_ties.map(String::as_str));
             let both = |name: &str| {
                 let of_instance = name.split_once('.').map(|(_, name)| name.to_lowercase());
@@ -144,6 +173,12 @@ impl<'a, 'b> Maker<'a, 'b> {
         let starts = assembly.deck.bodies().zip(assembly.deck.numbers()).zip(&assembly.starts);
         let with_cells = starts.filter(|((body, _), _)| !body.elements.is_empty());
         let cell_starts = with_cells.map(|((_, instance), [_, first])| (*first, instance)).collect();
+        let mut surfaces_of = HashMap::<Key, Vec<usize>>::new();
+        for (body, instance) in assembly.deck.bodies().zip(assembly.deck.numbers()) {
+            for (index, surface) in body.surfaces.iter().enumerate() {
+                surfaces_of.entry((instance, surface.name.to_lowercase())).or_default().push(index);
+            }
+        }
         let mut numbers = vec![0; assembly.n_nodes];
         for (body, [first, _]) in assembly.deck.bodies().zip(&assembly.starts) {
             body.nodes.iter().for_each(|(number, index)| numbers[(first + index) as usize] = *number);
@@ -154,6 +189,7 @@ impl<'a, 'b> Maker<'a, 'b> {
             cards,
             has_cell,
             cell_starts,
+            surfaces_of,
             numbers,
             rounding: 0.0,
             names: Names::default(),
@@ -161,6 +197,7 @@ impl<'a, 'b> Maker<'a, 'b> {
             entries: Vec::new(),
             told: Told::default(),
             used: BTreeSet::new(),
+            fixed: BTreeSet::new(),
             frames: Vec::new(),
             frame_of: HashMap::new(),
             masses: BTreeMap::new(),
@@ -194,7 +231,7 @@ impl<'a, 'b> Maker<'a, 'b> {
 
     fn leave_out(&mut self, owned: Owned<'_>, keys: &[&str], reason: &str) {
         let which = self.called(owned, keys);
-        self.report.leave_out(&owned.card.keyword.title, reason, which);
+        self.report.leave_out(owned.title(), reason, which);
     }
 
     /// A new name for an entry.
@@ -207,6 +244,21 @@ impl<'a, 'b> Maker<'a, 'b> {
         let name = self.names.free(name, &self.assembly.group_names);
         self.assembly.node_group(&name, nodes);
         name
+    }
+
+    /// See [`Made::points_of`].
+    fn groups_of_points(&self) -> HashMap<String, Option<String>> {
+        let is_point = |node: &u32| self.used.contains(node) && !self.is_of_cells(*node);
+        let groups = self.assembly.group_names.small().filter(|(_, nodes)| nodes.iter().all(is_point));
+        let entry_at = |node: u32| {
+            let frame = self.frame_of.get(&node).map(|&frame| &self.frames[frame]);
+            frame.filter(|frame| frame.reference == Some(node)).map(|frame| frame.name.clone())
+        };
+        let entry = |nodes: &[u32]| match nodes {
+            &[node] => entry_at(node),
+            _ => None,
+        };
+        groups.map(|(name, nodes)| (name.to_string(), entry(nodes))).collect()
     }
 
     /// Adds an entry and records it as acting.

@@ -15,7 +15,9 @@ struct Constraint {
 impl<'a> Maker<'a, '_> {
     fn of_card(&self, owned: Owned<'a>) -> Vec<Constraint> {
         let mut all: Vec<Constraint> = Vec::new();
-        for (at, fields) in owned.card.lines.iter().filter(|(_, fields)| fields.iter().any(|own| !own.is_empty())) {
+        for (at, fields) in
+            owned.card.lines.iter().filter(|(_, fields)| fields.iter().any(|own| !own.is_empty()))
+        {
             let fields = || fields.iter().map(String::as_str);
             let nodes = fields().skip(1).filter(|field| !field.is_empty()).map(str::to_string);
             match (fields().next().unwrap_or_default(), all.last_mut()) {
@@ -44,7 +46,9 @@ impl<'a> Maker<'a, '_> {
     /// The rigid beams of a card.
     pub(super) fn beams(&mut self, owned: Owned<'a>) -> Vec<Rigid> {
         let mut rigid = Vec::new();
-        for constraint in self.of_card(owned).into_iter().filter(|own| own.kind == "BEAM" && !owned.has("USER")) {
+        for constraint in
+            self.of_card(owned).into_iter().filter(|own| own.kind == "BEAM" && !owned.has("USER"))
+        {
             let card = "*MPC BEAM".to_string();
             let called = constraint.called.clone();
             let (nodes, reference) = match self.sides(owned, &constraint) {
@@ -172,7 +176,8 @@ impl<'a> Maker<'a, '_> {
             Ok([a, b]) => {
                 let name = self.name(None, "mpc");
                 let between = list(vec![text(&a), text(&b)]);
-                let table = vec![("name", text(&name)), (kind, inner(vec![("between", between), ("at", at)]))];
+                let table =
+                    vec![("name", text(&name)), (kind, inner(vec![("between", between), ("at", at)]))];
                 let words = ["joint acts", "joints act"];
                 self.push(Entry { name, section: "joint", card, of: called, words, table });
             }

@@ -11,7 +11,8 @@ impl<'a> Maker<'a, '_> {
     /// Directions of an orientation of an instance or of the assembly; the reason if there are none.
     pub(super) fn orientation(&self, instance: Option<u32>, name: &str) -> Result<Axes, &'static str> {
         let is_named = |owned: &&Owned<'a>| {
-            owned.keyword() == "ORIENTATION" && owned.value("NAME").is_some_and(|own| own.eq_ignore_ascii_case(name))
+            owned.keyword() == "ORIENTATION"
+                && owned.value("NAME").is_some_and(|own| own.eq_ignore_ascii_case(name))
         };
         let of = |wanted: Option<u32>| {
             self.cards.iter().find(|owned| owned.instance == wanted && is_named(owned)).copied()

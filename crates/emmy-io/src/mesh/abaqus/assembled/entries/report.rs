@@ -10,7 +10,7 @@ const MAX_NAMES: usize = 10;
 pub(super) struct Report {
     acting: Vec<Acting>,
     left_out: Vec<LeftOut>,
-    remarks: Vec<String>,
+    remarks: Vec<Remark>,
 }
 
 #[derive(Debug)]
@@ -25,6 +25,14 @@ struct Acting {
 struct LeftOut {
     card: String,
     reason: String,
+    which: Vec<String>,
+}
+
+/// A remark on some cards.
+#[derive(Debug)]
+struct Remark {
+    card: String,
+    text: String,
     which: Vec<String>,
 }
 
@@ -44,14 +52,24 @@ impl Report {
         match known {
             Some(own) => own.which.push(which),
             None => {
-                self.left_out.push(LeftOut { card: card.to_string(), reason: reason.to_string(), which: vec![which] });
+                self.left_out.push(LeftOut {
+                    card: card.to_string(),
+                    reason: reason.to_string(),
+                    which: vec![which],
+                });
             }
         }
     }
 
-    pub(super) fn remark(&mut self, remark: String) {
-        if !self.remarks.contains(&remark) {
-            self.remarks.push(remark);
+    /// Records a remark on a card, or on all of its kind.
+    pub(super) fn remark(&mut self, card: &str, which: Option<&str>, text: &str) {
+        let which = which.map(str::to_string);
+        match self.remarks.iter_mut().find(|own| own.card == card && own.text == text) {
+            Some(own) => own.which.extend(which),
+            None => {
+                let which = which.into_iter().collect();
+                self.remarks.push(Remark { card: card.to_string(), text: text.to_string(), which });
+            }
         }
     }
 
@@ -68,7 +86,11 @@ impl Report {
             let which = listed(which);
             format!("{card}: {count} {are} left out, though {they} may change the motion: {which} ({reason})")
         });
-        acting.chain(left_out).chain(self.remarks.iter().cloned()).collect()
+        let remarks = self.remarks.iter().map(|Remark { card, text, which }| match which.is_empty() {
+            true => format!("{card}: {text}"),
+            false => format!("{card} {}: {text}", listed(which)),
+        });
+        acting.chain(left_out).chain(remarks).collect()
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::find::{Surface, real};
 use super::report::listed;
-use super::vector::span_a_plane;
+use super::vector::{distance, span_a_plane};
 use super::{Entry, Maker, Owned, numbers, text, vector};
 
 /// What an entry with a motion of its own is: joints, masses and springs name it.
@@ -107,19 +107,19 @@ impl<'a> Maker<'a, '_> {
         let Some(kind) = kind else {
             return self.leave_out(owned, &KEYS, "neither *KINEMATIC nor *DISTRIBUTING follows it");
         };
-        let Some(reference) = self.node_of(owned, "REFNODE") else {
+        let Some(reference) = self.reference(owned) else {
             return self.leave_out(owned, &KEYS, NO_REFERENCE);
         };
         let surface = owned.value("SURFACE").and_then(|name| self.surface(owned.instance, name));
-        let Some(Surface { group, nodes, weights, .. }) = surface.filter(|surface| !surface.nodes.is_empty()) else {
+        let Some(Surface { group, nodes, weights, .. }) = surface.filter(|surface| !surface.nodes.is_empty())
+        else {
             return self.leave_out(owned, &KEYS, "its surface is not in the file, or is empty");
         };
         let name = KEYS.iter().find_map(|key| owned.value(key)).map(str::to_string);
-        let (called, card) = (self.called(owned, &KEYS), owned.card.keyword.title.clone());
+        let (called, card) = (self.called(owned, &KEYS), owned.title().to_string());
         if owned.has("INFLUENCERADIUS") {
-            self.report.remark(format!(
-                "{card} {called}: its INFLUENCE RADIUS is not read, all nodes of its surface are coupled"
-            ));
+            let text = "INFLUENCE RADIUS is not read, all nodes of the surface are coupled";
+            self.report.remark(&card, Some(&called), text);
         }
         if kind.keyword() == "KINEMATIC" {
             if !has_all(kind.card.lines.iter().map(|(_, fields)| fields.as_slice())) {
@@ -131,8 +131,8 @@ impl<'a> Maker<'a, '_> {
         }
         let method = kind.value("WEIGHTINGMETHOD").unwrap_or("UNIFORM").to_ascii_uppercase();
         if method != "UNIFORM" {
-            self.report
-                .remark(format!("{card} {called}: WEIGHTING METHOD={method} is not read, its weights are uniform"));
+            let text = format!("WEIGHTING METHOD={method} is not read, the weights are uniform");
+            self.report.remark(&card, Some(&called), &text);
         }
         distributing.push(Distributing { name, card, called, nodes, reference, group, weights });
     }
@@ -151,7 +151,7 @@ impl<'a> Maker<'a, '_> {
     }
 
     fn kinematic_coupling(&mut self, owned: Owned<'a>) -> Option<Rigid> {
-        let Some(reference) = self.node_of(owned, "REFNODE") else {
+        let Some(reference) = self.reference(owned) else {
             self.leave_out(owned, &[], NO_REFERENCE);
             return None;
         };
@@ -173,7 +173,7 @@ impl<'a> Maker<'a, '_> {
         };
         Some(Rigid {
             name: None,
-            card: owned.card.keyword.title.clone(),
+            card: owned.title().to_string(),
             called: self.called(owned, &[]),
             nodes: dofs.into_keys().collect(),
             reference: Some(reference),
@@ -201,7 +201,8 @@ impl<'a> Maker<'a, '_> {
         };
         let mut weights = BTreeMap::new();
         for (node, fields) in listed {
-            let weight = fields.first().filter(|field| !field.is_empty()).map_or(Some(1.0), |field| real(field));
+            let weight =
+                fields.first().filter(|field| !field.is_empty()).map_or(Some(1.0), |field| real(field));
             let Some(weight) = weight.filter(|weight| *weight > 0.0) else {
                 self.leave_out(owned, &["ELSET"], "a weight is not a positive number");
                 return None;
@@ -210,10 +211,19 @@ impl<'a> Maker<'a, '_> {
         }
         let (nodes, weights): (Vec<u32>, Vec<f64>) = weights.into_iter().unzip();
         let differ = weights.iter().any(|weight| *weight != weights[0]);
+        let called = self.called(owned, &["ELSET"]);
+        let sum: f64 = weights.iter().sum();
+        let points = nodes.iter().zip(&weights).map(|(&node, weight)| (self.point(node), weight / sum));
+        let mean = points.fold([0.0; 3], |mean, (point, part)| [0, 1, 2].map(|i| mean[i] + part * point[i]));
+        if distance(mean, self.point(reference)) > self.rounding {
+            let text = "the point is the reference node, which is not at the mean of the nodes; CalculiX does not read \
+                        this place";
+            self.report.remark(owned.title(), Some(&called), text);
+        }
         Some(Distributing {
-            name: owned.value("ELSET").map(str::to_string),
-            card: owned.card.keyword.title.clone(),
-            called: self.called(owned, &["ELSET"]),
+            name: owned.value("ELSET").map(|set| format!("coupling-{set}")),
+            card: owned.title().to_string(),
+            called,
             nodes,
             reference,
             group: None,
@@ -223,7 +233,7 @@ impl<'a> Maker<'a, '_> {
 
     fn rigid_body(&mut self, owned: Owned<'a>) -> Option<Rigid> {
         const KEYS: [&str; 4] = ["ELSET", "NSET", "PINNSET", "TIENSET"];
-        let reference = self.node_of(owned, "REFNODE");
+        let reference = self.reference(owned);
         if reference.is_none() && owned.has("REFNODE") {
             self.leave_out(owned, &KEYS, NO_REFERENCE);
             return None;
@@ -252,14 +262,14 @@ impl<'a> Maker<'a, '_> {
         }
         let called = self.called(owned, &KEYS);
         if owned.has("ROTNODE") {
-            self.report.remark(format!(
-                "*RIGID BODY {called}: its ROT NODE stands for its rotation, and has no entry of its own"
-            ));
+            let text = "the ROT NODE stands for the rotation, and has no entry of its own";
+            self.report.remark(owned.title(), Some(&called), text);
         }
         let position = owned.value("POSITION").unwrap_or("INPUT").to_ascii_uppercase();
-        let is_centred = reference.is_none() || position.split_whitespace().collect::<String>() == "CENTEROFMASS";
+        let is_centred =
+            reference.is_none() || position.split_whitespace().collect::<String>() == "CENTEROFMASS";
         let name = KEYS.iter().find_map(|key| owned.value(key)).map(|set| format!("rigid-{set}"));
-        let card = owned.card.keyword.title.clone();
+        let card = owned.title().to_string();
         let group = if groups.len() == 1 { groups.remove(0) } else { None };
         Some(Rigid { name, card, called, nodes, reference, group, is_centred, is_beam: false })
     }
@@ -291,11 +301,14 @@ impl<'a> Maker<'a, '_> {
         let word = first.card.trim_start_matches('*').to_lowercase().replace(' ', "-");
         let name = self.name(first.name.as_deref(), &word);
         let named: Vec<String> =
-            cluster.iter().filter(|own| !own.is_beam).map(|own| format!("{} {}", own.card, own.called)).collect();
+            cluster.iter().filter(|own| !own.is_beam).map(|own| own.called.clone()).collect();
         if named.len() > 1 {
-            self.report.remark(format!("{} share nodes: they are one rigid body, {name}", listed(&named)));
+            let text = format!("{} share nodes and are one rigid body, {name}", listed(&named));
+            self.report.remark(&first.card, None, &text);
         }
-        let is_whole = |own: &Rigid| own.reference.is_none_or(|node| !self.is_of_cells(node) || of_group.contains(&node));
+        let is_whole = |own: &Rigid| {
+            own.reference.is_none_or(|node| !self.is_of_cells(node) || of_group.contains(&node))
+        };
         let own_group = first.group.clone().filter(|_| cluster.len() == 1 && is_whole(first));
         let group = own_group.unwrap_or_else(|| self.group(&format!("{name}-nodes"), cells.iter().copied()));
         let reference = first.reference.filter(|_| !first.is_centred);
@@ -376,8 +389,10 @@ mod tests {
     #[test]
     fn components_are_in_ranges_on_several_lines() {
         let all = |lines: &[&str]| {
-            let lines: Vec<Vec<String>> =
-                lines.iter().map(|line| line.split(',').map(|field| field.trim().to_string()).collect()).collect();
+            let lines: Vec<Vec<String>> = lines
+                .iter()
+                .map(|line| line.split(',').map(|field| field.trim().to_string()).collect())
+                .collect();
             has_all(lines.iter().map(Vec::as_slice))
         };
         assert!(all(&[]) && all(&["1, 6"]) && all(&["1, 3"]) && all(&["1, 1", "2", "3, 3"]));

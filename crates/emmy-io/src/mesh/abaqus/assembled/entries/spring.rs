@@ -81,7 +81,7 @@ impl<'a> Maker<'a, '_> {
         self.add_line(Line {
             nodes,
             name: format!("{set}-{number}"),
-            card: owned.card.keyword.title.clone(),
+            card: owned.title().to_string(),
             of: format!("element {number}"),
             stiffness: value.filter(|_| is_spring),
             damping: value.filter(|_| !is_spring),
@@ -118,7 +118,8 @@ impl<'a> Maker<'a, '_> {
             let [x, y, z] = own.stiffness;
             let same = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs();
             let is_alike = x > 0.0 && same(x, y) && (self.assembly.is_plane || same(x, z));
-            let is_at_point = || self.frame_of.get(&node).is_some_and(|&at| self.frames[at].reference == Some(node));
+            let is_at_point =
+                || self.frame_of.get(&node).is_some_and(|&at| self.frames[at].reference == Some(node));
             let reason = if !is_alike {
                 "springs to the ground that are not alike in x, y and z"
             } else if self.is_of_cells(node) {
@@ -171,7 +172,8 @@ fn constant(owned: Owned<'_>, is_axial: bool) -> Result<Constant, &'static str> 
         _ => !is_axial,
     };
     let dofs = if is_axial { [None; 2] } else { [component(0), component(1)] };
-    let values = lines.iter().skip(usize::from(is_first)).map(|fields| fields.first().and_then(|field| real(field)));
+    let values =
+        lines.iter().skip(usize::from(is_first)).map(|fields| fields.first().and_then(|field| real(field)));
     let values: Option<Vec<f64>> = values.collect();
     match values.as_deref() {
         Some([first, rest @ ..]) if rest.iter().all(|value| value == first) => {

@@ -17,7 +17,8 @@ impl<'a> Maker<'a, '_> {
                 self.leave_out(owned, &["NAME"], reason);
                 continue;
             }
-            let lines: Vec<&[String]> = owned.card.lines.iter().map(|(_, fields)| fields.as_slice()).collect();
+            let lines: Vec<&[String]> =
+                owned.card.lines.iter().map(|(_, fields)| fields.as_slice()).collect();
             let pairs = lines.into_iter().filter(|fields| fields.iter().any(|field| !field.is_empty()));
             let pairs: Vec<&[String]> = pairs.collect();
             if pairs.is_empty() {
@@ -51,10 +52,8 @@ impl<'a> Maker<'a, '_> {
             return self.report.leave_out("*TIE", "the surface is tied to itself", called);
         }
         if owned.has("POSITIONTOLERANCE") {
-            self.report.remark(
-                "*TIE: POSITION TOLERANCE is not read: `tolerance` is relative to the edges of the leader, here 0.05"
-                    .to_string(),
-            );
+            let text = "POSITION TOLERANCE is not read: `tolerance` is relative to the edges of the leader, here 0.05";
+            self.report.remark("*TIE", None, text);
         }
         let mut table = vec![("follower", text(&follower)), ("leader", text(&leader))];
         table.extend(kind);
