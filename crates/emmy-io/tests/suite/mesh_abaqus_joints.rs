@@ -172,6 +172,10 @@ fn connectors_are_joints_with_the_axes_of_abaqus() {
     let file = connector("", ", 21", "HINGE\nturned\n");
     let table = "name = \"c-51\"\n[revolute]\nbetween = [\"rigid-end\", \"ground\"]\nat = [3.0, 0.5, 0.5]\naxis = [0.0, 0.0, 1.0]";
     assert_entry(&file, "c-51", "joint", table);
+    // A node without cells that is fixed is the ground, too.
+    let wall = "*NODE\n41, 3., 0.5, 0.5\n*BOUNDARY\n41, PINNED\n";
+    let file = connector("", "41, 21", &format!("HINGE\nturned\n{wall}"));
+    assert_entry(&file, "c-51", "joint", table);
     let file = connector("", "2, 7", "LINK\n");
     let table = "name = \"link-1\"\n[distance]\nbetween = [\"node-2\", \"node-7\"]\npoints = [[1.0, 0.0, 0.0], [1.0, 1.0, 1.0]]";
     assert_entry(&file, "link-1", "joint", table);

@@ -6,8 +6,8 @@ use super::super::account::{Entries, Treatment};
 use Treatment::{LeftOut, NoEffect, Read, Refused};
 
 /// All known keywords. Materials, sections, amplitudes and steps have no effect: the input of Emmy gives materials and
-/// times, and the loads and elements to which they belong are counted by themselves. Cards that are read are left out in
-/// part, with notes.
+/// times, and the loads and elements to which they belong are counted by themselves. Of the cards that are read, some
+/// are left out, with notes.
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: Read,

@@ -321,7 +321,8 @@ proptest! {
         lines.extend(["*NODE, NSET=points", "2001, 20., 1., 2.", "2002, 30., 0., 0."].map(str::to_string));
         let [end, other] = [block.end[0], block.cells[0].1[0]].map(|point| block.numbers[point]);
         lines.push(format!("*ELEMENT, TYPE=SPRINGA, ELSET=springs\n801, {end}, {other}\n802, {end}, 2001"));
-        lines.push("*ELEMENT, TYPE=CONN3D2, ELSET=springs\n803, 2001, 2002\n*SURFACE, NAME=end-nodes, TYPE=NODE".to_string());
+        lines.push("*ELEMENT, TYPE=CONN3D2, ELSET=springs\n803, 2001, 2002".to_string());
+        lines.push("*SURFACE, NAME=end-nodes, TYPE=NODE".to_string());
         lines.push(end.to_string());
         for _ in 0..choices.below(12) {
             lines.extend(card(choices, &block));

@@ -12,7 +12,7 @@ use super::find::{Lump, real};
 use super::line::{Line, Rod};
 use super::orientation::Axes;
 use super::vector::{Vector, distance};
-use super::{Entry, Maker, Owned, inner, list, text, vector};
+use super::{Entry, Maker, Owned, Rows, inner, list, text, vector};
 
 /// What a connector keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -275,13 +275,14 @@ impl<'a> Maker<'a, '_> {
         kind: Kind,
         nodes: &[u32],
         axes: Option<[Axes; 2]>,
-    ) -> Result<(&'static str, Vec<(&'static str, Value)>), &'static str> {
+    ) -> Result<(&'static str, Rows), &'static str> {
         let (a, b) = match *nodes {
             [a, b] => (Some(a), b),
             [b] if !matches!(kind, Kind::Distance | Kind::Line) => (None, b),
             _ => return Err("it has not two nodes"),
         };
-        let can_turn = |node: u32| self.frame_of.get(&node).is_some_and(|&frame| self.frames[frame].can_turn);
+        let of_frame = |node| self.frame_of.get(&node).is_some_and(|&frame| self.frames[frame].can_turn);
+        let can_turn = |node: u32| of_frame(node) || self.is_ground(node);
         let turns = [a.is_none_or(can_turn), can_turn(b)];
         let points = [a.unwrap_or(b), b].map(|node| self.point(node));
         let mut kind = kind;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::find::{Lump, reals};
 use super::rigid::{Frame, Rigid};
 use super::vector::Vector;
-use super::{Entry, Maker, Owned, inner, list, text, vector};
+use super::{Entry, Maker, Owned, Rows, inner, list, text, vector};
 
 type Matrix = [[f64; 3]; 3];
 
@@ -218,7 +218,7 @@ impl<'a> Maker<'a, '_> {
     }
 }
 
-fn free(name: &str, mass: f64, centre: Vector, inertia: Option<Matrix>) -> Vec<(&'static str, toml::Value)> {
+fn free(name: &str, mass: f64, centre: Vector, inertia: Option<Matrix>) -> Rows {
     let mut table =
         vec![("name", text(name)), ("mass", toml::Value::Float(mass)), ("centre", vector(centre))];
     table.extend(inertia.map(|inertia| ("inertia", matrix(inertia))));

@@ -270,6 +270,9 @@ impl<'a, 'b> Maker<'a, 'b> {
     }
 }
 
+/// Keys and values of a table.
+type Rows = Vec<(&'static str, Value)>;
+
 /// An entry before it is recorded.
 struct Entry<'e> {
     name: String,
@@ -279,7 +282,7 @@ struct Entry<'e> {
     /// Its name or place in the file.
     of: &'e str,
     words: [&'static str; 2],
-    table: Vec<(&'static str, Value)>,
+    table: Rows,
 }
 
 fn text(text: &str) -> Value {
@@ -299,6 +302,6 @@ fn numbers(values: &[f64]) -> Value {
 }
 
 /// A table inside of the table of an entry.
-fn inner(table: Vec<(&'static str, Value)>) -> Value {
+fn inner(table: Rows) -> Value {
     Value::Table(table.into_iter().map(|(key, value)| (key.to_string(), value)).collect())
 }

@@ -24,8 +24,8 @@ impl<'a> Maker<'a, '_> {
     }
 }
 
-/// With the points a, b and the origin c of the first line, direction 1 is that of a from c, and direction 2 lies in the
-/// plane of a, b and c, on the side of b (Abaqus Analysis User's Guide, "Orientations").
+/// With the points a, b and the origin c of the first line, direction 1 is that of a from c, and direction 2 lies in
+/// the plane of a, b and c, on the side of b (Abaqus Analysis User's Guide, "Orientations").
 fn axes(owned: Owned<'_>) -> Result<Axes, &'static str> {
     const NOT_READ: &str = "its orientation is not rectangular by the coordinates of points";
     let is = |key: &str, wanted: [&str; 2]| {

@@ -1,5 +1,5 @@
-//! Rigid bodies and couplings: `*COUPLING`, `*KINEMATIC COUPLING`, `*DISTRIBUTING COUPLING`, `*RIGID BODY`, and the rigid
-//! beams of `*MPC`.
+//! Rigid bodies and couplings: `*COUPLING`, `*KINEMATIC COUPLING`, `*DISTRIBUTING COUPLING`, `*RIGID BODY`, and the
+//! rigid beams of `*MPC`.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
