@@ -135,8 +135,9 @@ pub struct MeshOptions {
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
-/// instance form a group of the instance's name. Elements that are not solid, such as masses, beams or shells that are
-/// no faces of cells, are left out and counted; a set of them is a group of nodes.
+/// instance form a group of the instance's name. Constraints, masses, springs and connectors become
+/// [`MeshFile::entries`]. Other elements that are not solid, such as beams or shells that are no faces of cells, are
+/// left out and counted; a set of them is a group of nodes.
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
@@ -311,6 +312,9 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
+/// End of the note on a group without nodes of cells.
+const EMPTY: &str = "\" has no node of a cell";
+
 /// Data of the file for the check of a mesh.
 struct Origin<'a> {
     file: &'a Path,
@@ -330,7 +334,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     notes.extend(note_on_turned_cells(&mesh, turned));
     notes.extend(note_on_unused(origin.n_nodes - mesh.n_nodes()));
     for (name, _) in mesh.groups().nodes.iter().filter(|(_, nodes)| nodes.is_empty()) {
-        notes.push(format!("node group \"{name}\" has no node of a cell"));
+        notes.push(format!("node group \"{name}{EMPTY}"));
     }
     notes.extend(note_on_coincident_nodes(&mesh, |_| false));
     notes.extend(note_on_collapsed_cells(&mesh, origin));

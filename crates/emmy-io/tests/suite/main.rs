@@ -15,6 +15,8 @@ mod inputs_in_memory;
 mod mechanisms;
 mod mesh_abaqus;
 mod mesh_abaqus_account;
+mod mesh_abaqus_bodies;
+mod mesh_abaqus_joints;
 mod mesh_beams;
 mod mesh_damage;
 mod mesh_errors;

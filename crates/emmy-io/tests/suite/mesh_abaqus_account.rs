@@ -37,12 +37,21 @@ fn n_facets(file: &MeshFile, group: &str) -> usize {
 }
 
 #[test]
-fn constraints_and_supports_are_counted_in_one_note() {
+fn constraints_and_supports_have_their_notes() {
     let file = bricks(
         "*NSET, NSET=end\n9, 10, 11, 12\n*EQUATION\n2\n9, 1, 1., 10, 1, -1.\n*Rigid  Body, NSET=end, REF NODE=12\n\
          *BOUNDARY\n1, 1, 3\n*boundary\n2, 1\n*RIGIDBODY, NSET=end, REF NODE=9\n*MATERIAL, NAME=a\n*ELASTIC\n1., 0.\n",
     );
-    assert_eq!(file.notes, [format!("{LEFT_OUT}2 *BOUNDARY, 2 *RIGID BODY, 1 *EQUATION")]);
+    assert_eq!(
+        file.notes,
+        [
+            &format!("{LEFT_OUT}2 *BOUNDARY"),
+            "*RIGID BODY: 1 rigid coupling acts: rigid-end (mesh.leave_out switches it off)",
+            "*EQUATION: 1 is left out, though it may change the motion: line 20 (not of one node in x, y and z with the \
+             same weights)",
+            "*RIGID BODY: end, end share nodes and are one rigid body, rigid-end",
+        ]
+    );
     assert_eq!(file.mesh.groups().nodes["end"].len(), 4);
     let unknown = bricks("*WARP FIELD, NAME=a\n1, 2\n*HEADING\n words, and more\n");
     assert_eq!(unknown.notes, [format!("{UNKNOWN}1 *WARP FIELD")]);

@@ -1,5 +1,7 @@
 //! The mesh of an input file: placed bodies, sets and surfaces as groups.
 
+mod entries;
+mod groups;
 mod surfaces;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -7,6 +9,7 @@ use std::path::Path;
 
 use emmy::mesh::{CellKind, Facet, MeshBuilder};
 
+use self::groups::GroupNames;
 use self::surfaces::Contents;
 use super::super::account::Account;
 use super::super::plane::Surfaces;
@@ -40,7 +43,9 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         file,
         deck,
         builder: MeshBuilder::new(),
+        group_names: GroupNames::new(has_cards(deck)),
         starts: Vec::new(),
+        placements: placements(deck).collect(),
         n_nodes: 0,
         root_surfaces: deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect(),
         is_plane: solid.is_none(),
@@ -52,20 +57,29 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     deck.numbers().try_for_each(|own| assembly.add_cells(own))?;
     assembly.find_faces()?;
     let mut account = deck.account.clone();
-    notes.extend(assembly.account_for_elements(&mut account));
-    notes.extend(account.notes());
-    assembly.find_surfaces(&mut notes)?;
-    assembly.add_groups(None, &mut notes);
+    let mut on_groups = Vec::new();
+    assembly.find_surfaces(&mut on_groups)?;
+    assembly.add_groups(None, &mut on_groups);
     for index in 0..deck.instances.len() {
-        assembly.add_groups(Some(index as u32), &mut notes);
+        assembly.add_groups(Some(index as u32), &mut on_groups);
         assembly.add_instance_group(index);
     }
+    let made = assembly.entries(&mut account);
+    notes.extend(assembly.account_for_elements(&mut account, &made.told));
+    notes.extend(account.notes());
+    notes.extend(on_groups);
+    notes.extend(made.notes.iter().cloned());
     assembly.faces = None;
     let builder = assembly.builder;
     let starts = assembly.starts;
     let name = |cell: usize| element_name(deck, &starts, cell);
-    let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
-    finished(builder, &origin, notes).map_err(|error| match error {
+    let origin = Origin { file, n_nodes: assembly.n_nodes - made.n_points, name: &name };
+    let finished = finished(builder, &origin, notes);
+    let with_entries = |file: MeshFile| {
+        let notes = file.notes.into_iter().filter_map(|note| made.on_group(note)).collect();
+        MeshFile { entries: made.entries.clone(), notes, ..file }
+    };
+    finished.map(with_entries).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
         MeshError::Mesh { reason: emmy::Error::NotInPlane { node, z, plane }, .. } => {
             let node = node_name(deck, &starts, node as u32);
@@ -73,6 +87,11 @@ pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         }
         error => error,
     })
+}
+
+/// Whether some of the keywords may become entries.
+fn has_cards(deck: &Deck) -> bool {
+    deck.bodies().any(|body| !body.cards.is_empty())
 }
 
 const TURN: &str = "all of them lie in another plane: turn the mesh into the x-y plane";
@@ -172,6 +191,10 @@ struct Others {
     nodes: Vec<u32>,
 }
 
+/// Elements that became entries, or that a note names, by their instances and their places in
+/// [`Body::left_out`].
+type Told = HashSet<(Option<u32>, u32)>;
+
 /// An instance (`None`: outside of all instances), and a name in lower case.
 type Key = (Option<u32>, String);
 
@@ -184,8 +207,10 @@ struct Assembly<'a> {
     file: &'a Path,
     deck: &'a Deck,
     builder: MeshBuilder,
+    group_names: GroupNames,
     /// First node and first cell of the root and of each instance.
     starts: Vec<[u32; 2]>,
+    placements: Vec<Placement>,
     n_nodes: usize,
     /// Names of the surfaces of the assembly in lower case.
     root_surfaces: HashSet<String>,
@@ -261,23 +286,23 @@ impl<'a> Assembly<'a> {
         }
         for name in names {
             match of {
-                Of::Nodes => self.builder.node_group(&name, indices.iter().copied()),
+                Of::Nodes => self.node_group(&name, indices.iter().copied()),
                 Of::Elements => {
                     let has_facets = !others.facets.is_empty();
                     let has_edges = !others.nodes_of_edges.is_empty();
                     let is_of_left_out = indices.is_empty() && !has_facets && others.n_left_out > 0;
                     if !indices.is_empty() || !(has_facets || has_edges || is_of_left_out) {
-                        self.builder.cell_group(&name, indices.iter().copied());
+                        self.cell_group(&name, indices.iter().copied());
                     }
                     if has_facets {
-                        self.builder.facet_group(&name, others.facets.iter().copied());
+                        self.facet_group(&name, others.facets.iter().copied());
                     }
                     if has_edges {
-                        self.builder.node_group(&name, others.nodes_of_edges.iter().copied());
+                        self.node_group(&name, others.nodes_of_edges.iter().copied());
                     }
                     // With cells or facets, nodes of the same name would make it ambiguous.
                     if is_of_left_out {
-                        self.builder.node_group(&name, others.nodes.iter().copied());
+                        self.node_group(&name, others.nodes.iter().copied());
                     }
                 }
             }
@@ -323,11 +348,13 @@ impl<'a> Assembly<'a> {
     }
 
     /// Counts the elements that are left out by their types, and notes which types are read as faces, edges or links.
-    fn account_for_elements(&self, account: &mut Account) -> Vec<String> {
+    fn account_for_elements(&self, account: &mut Account, told: &Told) -> Vec<String> {
         let mut read = BTreeMap::<&str, &str>::new();
         let mut links = BTreeSet::<&str>::new();
         let edges = self.edges_at_lines();
-        for (body, &[first_node, _]) in self.deck.bodies().zip(&self.starts) {
+        for ((body, instance), &[first_node, _]) in
+            self.deck.bodies().zip(self.deck.numbers()).zip(&self.starts)
+        {
             let lines = body.elements.iter().filter(|element| element.kind == CellKind::Line2);
             let named = lines.filter(|element| element.element_type.is_some());
             links.extend(named.map(|element| self.deck.type_of(element)));
@@ -350,7 +377,9 @@ impl<'a> Assembly<'a> {
                     _ => _ = read.insert(name, LINES),
                 }
             }
-            for element in &body.left_out {
+            let others =
+                body.left_out.iter().zip(0..).filter(|(_, index)| !told.contains(&(instance, *index)));
+            for (element, _) in others {
                 account.leave_out(&self.deck.types[element.element_type as usize]);
             }
         }
@@ -451,7 +480,7 @@ impl<'a> Assembly<'a> {
         let is_taken = deck.root.element_sets.contains_key(&instance.name.to_lowercase());
         if !is_taken && !instance.body.elements.is_empty() {
             let first = self.start(Some(index as u32), Of::Elements);
-            self.builder.cell_group(&instance.name, first..first + instance.body.elements.len() as u32);
+            self.cell_group(&instance.name, first..first + instance.body.elements.len() as u32);
         }
     }
 }

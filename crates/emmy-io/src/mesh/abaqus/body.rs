@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::CellKind;
 
+use super::keyword::Keyword;
+
 /// Line of one of the files of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::mesh) struct At {
@@ -30,6 +32,17 @@ pub(in crate::mesh) struct Body {
     pub(in crate::mesh) node_sets: Sets,
     pub(in crate::mesh) element_sets: Sets,
     pub(in crate::mesh) surfaces: Vec<Surface>,
+    /// Constraints, masses, springs and connectors.
+    pub(super) cards: Vec<Card>,
+}
+
+/// A keyword with its data lines, which are understood when all nodes, sets and surfaces are known.
+#[derive(Debug, Clone)]
+pub(super) struct Card {
+    pub(super) keyword: Keyword,
+    pub(super) at: At,
+    /// Fields of the lines that are not blank.
+    pub(super) lines: Vec<(At, Vec<String>)>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +63,7 @@ pub(in crate::mesh) struct Element {
 pub(super) struct LeftOut {
     /// Index in [`Deck::types`](super::Deck).
     pub(super) element_type: u32,
+    pub(super) number: u64,
     pub(super) nodes: Vec<Member>,
 }
 
@@ -129,6 +143,8 @@ pub(in crate::mesh) struct Row {
     pub(super) face: Option<Face>,
     /// The instance named by the surface.
     pub(super) instance: Option<u32>,
+    /// Area at each node of a surface of nodes, in the words of the file.
+    pub(super) area: Option<String>,
     pub(super) at: At,
 }
 
@@ -146,7 +162,8 @@ impl Body {
         let members: usize = sets.map(|set| set.members.len()).sum();
         let rows: usize = self.surfaces.iter().map(|surface| surface.rows.len()).sum();
         let n_elements = self.elements.len() + self.lower.len() + self.left_out.len();
-        self.points.len() + n_elements + members + rows
+        let lines: usize = self.cards.iter().map(|card| 1 + card.lines.len()).sum();
+        self.points.len() + n_elements + members + rows + lines
     }
 
     /// The set of a name, created if it is new.
@@ -185,7 +202,7 @@ impl Body {
                     }
                     let nodes = self.members_of(&element);
                     self.left_out_index.insert(element.number, self.left_out.len() as u32);
-                    self.left_out.push(LeftOut { element_type, nodes });
+                    self.left_out.push(LeftOut { element_type, number: element.number, nodes });
                 }
                 _ => self.elements.push(element),
             }

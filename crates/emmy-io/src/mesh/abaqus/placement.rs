@@ -42,6 +42,11 @@ impl Placement {
         let moved = [0, 1, 2].map(|i| point[i] + self.translation[i]);
         self.rotation.map_or(moved, |rotation| rotation.turned(moved))
     }
+
+    /// A direction of the instance in the assembly.
+    pub(super) fn turned(&self, direction: [f64; 3]) -> [f64; 3] {
+        self.rotation.map_or(direction, |rotation| Rotation { point: [0.0; 3], ..rotation }.turned(direction))
+    }
 }
 
 impl Rotation {

@@ -6,7 +6,8 @@ use super::super::account::{Entries, Treatment};
 use Treatment::{LeftOut, NoEffect, Read, Refused};
 
 /// All known keywords. Materials, sections, amplitudes and steps have no effect: the input of Emmy gives materials and
-/// times, and the loads and elements to which they belong are counted by themselves.
+/// times, and the loads and elements to which they belong are counted by themselves. Of the cards that are read, some
+/// are left out, with notes.
 pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: Read,
@@ -25,6 +26,16 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
             "*END ASSEMBLY",
             "*INCLUDE",
         ],
+    },
+    Entries {
+        treatment: Read,
+        what: "rigid bodies, couplings, ties and other constraints",
+        names: &CONSTRAINTS,
+    },
+    Entries {
+        treatment: Read,
+        what: "masses, springs, dampers, and connectors with their directions",
+        names: &PROPERTIES,
     },
     Entries {
         treatment: NoEffect,
@@ -320,30 +331,14 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     Entries {
         treatment: NoEffect,
         what: "directions and distributions",
-        names: &[
-            "*ORIENTATION",
-            "*TRANSFORM",
-            "*TRANSFORMF",
-            "*DISTRIBUTION",
-            "*DISTRIBUTION TABLE",
-            "*NORMAL",
-        ],
+        names: &["*TRANSFORM", "*TRANSFORMF", "*DISTRIBUTION", "*DISTRIBUTION TABLE", "*NORMAL"],
     },
     Entries {
         treatment: LeftOut,
-        what: "constraints",
+        what: "constraints of other kinds",
         names: &[
-            "*TIE",
-            "*EQUATION",
             "*EQUATIONF",
-            "*MPC",
             "*NETWORK MPC",
-            "*RIGID BODY",
-            "*COUPLING",
-            "*KINEMATIC",
-            "*DISTRIBUTING",
-            "*KINEMATIC COUPLING",
-            "*DISTRIBUTING COUPLING",
             "*SHELL TO SOLID COUPLING",
             "*EMBEDDED ELEMENT",
             "*FASTENER*",
@@ -433,16 +428,12 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     },
     Entries {
         treatment: LeftOut,
-        what: "masses, springs, dampers, connectors",
+        what: "masses, springs, dampers and connectors of other kinds",
         names: &[
-            "*MASS",
-            "*ROTARY INERTIA",
             "*NONSTRUCTURAL MASS",
             "*MASS ADJUST",
             "*FIXED MASS SCALING",
             "*VARIABLE MASS SCALING",
-            "*SPRING",
-            "*DASHPOT",
             "*GAP",
             "*JOINT",
             "*JOINT ELASTICITY",
@@ -507,6 +498,35 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     },
 ];
 
+const CONSTRAINTS: [&str; 9] = [
+    "*TIE",
+    "*COUPLING",
+    "*KINEMATIC",
+    "*DISTRIBUTING",
+    "*KINEMATIC COUPLING",
+    "*DISTRIBUTING COUPLING",
+    "*RIGID BODY",
+    "*MPC",
+    "*EQUATION",
+];
+
+const PROPERTIES: [&str; 9] = [
+    "*MASS",
+    "*ROTARY INERTIA",
+    "*SPRING",
+    "*DASHPOT",
+    "*CONNECTOR SECTION",
+    "*CONNECTOR BEHAVIOR",
+    "*CONNECTOR ELASTICITY",
+    "*CONNECTOR DAMPING",
+    "*ORIENTATION",
+];
+
+/// Whether a keyword, as the table spells it, is kept with its data as a [`Card`](super::body::Card).
+pub(super) fn is_card(name: &str) -> bool {
+    CONSTRAINTS.contains(&name) || PROPERTIES.contains(&name)
+}
+
 /// Name of a keyword, `*END PART`, as the table spells it; spaces do not count.
 pub(super) fn spelled(title: &str) -> &str {
     let letters = |text: &'static str| text.chars().filter(|c| !c.is_whitespace());
@@ -527,7 +547,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), n);
         assert!(names.iter().all(|name| name.starts_with('*') && *name == name.to_uppercase()));
-        let found = ["*CONTACT PAIR", "*CONTACT OUTPUT", "*CONNECTOR ELASTICITY", "*NODE", "*NODES", "*NGEN"];
+        let found = ["*CONTACT PAIR", "*CONTACT OUTPUT", "*CONNECTOR STOP", "*NODE", "*NODES", "*NGEN"];
         let (left_out, read) = (Some(LeftOut), Some(Read));
         let expected = [left_out, Some(NoEffect), left_out, read, None, Some(Refused)];
         assert_eq!(found.map(|name| treatment(TABLE, name)), expected);

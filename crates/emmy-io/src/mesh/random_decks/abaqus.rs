@@ -239,3 +239,112 @@ proptest! {
         wanted.check(&read, &block, &contents, &|| text.clone());
     }
 }
+
+/// Keywords with entries of the input.
+const CARDS: [&str; 17] = [
+    "*TIE",
+    "*COUPLING",
+    "*KINEMATIC",
+    "*DISTRIBUTING",
+    "*KINEMATIC COUPLING",
+    "*DISTRIBUTING COUPLING",
+    "*RIGID BODY",
+    "*MPC",
+    "*EQUATION",
+    "*MASS",
+    "*ROTARY INERTIA",
+    "*SPRING",
+    "*DASHPOT",
+    "*CONNECTOR SECTION",
+    "*CONNECTOR BEHAVIOR",
+    "*ORIENTATION",
+    "*BOUNDARY",
+];
+
+/// A card with parameters and data of any kind, right or wrong.
+fn card(choices: &mut Choices, block: &Block) -> Lines {
+    let nodes = block.numbered(&block.end);
+    let node = |choices: &mut Choices| match choices.below(4) {
+        0 => "2001".to_string(),
+        1 => "2002".to_string(),
+        _ => choices.one(&nodes),
+    };
+    let mut parameters = Vec::new();
+    for _ in 0..choices.below(4) {
+        let key = choices.one(&[
+            "REF NODE",
+            "NSET",
+            "ELSET",
+            "SURFACE",
+            "NAME",
+            "CONSTRAINT NAME",
+            "BEHAVIOR",
+            "TYPE",
+        ]);
+        let value = match key {
+            "REF NODE" => node(choices),
+            "NSET" => choices.one(&["end", "none", "points"]).to_string(),
+            "ELSET" => choices.one(&["lump", "left", "springs", "none"]).to_string(),
+            "SURFACE" => choices.one(&["skin", "end-nodes", "none"]).to_string(),
+            _ => choices.one(&["one", "Two", "end", "ISOTROPIC"]).to_string(),
+        };
+        parameters.push((key, value));
+    }
+    let name = choices.one(&CARDS);
+    let parameters: Vec<(&str, &str)> =
+        parameters.iter().map(|(key, value)| (*key, value.as_str())).collect();
+    let mut lines = vec![keyword(choices, name, &parameters)];
+    for _ in 0..choices.below(4) {
+        let fields: Vec<String> = (0..1 + choices.below(5))
+            .map(|_| match choices.below(6) {
+                0 => node(choices),
+                1 => choices.one(&["end", "points", "skin", "end-nodes", "none", ""]).to_string(),
+                2 => choices.one(&["BEAM", "PIN", "TIE", "LINK", "HINGE", "JOIN", "SLOT", "one"]).to_string(),
+                3 => choices.below(7).to_string(),
+                _ => choices.one(&["1.5", "-1.", "0.D0", "1.E300", "nan", "x"]).to_string(),
+            })
+            .collect();
+        lines.push(fields.join(", "));
+    }
+    lines
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn cards_of_any_form_leave_the_mesh_as_it_is(mut choices in choices()) {
+        let choices = &mut choices;
+        let block = Block::new(choices);
+        let (body, contents) = body(choices, &block, 0, &mut Wanted::default());
+        let mut lines: Lines = body.into_iter().flatten().collect();
+        lines.extend(["*NODE, NSET=points", "2001, 20., 1., 2.", "2002, 30., 0., 0."].map(str::to_string));
+        let [end, other] = [block.end[0], block.cells[0].1[0]].map(|point| block.numbers[point]);
+        lines.push(format!("*ELEMENT, TYPE=SPRINGA, ELSET=springs\n801, {end}, {other}\n802, {end}, 2001"));
+        lines.push("*ELEMENT, TYPE=CONN3D2, ELSET=springs\n803, 2001, 2002".to_string());
+        lines.push("*SURFACE, NAME=end-nodes, TYPE=NODE".to_string());
+        lines.push(end.to_string());
+        for _ in 0..choices.below(12) {
+            lines.extend(card(choices, &block));
+        }
+        let text = lines.join("\n") + "\n";
+        let file = parse("a.inp".as_ref(), text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let read = Contents::of(&file.mesh);
+        prop_assert_eq!((&read.nodes, &read.cells), (&contents.nodes, &contents.cells));
+        let mut names = std::collections::HashSet::new();
+        let own: Vec<&str> = file.entries.iter().map(|entry| entry.name.as_str()).collect();
+        for entry in &file.entries {
+            prop_assert!(names.insert(&entry.name), "{} twice\n{}", entry.name, text);
+            for key in ["group", "follower", "leader"] {
+                let group = entry.table.get(key).and_then(|group| group.as_str());
+                let is_known = |group: &str| own.contains(&group) || file.mesh.group_nodes(group).is_ok();
+                prop_assert!(group.is_none_or(is_known), "{group:?}\n{text}");
+            }
+            let weights = entry.table.get("weights").and_then(|weights| weights.as_array());
+            let group = entry.table.get("leader").or(entry.table.get("group")).and_then(|group| group.as_str());
+            if let (Some(weights), Some(group)) = (weights, group) {
+                prop_assert_eq!(weights.len(), file.mesh.group_nodes(group).unwrap().len());
+            }
+        }
+    }
+}

@@ -12,8 +12,8 @@ use crate::message::counted;
 /// Facets or nodes of a surface.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Contents {
-    facets: Vec<Facet>,
-    nodes: Vec<u32>,
+    pub(super) facets: Vec<Facet>,
+    pub(super) nodes: Vec<u32>,
 }
 
 impl Contents {
@@ -54,12 +54,19 @@ impl<'a> Assembly<'a> {
             std::iter::once(row.target.as_str()).chain(of_instance).map(str::to_lowercase)
         };
         let used: HashSet<String> = parts.flat_map(names_of).collect();
+        let named: HashSet<String> = self.named_by_cards().collect();
         let instances = (0..deck.instances.len() as u32).map(Some);
         for instance in instances.chain([None]) {
             for surface in &self.body(instance).surfaces {
                 let name = surface.name.to_lowercase();
-                if !surface.internal || used.contains(&name) {
-                    let mut contents = self.contents(instance, surface, notes)?;
+                let is_needed = !surface.internal || used.contains(&name);
+                if is_needed || named.contains(&name) {
+                    let mut contents = match self.contents(instance, surface, notes) {
+                        Ok(contents) => contents,
+                        Err(error) if is_needed => return Err(error),
+                        // The card that names it is left out, with a note.
+                        Err(_) => continue,
+                    };
                     let known = self.surfaces.entry((instance, name)).or_default();
                     known.facets.append(&mut contents.facets);
                     known.nodes.append(&mut contents.nodes);
@@ -74,12 +81,12 @@ impl<'a> Assembly<'a> {
         let name = surface.name.to_lowercase();
         let is_taken = self.root_surfaces.contains(&name);
         let names = self.deck.group_names(instance, &surface.name, is_taken);
-        let Some(contents) = self.surfaces.get(&(instance, name)) else { return };
+        let Some(contents) = self.surfaces.get(&(instance, name)).cloned() else { return };
         for name in names {
             if surface.of == Of::Elements && (contents.nodes.is_empty() || !contents.facets.is_empty()) {
-                self.builder.facet_group(&name, contents.facets.iter().copied());
+                self.facet_group(&name, contents.facets.iter().copied());
             } else {
-                self.builder.node_group(&name, contents.nodes.iter().copied());
+                self.node_group(&name, contents.nodes.iter().copied());
             }
         }
     }
@@ -100,7 +107,7 @@ impl<'a> Assembly<'a> {
         let mut has_edges = false;
         // A surface without rows has all free faces of the model.
         let at = At { file: 0, line: 0 };
-        let all = Row { target: String::new(), face: Some(Face::Free), instance: None, at };
+        let all = Row { target: String::new(), face: Some(Face::Free), instance: None, area: None, at };
         let is_blank = surface.rows.is_empty() && surface.of == Of::Elements;
         for row in surface.rows.iter().chain(is_blank.then_some(&all)) {
             if row.face == Some(Face::Edge) {

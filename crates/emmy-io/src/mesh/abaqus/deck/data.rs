@@ -31,6 +31,11 @@ impl Deck {
             }
             Section::Set { of, name, instance, .. } => self.set_line(at, line, *of, name, *instance)?,
             Section::Surface { instance } => self.row(at, line, *instance)?,
+            Section::Card => {
+                if let Some(card) = self.body_mut().cards.last_mut() {
+                    card.lines.push((at, fields(line)));
+                }
+            }
         }
         self.section = section;
         Ok(())
@@ -171,7 +176,7 @@ impl Deck {
                 let nodes = elements.pending[1..].to_vec();
                 let body = self.body_mut();
                 body.left_out_index.insert(number, body.left_out.len() as u32);
-                body.left_out.push(LeftOut { element_type: elements.type_index, nodes });
+                body.left_out.push(LeftOut { element_type: elements.type_index, number, nodes });
             }
         }
         if let Some(set) = &elements.set {
@@ -226,6 +231,7 @@ impl Deck {
 
     fn row(&mut self, at: At, line: &str, instance: Option<u32>) -> Result<()> {
         let fields = fields(line);
+        let fields_after = fields.get(1).cloned();
         let Some(surface) = self.body().surfaces.last() else { return Ok(()) };
         let rows = match (surface.combine, surface.of) {
             (Some(_), _) => {
@@ -237,7 +243,10 @@ impl Deck {
                 vec![(fields.first().cloned().unwrap_or_default(), Some(face))]
             }
         };
-        let rows = rows.into_iter().map(|(target, face)| Row { target, face, instance, at });
+        let is_of_nodes = surface.combine.is_none() && surface.of == Of::Nodes;
+        let area = fields_after.filter(|area| is_of_nodes && !area.is_empty());
+        let rows =
+            rows.into_iter().map(|(target, face)| Row { target, face, instance, area: area.clone(), at });
         if let Some(surface) = self.body_mut().surfaces.last_mut() {
             surface.rows.extend(rows);
         }

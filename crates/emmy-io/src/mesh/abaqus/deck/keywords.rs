@@ -1,12 +1,13 @@
 //! Keywords; each determines the meaning of its data lines.
 
 use super::super::super::account::Treatment;
+use super::super::super::includes::included;
 use super::super::super::{MeshError, Result};
-use super::super::body::{At, Body, Combine, Instance, Member, Of, Surface};
+use super::super::body::{At, Body, Card, Combine, Instance, Member, Of, Surface};
 use super::super::element::{self, Role};
 use super::super::keyword::Keyword;
 use super::super::placement::Placement;
-use super::super::table::{TABLE, spelled};
+use super::super::table::{TABLE, is_card, spelled};
 use super::{Deck, Elements, Scope, Section, shown};
 
 /// Largest number of nodes, elements and members of sets in all instances together: each instance copies its part.
@@ -28,6 +29,12 @@ impl Deck {
                 let advice = "write out all nodes and elements, as Abaqus/CAE does";
                 return Err(self.malformed(at, problem, advice));
             }
+            Some(Treatment::LeftOut) if keyword.name == "BOUNDARY" => {
+                // It says which ends of springs without cells are fixed.
+                self.section = Section::Card;
+                self.body_mut().cards.push(Card { keyword: keyword.clone(), at, lines: Vec::new() });
+                return Ok(());
+            }
             Some(Treatment::NoEffect | Treatment::LeftOut) | None => return Ok(()),
         }
         self.section = match keyword.name.as_str() {
@@ -42,12 +49,28 @@ impl Deck {
             "NSET" => self.node_set(keyword, at)?,
             "ELSET" => self.set(keyword, at, Of::Elements, "ELSET")?,
             "SURFACE" => self.surface(keyword, at)?,
+            _ if is_card(name) => return self.card(keyword, at),
             _ => Section::Skipped,
         };
         match keyword.value("INPUT") {
             Some(input) if !matches!(self.section, Section::Skipped) => self.include(at, input),
             _ => Ok(()),
         }
+    }
+
+    /// A card; a file of its data that is missing does not spoil the mesh.
+    fn card(&mut self, keyword: &Keyword, at: At) -> Result<()> {
+        self.section = Section::Card;
+        self.body_mut().cards.push(Card { keyword: keyword.clone(), at, lines: Vec::new() });
+        let Some(input) = keyword.value("INPUT") else { return Ok(()) };
+        let path = included(&self.files, at.file, input);
+        if path.is_file() {
+            return self.include(at, input);
+        }
+        let place = self.place(at);
+        let name = &keyword.title;
+        self.notes.insert(format!("{place}: {name} is left out: there is no file {}", path.display()));
+        Ok(())
     }
 
     fn required<'a>(&self, keyword: &'a Keyword, at: At, key: &str) -> Result<&'a str> {

@@ -71,6 +71,8 @@ enum Section {
     Surface {
         instance: Option<u32>,
     },
+    /// Lines of the last card.
+    Card,
 }
 
 #[derive(Debug)]
@@ -296,6 +298,9 @@ impl Deck {
             if text.starts_with(b"*") {
                 let keyword = self.keyword_line(at, text, &mut lines)?;
                 self.keyword(&Keyword::parse(&keyword), at)?;
+            } else if matches!(self.section, Section::Card) {
+                // Characters that are not UTF-8 do not spoil the mesh.
+                self.data(at, &message::name(&String::from_utf8_lossy(text)))?;
             } else if !matches!(self.section, Section::Skipped) {
                 let text = self.text(at, text)?;
                 self.data(at, &text)?;
