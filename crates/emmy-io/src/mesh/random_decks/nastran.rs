@@ -320,6 +320,7 @@ proptest! {
         cards.extend(equations.iter().map(|fields| ("MPC".to_string(), fields.clone())));
         choices.shuffle(&mut cards);
         let mut lines = Lines::default();
+        lines.all.push("$HMNAME PROP  1000\"steel\" 4".to_string());
         cards.iter().for_each(|(name, fields)| lines.card(choices, name, fields));
         let text = [lines.all, lines.elsewhere, vec!["ENDDATA".to_string(), String::new()]].concat().join("\n");
         let read = parse("a.bdf".as_ref(), text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));

@@ -58,6 +58,8 @@ struct Hinge {
     name: String,
     at: At,
     ends: [u64; 2],
+    /// Whether it is all of its card.
+    is_alone: bool,
 }
 
 /// Sets of grid points that are joined.
@@ -101,7 +103,7 @@ impl Work<'_> {
                 // Only its translations follow: a point in common with the body that turns there.
                 if !link.turns && hubs.contains(&member) {
                     let Link { card, label, name, at, hub, .. } = link.clone();
-                    hinges.push(Hinge { card, label, name, at, ends: [hub, member] });
+                    hinges.push(Hinge { card, label, name, at, ends: [hub, member], is_alone: false });
                 } else {
                     joined.join(link.hub, member);
                 }
@@ -124,7 +126,7 @@ impl Work<'_> {
                     links.push(Link::of_pair(pair));
                 } else if pair.how.is_point() && turns == [true, true] {
                     let Pair { card, label, name, at, ends, .. } = pair;
-                    hinges.push(Hinge { card, label, name, at, ends });
+                    hinges.push(Hinge { card, label, name, at, ends, is_alone: true });
                 } else {
                     self.pairs.push(pair);
                 }
@@ -271,7 +273,7 @@ impl Work<'_> {
 
     /// Joins two rigid bodies at a point.
     fn hinge(&mut self, hinge: Hinge) {
-        let Hinge { card, label, name, at, ends } = hinge;
+        let Hinge { card, label, name, at, ends, is_alone } = hinge;
         let bodies = ends.map(|end| self.body_of.get(&end).copied());
         let [Some(a), Some(b)] = bodies else {
             // The reason of the body stands in its own note.
@@ -279,7 +281,7 @@ impl Work<'_> {
             return self.register.leave_out_named(&format!("the joint of {card}"), label, at, reason);
         };
         if a == b {
-            return;
+            return self.idle.extend(is_alone.then(|| format!("{card} {label}")));
         }
         let between = texts([&self.bodies[a].name, &self.bodies[b].name]);
         let place = vector(self.grids.place(ends[1]));

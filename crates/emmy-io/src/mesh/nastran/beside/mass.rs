@@ -55,7 +55,7 @@ impl Mass {
         let own = [[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]];
         let inertia = lower.iter().any(|x| *x != 0.0).then(|| turned(&own, &axes));
         let has_inertia = inertia.is_some();
-        if mass < 0.0 || mass == 0.0 {
+        if mass <= 0.0 {
             return Err(Reason::new(match has_inertia {
                 true => "an inertia needs a mass above 0",
                 false => "its mass is not above 0",

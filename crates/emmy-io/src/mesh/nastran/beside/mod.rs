@@ -99,6 +99,8 @@ struct Work<'a> {
     held: HashSet<u64>,
     /// Grid points without cells whose rigid element is left out.
     lost: HashSet<u64>,
+    /// Cards that join what is one rigid body already.
+    idle: Vec<String>,
 }
 
 impl Work<'_> {
@@ -232,6 +234,7 @@ impl Reader {
             free: BTreeMap::new(),
             held: HashSet::new(),
             lost: HashSet::new(),
+            idle: Vec::new(),
         };
         if is_plane {
             let why = || Reason::new("the body is in plane strain");

@@ -90,7 +90,6 @@ const DISTANCES: [&str; 2] = ["rigid link acts", "rigid links act"];
 impl Work<'_> {
     /// Joins the pairs that are part of no rigid body.
     pub(super) fn join_pairs(&mut self) {
-        let mut nothing = Vec::new();
         let mut moved = Vec::new();
         let mut links = Vec::new();
         for pair in std::mem::take(&mut self.pairs) {
@@ -99,7 +98,7 @@ impl Work<'_> {
             if ends[0] == ends[1] {
                 moved.push(format!("{} {}", pair.card, pair.label));
             } else if body[0].is_some() && body[0] == body[1] {
-                nothing.push(format!("{} {}", pair.card, pair.label));
+                self.idle.push(format!("{} {}", pair.card, pair.label));
             } else {
                 match self.join(&pair, ends) {
                     Ok(is_link) => links.extend(is_link.then(|| pair.name.clone())),
@@ -116,9 +115,9 @@ impl Work<'_> {
             self.register
                 .remark(format!("grid points without cells move with the node at their place: {names}"));
         }
-        if !nothing.is_empty() {
-            self.register
-                .remark(format!("within one rigid coupling, and without effect: {}", listed(&nothing)));
+        if !self.idle.is_empty() {
+            let names = listed(&self.idle);
+            self.register.remark(format!("within one rigid coupling, and without effect: {names}"));
         }
     }
 
