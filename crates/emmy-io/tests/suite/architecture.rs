@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 51] = [
+const ORDER: [&str; 53] = [
     "fault",
     "excerpt",
     "syntax",
@@ -23,6 +23,7 @@ const ORDER: [&str; 51] = [
     "support",
     "tie",
     "rigid",
+    "coupling",
     "joint",
     "mechanism",
     "nodal",
@@ -51,6 +52,7 @@ const ORDER: [&str; 51] = [
     "start_state",
     "source",
     "root",
+    "deck",
     "sections",
     "reading",
     "memory",
