@@ -291,8 +291,8 @@ class Load(Table):
     Parameters
     ----------
     group : str, optional
-        Group on which the load acts; with `acceleration`, `body_force` and `attraction` the whole body if not given, with
-        `rotation` and `drag` always.
+        Group on which the load acts; with `acceleration`, `body_force` and `attraction` the whole body if not given;
+        with `rotation` and `drag` always the whole body.
     traction : vector or function, optional
         Force per reference area of a group of facets; or a function ``f(points, t)`` that returns one vector per point,
         both ``(n, 3)``.

@@ -186,8 +186,8 @@ class Modes:
     rigid : int
         Number of rigid modes.
     residuals : array (count,)
-        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in squared frequencies. For
-        an observer that turns, those of the space of real modes, without bound.
+        Relative residuals, at most 1e-6: about the relative errors that the iteration leaves in squared frequencies.
+        For an observer that turns, those of the space of real modes, without bound.
 
     Examples
     --------

@@ -582,7 +582,9 @@ fn rotor_blade() {
         modes.lines().skip(1).map(|row| row.split(',').map(|text| text.parse().unwrap()).collect()).collect();
     close(rows[0][1], 5.585 * unit, 5e-3);
     close(rows[1][1], (3.925f64.powi(2) - 1.6 * 1.6).sqrt() * 2.5 * unit, 0.01);
-    assert!(rows.iter().all(|row| row[7] < 0.02), "{modes}");
+    // Modes of bending lack the axial motion that the Coriolis force adds, at most 2 Omega/omega_axial.
+    let axial = 0.5 * std::f64::consts::PI * (7e10f64 / 2700.0).sqrt();
+    assert!(rows.iter().all(|row| row[7] < 2.02 * 117.6 / axial), "{modes}");
     // A sweep over the speed has the same numbers.
     let speeds = "load.rotation.speed=58.8,117.6";
     place.succeed(&["sweep", "rotor-blade.toml", "--modes", "4", "--set", speeds, "--quiet"]);

@@ -116,10 +116,11 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// ```
 ///
 /// This is solved in the space of the 2 `count` lowest modes of K and M, and the residual
-/// `|(K + 2 i omega G - omega^2 M) v| / |K v|`, in the norm of `(K + s M)^-1` with a shift s, tells what the others would
-/// add: it has no bound but in the whole space, where it is rounding. The vibration v is complex, since points run through
-/// ellipses. `shape` is its place at the moment of the largest component, `Re v`, with `v^H (K + omega^2 M) v =
-/// 2 omega^2`, and the effective masses `|v^H M e_d|^2` still have the mass as their sum over all modes of a free body.
+/// `|(K + 2 i omega G - omega^2 M) v| / |K v|`, in the norm of `(K + s M)^-1` with a small shift s, tells what the
+/// others would add: it has no bound but in the whole space, where it is rounding. The vibration v is complex, since
+/// points run through ellipses. `shape` is its place at the moment of the largest component, `Re v`, with
+/// `v^H (K + omega^2 M) v = 2 omega^2`, and the effective masses `|v^H M e_d|^2` still have the mass as their sum over
+/// all modes of a free body.
 ///
 /// # Errors
 /// As [`modes`], and [`Error::Inverted`]; [`Error::Rotation`] where K is not positive definite for an observer that

@@ -182,7 +182,8 @@ impl<'a> BodyPencil<'a> {
         stiff / dot(&u, &product)
     }
 
-    /// Products with the gyroscopic matrix of an angular velocity, `G x = M (s x x)`, projected like those with the mass.
+    /// Products with the gyroscopic matrix of an angular velocity s, `G x = M (s x x)`, projected like those with the
+    /// mass.
     pub(super) fn multiply_gyroscopic(&self, spin: [f64; 3], x: &[f64], product: &mut [f64]) {
         let n = self.body.n_dofs();
         for (x, product) in x.chunks_exact(n).zip(product.chunks_exact_mut(n)) {

@@ -359,8 +359,8 @@ fn a_bar_has_its_steady_extension() {
     assert!((end / solid[1] - 1.0).abs() < 1e-9, "{end}");
 }
 
-/// A mass on springs to the ground, drawn off the axis: `r = k r_0/(k - m Omega^2)`, and frequencies `omega_0 -+ Omega`,
-/// `omega_0` along the axis. Its axis may have any place and direction.
+/// A mass on springs to the ground, drawn off the axis: `r = k r_0/(k - m Omega^2)`, and frequencies
+/// `omega_0 -+ Omega`, `omega_0` along the axis. Its axis may have any place and direction.
 #[test]
 fn a_mass_on_springs_is_thrown_out_and_whirls() {
     let (mass, stiffness, speed) = (2.0, 18.0f64, 1.25);

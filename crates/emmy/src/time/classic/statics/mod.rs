@@ -69,8 +69,10 @@ pub(crate) fn solve_stiffness(body: &Body, stiffness: &mut StageMatrix, b: &[f64
 /// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
 /// stiffness is positive definite, then with a line search. On a team, which does not factorise, it counts as positive
 /// definite until conjugate gradients find a direction in which it is not, and always under follower loads. An
-/// equilibrium whose stiffness is not positive definite with the centrifugal force of an observer is refused. In a record, the work of loads and supports is the change of the strain energy, as it is along a path of equilibria, and
-/// the residuals of the momentum balances are the resultant and the moment of loads, reactions and ground.
+/// equilibrium whose stiffness is not positive definite under the centrifugal force for an observer is refused, but on
+/// a team, or beside follower loads without a symmetric stiffness. In a record, the work of loads and supports is the
+/// change of the strain energy, as it is along a path of equilibria, and the residuals of the momentum balances are the
+/// resultant and the moment of loads, reactions and ground.
 #[derive(Debug)]
 pub struct StaticStepper<'a> {
     newton: Newton,
