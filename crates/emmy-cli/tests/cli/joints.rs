@@ -523,7 +523,7 @@ fn what_has_no_joints_yet_says_so() {
     let place = Place::with(DOOR);
     let failed = place.emmy(&["split", "box.toml", "--parts", "2"]);
     assert_ne!(failed.code, 0);
-    let words = "several ranks do not compute a body with rigid bodies or joints";
+    let words = "several ranks do not compute a body with couplings, rigid bodies or joints";
     assert!(failed.stderr.contains(words), "{}", failed.stderr);
 }
 

@@ -60,20 +60,6 @@ pub(super) static ROOT: Described = Described::new(|| {
 /// The kind of the whole input.
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
-/// Keys that are planned: their table, the key, the fault and advice.
-const PLANNED: [(&str, &str, &str, &str); 1] = [(
-    "the input",
-    "coupling",
-    "Emmy has no couplings yet",
-    "a rigid one is `[[rigid]]` with this `group`; `[[joint]]` joins nodes with bodies, the ground and each other",
-)];
-
-/// The fault of a key of a table that is planned, and advice.
-pub(super) fn planned(section: &Section, key: &str) -> Option<(&'static str, &'static str)> {
-    let found = PLANNED.iter().find(|(table, own, ..)| (*table, *own) == (section.name, key));
-    found.map(|(_, _, message, help)| (*message, *help))
-}
-
 /// Largest number of materials in a message about the tables of a key.
 const MAX_MODELS: usize = 3;
 

@@ -339,11 +339,6 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         if faults.are_many() {
             return false;
         }
-        if let Some((message, help)) = catalogue::planned(section, key) {
-            are_known = false;
-            faults.push(Fault::at(place, message, "not yet").help(help));
-            continue;
-        }
         let (own, mut label) = meaning(section, key);
         meant.extend(own);
         let mut advice = None;
