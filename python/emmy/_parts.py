@@ -188,8 +188,7 @@ class Tie(Table):
         Largest shift of a follower onto the leader, relative to the longest edge of the facet or cell there; of a node
         onto a node, to the shortest edge at the follower.
     weights : list of float, optional
-        For a follower of one node: weights of the nodes of the leader in ascending order, with the sum 1; without
-        `kind`.
+        For a follower of one node: weights of the nodes of the leader in ascending order, with the sum 1.
 
     Raises
     ------

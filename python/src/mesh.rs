@@ -305,7 +305,7 @@ impl Mesh {
         Ok(Mesh::of_file(file.map_err(|error| errors::library(py, &error))?))
     }
 
-    /// What a deck has besides the mesh: name, section, table as TOML, and card.
+    /// Entries of a deck besides the mesh: name, section, table as TOML, and card.
     #[getter]
     fn entries(&self) -> Vec<(String, &'static str, String, String)> {
         let entry =

@@ -103,8 +103,10 @@ fn unknown(name: &str) -> Failure {
 /// Tells where to find an example with a mesh.
 fn on_mesh(name: &str) -> Failure {
     let message = format!("the example `{name}` comes with a mesh, which `emmy new` does not write");
+    // The bolted one has the mesh of the other bracket.
+    let mesh = name.strip_prefix("bolted-").unwrap_or(name);
     let help = format!(
-        "both lie in Emmy's source, as examples/{name}.toml and examples/meshes/{name}.msh; there, `emmy run \
+        "both lie in Emmy's source, as examples/{name}.toml and examples/meshes/{mesh}.msh; there, `emmy run \
          examples/{name}.toml` runs it"
     );
     Failure::Usage { message, help: Some(help) }

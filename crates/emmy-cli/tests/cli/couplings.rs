@@ -144,8 +144,8 @@ fn rigid_couplings_are_rigid_bodies() {
     assert_ne!(place.history("heavy")["hook_z"], place.history("rigid")["hook_z"]);
 }
 
-/// A puck that spins, with a thrust that turns with it: x = F/(m w^2) (1 - cos w t), y = F/(m w^2) (w t - sin w t). And a
-/// torque about its axis.
+/// A puck that spins, with a thrust that turns with it: x = F/(m w^2) (1 - cos w t), y = F/(m w^2) (w t - sin w t). And
+/// a torque about its axis.
 #[test]
 fn a_thrust_turns_with_its_body() {
     let puck = r#"
@@ -261,8 +261,8 @@ fn impossible_couplings_are_refused() {
         ),
         (
             "[time]",
-            "[[tie]]\nfollower = \"x-max\"\nleader = \"x-min\"\nkind = \"nodes\"\nweights = [1]\n[time]",
-            &["`weights` and `kind` exclude each other"],
+            "[[tie]]\nfollower = \"x-max\"\nleader = \"x-min\"\nkind = \"mortar\"\nweights = [1]\n[time]",
+            &["`weights` are those of a node; by mortar they are integrals"],
         ),
     ] {
         let input = BLOCK.replacen(from, to, 1);

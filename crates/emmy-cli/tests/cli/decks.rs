@@ -48,7 +48,7 @@ fn modes_of_decks_are_those_of_calculix() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What a deck has stands in the resolved input, and can be left out or referred to by its name.
+/// Entries of a deck stand in the resolved input, and can be left out or referred to by their names.
 #[test]
 fn what_a_deck_has_can_be_left_out() {
     let place = Place::new();

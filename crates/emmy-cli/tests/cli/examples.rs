@@ -682,8 +682,8 @@ fn bolted_bracket() {
 }
 
 /// CalculiX 2.20 with the same job (C3D20R, `*RIGID BODY` with six masses that have the engine's inertia): it sinks by
-/// 0.3480 mm and moves by 0.0917 mm under 0.5 N to the side on the finest mesh; frequencies without the weight. Under the
-/// weight it leaves out that the engine stands above the mount like an inverted pendulum.
+/// 0.3480 mm and moves by 0.0917 mm under 0.5 N to the side on the finest mesh; frequencies without the weight. Under
+/// the weight it leaves out that the engine stands above the mount like an inverted pendulum.
 #[test]
 fn engine_mount() {
     let (place, history) = run("engine-mount");

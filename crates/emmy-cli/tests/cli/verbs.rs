@@ -42,7 +42,8 @@ fn new_says_where_the_examples_with_meshes_are() {
     ] {
         let outcome = place.emmy(&["new", name]);
         assert_eq!(outcome.code, 2);
-        for file in [format!("examples/{name}.toml"), format!("examples/meshes/{name}.msh")] {
+        let mesh = name.strip_prefix("bolted-").unwrap_or(name);
+        for file in [format!("examples/{name}.toml"), format!("examples/meshes/{mesh}.msh")] {
             assert!(outcome.stderr.contains(&file), "{}", outcome.stderr);
             assert!(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&file).is_file());
         }

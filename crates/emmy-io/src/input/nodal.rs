@@ -131,7 +131,7 @@ impl PlacedNodal {
     }
 }
 
-/// What a table of a mass gives.
+/// The parts of a body that a table of a mass gives.
 #[derive(Debug)]
 pub(super) enum Read {
     /// A mass at nodes, or spread.

@@ -45,8 +45,7 @@ pub(super) static TIE: Described = Described::new(|| {
             "weights",
             list(1, NUMBER),
             "",
-            "For a follower of one node: weights of the nodes of the leader, in the order of their numbers, with the sum 1; \
-             without `kind`",
+            "For a follower of one node: weights of the nodes of the leader, in the order of their numbers, with the sum 1",
         )
         .absent("by `kind`")
 });
@@ -72,8 +71,8 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedTie, Fault> {
         _ => TieKind::Mortar,
     });
     let weights = table.item("weights").and_then(|_| table.may::<Vec<f64>>("weights"));
-    if let (Some(kind), Some(_)) = (table.item("kind"), &weights) {
-        return Err(kind.fault("`weights` and `kind` exclude each other", "leave one out"));
+    if let (Some(item), Some(TieKind::Mortar), Some(_)) = (table.item("kind"), kind, &weights) {
+        return Err(item.fault("`weights` are those of a node; by mortar they are integrals", "leave it out"));
     }
     let tie = Tie { kind, weights, ..Tie::new(follower.name(), leader.name()) };
     let tie = tie.with_tolerance(table.must("tolerance"));

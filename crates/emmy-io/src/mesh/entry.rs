@@ -1,4 +1,4 @@
-//! What a deck has besides its mesh.
+//! Entries of decks besides their meshes.
 
 /// A rigid element, coupling, tie, mass, spring or joint of a mesh file, as a table of the input.
 ///

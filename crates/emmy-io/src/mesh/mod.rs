@@ -58,7 +58,7 @@ pub struct MeshFile {
     pub mesh: Mesh,
     /// Sentences such as `C3D8R is read as hex8 and integrated fully`.
     pub notes: Vec<String>,
-    /// What the file has besides the mesh.
+    /// Rigid elements, ties, masses, springs and joints of the file.
     pub entries: Vec<DeckEntry>,
     /// The source files: itself and its includes.
     pub files: Vec<PathBuf>,
@@ -141,8 +141,8 @@ pub struct MeshOptions {
 ///
 /// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
 /// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
-/// `spc_SET`. Rigid elements, masses, springs and equations are [`MeshFile::entries`], with notes on those that are left
-/// out, and why. Other cards that are left out are counted in notes.
+/// `spc_SET`. Rigid elements, masses, springs and equations are [`MeshFile::entries`], with notes on those that are
+/// left out, and why. Other cards that are left out are counted in notes.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane

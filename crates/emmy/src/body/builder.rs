@@ -164,14 +164,14 @@ impl BodyBuilder {
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
-    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
-    /// load, [`crate::Error::PressureInside`], [`crate::Error::Support`], [`crate::Error::Tie`],
-    /// [`crate::Error::Coupling`],
-    /// [`crate::Error::Inertia`], [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::Moment`],
-    /// [`crate::Error::Rotation`], [`crate::Error::GroupExists`] for a rigid body named as a group,
-    /// [`crate::Error::NoMass`] for a node without mass that is free to move, [`crate::Error::Viscosity`] unless the
-    /// drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an
-    /// error of one rank.
+    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`],
+    /// [`crate::Error::NotFinite`] for a load, [`crate::Error::PressureInside`], [`crate::Error::Support`],
+    /// [`crate::Error::Tie`], [`crate::Error::Coupling`], [`crate::Error::Inertia`], [`crate::Error::Rigid`],
+    /// [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::Rotation`],
+    /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node
+    /// without mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not
+    /// negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one
+    /// rank.
     pub fn build(mut self) -> Result<Body> {
         let ranks = self.ranks.clone();
         ranks.check_partition()?;

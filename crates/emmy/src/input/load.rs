@@ -126,8 +126,8 @@ impl Load {
     }
 }
 
-/// Kind of a load. All are dead, they keep their direction while the body turns, but the pressure, the rotation, and the
-/// moments and forces that follow a rigid body.
+/// Kind of a load. All are dead, they keep their direction while the body turns, but the pressure, the rotation, and
+/// the moments and forces that follow a rigid body.
 ///
 /// ```
 /// use emmy::prelude::*;

@@ -94,8 +94,8 @@ pub(crate) fn mortar(
     found
 }
 
-/// Takes nodes between two corners, which have shared with these, from the values u^ to those of u. Without both corners
-/// they are not covered.
+/// Takes nodes between two corners, which have shared with these, from the values u^ to those of u. Without both
+/// corners they are not covered.
 fn add_shares(followers: &[Side], found: &mut BTreeMap<u32, Vec<(u32, f64)>>) {
     let sides = followers.iter().filter(|side| takes_share(side.kind));
     let between: BTreeMap<u32, [u32; 2]> = sides

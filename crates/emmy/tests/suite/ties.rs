@@ -408,8 +408,8 @@ fn moved(mesh: &Mesh, to: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
 /// Kinds of cells and numbers of them along an edge, a region, and whether the meshes are distorted.
 type Patch = (&'static str, [CellKind; 2], [usize; 2], fn() -> Region, bool);
 
-/// By mortar any two meshes pass a uniform stress, if the surfaces are plane: of cells of all kinds and formulations, of
-/// different sizes, and linear ones distorted.
+/// By mortar any two meshes pass a uniform stress, if the surfaces are plane: of cells of all kinds and formulations,
+/// of different sizes, and linear ones distorted.
 #[test]
 fn mortar_passes_a_uniform_stress() {
     use CellKind::{Hex8, Hex20, Hex27, Pyramid5, Tet4, Tet10, Wedge6};

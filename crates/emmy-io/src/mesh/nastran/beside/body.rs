@@ -308,7 +308,7 @@ impl Work<'_> {
     }
 }
 
-/// What has a mass.
+/// The owner of a mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Of {
     Body(usize),

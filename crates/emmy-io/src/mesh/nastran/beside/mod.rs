@@ -1,4 +1,4 @@
-//! What a deck has besides its mesh: rigid elements, equations, masses, springs and dampers, as tables of the input.
+//! Rigid elements, equations, masses, springs and dampers of a deck as tables of the input.
 
 mod body;
 mod equation;
@@ -36,7 +36,7 @@ const CARDS: [&str; 17] = [
 /// The property of `CBUSH`.
 const PBUSH: &str = "PBUSH";
 
-/// What a file has besides its mesh.
+/// The cards of a file besides its mesh, and their entries.
 #[derive(Debug, Default)]
 pub(super) struct Beside {
     cards: Vec<Stored>,

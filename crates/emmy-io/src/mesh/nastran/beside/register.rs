@@ -12,7 +12,7 @@ use crate::message::counted;
 /// Names of a note at most.
 const MAX_NAMES: usize = 10;
 
-/// What is left out for one reason.
+/// Cards that are left out for one reason.
 #[derive(Debug)]
 struct LeftOut {
     n: usize,
@@ -32,7 +32,7 @@ pub(super) struct Register<'a> {
     pub(super) used: HashSet<u64>,
     /// Names of entries and groups, in lower case.
     taken: HashSet<String>,
-    /// What acts: card, one and many of it, and the names.
+    /// The entries that act: card, one and many of it, and the names.
     acting: BTreeMap<(&'static str, [&'static str; 2]), Vec<String>>,
     /// By the card, or a part of it, and the reason.
     left_out: BTreeMap<(String, String), LeftOut>,

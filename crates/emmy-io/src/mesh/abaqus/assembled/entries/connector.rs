@@ -14,7 +14,7 @@ use super::orientation::Axes;
 use super::vector::{Vector, distance};
 use super::{Entry, Maker, Owned, Rows, inner, list, text, vector};
 
-/// What a connector keeps.
+/// The constraints of a connector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Spherical,

@@ -1,4 +1,4 @@
-//! What a deck has besides its mesh, as tables of the input: rigid bodies, couplings, ties, masses, springs, joints.
+//! Rigid bodies, couplings, ties, masses, springs and joints of a deck as tables of the input.
 
 mod connector;
 mod equation;

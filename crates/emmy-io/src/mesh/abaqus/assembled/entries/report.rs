@@ -5,7 +5,7 @@ use crate::message::counted;
 /// Names in a note at most.
 const MAX_NAMES: usize = 10;
 
-/// What became of the cards, in the order of the file.
+/// The fates of the cards, in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     acting: Vec<Acting>,

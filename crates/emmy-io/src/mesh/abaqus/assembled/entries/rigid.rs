@@ -8,7 +8,7 @@ use super::report::listed;
 use super::vector::{distance, span_a_plane};
 use super::{Entry, Maker, Owned, numbers, text, vector};
 
-/// What an entry with a motion of its own is: joints, masses and springs name it.
+/// An entry with a motion of its own, which joints, masses and springs name.
 #[derive(Debug)]
 pub(super) struct Frame {
     pub(super) name: String,
