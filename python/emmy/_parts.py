@@ -189,6 +189,8 @@ class Tie(Table):
         onto a node, to the shortest edge at the follower.
     weights : list of float, optional
         For a follower of one node: weights of the nodes of the leader in ascending order, with the sum 1.
+    partial : bool, optional
+        Whether nodes beyond `tolerance`, and those of the leader itself, stay free; else they are an error.
 
     Raises
     ------
@@ -207,6 +209,7 @@ class Tie(Table):
     kind: str | None = None
     tolerance: float = 0.05
     weights: Sequence[float] | NDArray[Any] | None = None
+    partial: bool = False
 
 
 class Rigid(Table):

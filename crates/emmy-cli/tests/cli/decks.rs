@@ -74,3 +74,24 @@ fn what_a_deck_has_can_be_left_out() {
     let wrong = place.emmy(&["check", "deck.toml", "--set", "mesh.leave_out=['rbe2_90']"]);
     assert!(wrong.code == 2 && wrong.stderr.contains("did you mean `rbe2_901`?"), "{}", wrong.stderr);
 }
+
+/// A distributing coupling whose point lies off the plane of its nodes, and a mass there, are left out by name.
+#[test]
+fn what_cannot_act_is_named() {
+    let place = Place::new();
+    let deck = include_str!("../decks/distributing-mass.inp");
+    let off = deck.replace("37, 3, 0.5, 0.5\n", "37, 4, 0.5, 0.5\n");
+    assert_ne!(off, deck);
+    place.write("off.inp", &off);
+    let text = input("x", "inp", "FIX");
+    let file = format!("{}/tests/decks/x.inp", env!("CARGO_MANIFEST_DIR"));
+    place.write("deck.toml", &text.replace(&file, "off.inp"));
+    let check = place.succeed(&["check", "deck.toml"]);
+    for part in [
+        "coupling-END is left out: coupling \"coupling-END\": the nodes of",
+        "lie in a plane, and the point [4, 0.5, 0.5] is 1 off",
+        "coupling-END-mass is left out with coupling-END",
+    ] {
+        assert!(check.stderr.contains(part), "{part}\n{}", check.stderr);
+    }
+}

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use emmy::body::Coupling;
+
 use super::catalogue::{self, ROOT_KIND};
 use super::complete;
 use super::description::Section;
@@ -17,11 +19,15 @@ use crate::mesh::{DeckEntry, MeshFile};
 /// Reads the mesh file of an input and inserts what it has besides the mesh, but for what is left out. `None` without a
 /// file, and with one that is not right, whose faults are found later.
 pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
-    let (shape, file) = read(tree, directory)?;
+    let (shape, mut file) = read(tree, directory)?;
     let left_out: Vec<String> = shape.left_out().iter().map(|(name, _)| name.clone()).collect();
     let from = shape.absolute_file()?;
     let from = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    for entry in file.entries.iter().filter(|entry| !left_out.contains(&entry.name)) {
+    let (lost, notes) = cannot_act(&file, &left_out);
+    file.notes.extend(notes);
+    for entry in
+        file.entries.iter().filter(|entry| !left_out.contains(&entry.name) && !lost.contains(&entry.name))
+    {
         let (_, section) = catalogue::kind_of(entry.section)?;
         let place = Place::of_path(&format!("{from}: {}", entry.card));
         let mut node = node(&toml::Value::Table(entry.table.clone()), &place);
@@ -29,6 +35,51 @@ pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
         append(tree, entry.section, node);
     }
     Some(file)
+}
+
+/// Names of the entries that cannot act: distributing couplings whose points cannot follow their groups, and what
+/// depends on them; with notes on the reasons.
+fn cannot_act(file: &MeshFile, left_out: &[String]) -> (Vec<String>, Vec<String>) {
+    let (mut lost, mut notes) = (Vec::new(), Vec::new());
+    for entry in
+        file.entries.iter().filter(|entry| entry.section == "coupling" && !left_out.contains(&entry.name))
+    {
+        let Some(coupling) = distributing(&entry.table) else { continue };
+        if let Err(error) = emmy::internals::body::check_coupling(&file.mesh, &coupling) {
+            notes.push(format!("{} is left out: {error}", entry.name));
+            lost.push(entry.name.clone());
+        }
+    }
+    let n_couplings = lost.len();
+    for entry in
+        file.entries.iter().filter(|entry| entry.section != "coupling" && !left_out.contains(&entry.name))
+    {
+        if let Some(own) = lost[..n_couplings].iter().find(|own| names(&entry.table, own)) {
+            notes.push(format!("{} is left out with {own}", entry.name));
+            lost.push(entry.name.clone());
+        }
+    }
+    (lost, notes)
+}
+
+/// The distributing coupling of a table.
+fn distributing(table: &toml::Table) -> Option<Coupling> {
+    let text = |key: &str| table.get(key)?.as_str();
+    let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
+    let numbers = |key: &str| table.get(key)?.as_array()?.iter().map(number).collect::<Option<Vec<f64>>>();
+    text("kind").filter(|kind| *kind == "distributing")?;
+    let point = numbers("point")?.try_into().ok()?;
+    Some(Coupling { weights: numbers("weights"), ..Coupling::new(text("name")?, text("group")?, point) })
+}
+
+/// Whether a table, or a table in it, has a name among its texts.
+fn names(table: &toml::Table, name: &str) -> bool {
+    let is_name = |value: &toml::Value| value.as_str() == Some(name);
+    table.values().any(|value| match value {
+        toml::Value::Table(inner) => names(inner, name),
+        toml::Value::Array(items) => items.iter().any(is_name),
+        value => is_name(value),
+    })
 }
 
 /// Records in a resolved input that the entries of its mesh file stand in the input itself.

@@ -48,6 +48,8 @@ pub(super) static TIE: Described = Described::new(|| {
             "For a follower of one node: weights of the nodes of the leader, in the order of their numbers, with the sum 1",
         )
         .absent("by `kind`")
+        .may("partial", Kind::True, "", "Nodes beyond `tolerance`, and those of the leader itself, stay free")
+        .absent("they are an error")
 });
 
 /// A tie with the places of its table and of the names of its groups.
@@ -74,7 +76,8 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedTie, Fault> {
     if let (Some(item), Some(TieKind::Mortar), Some(_)) = (table.item("kind"), kind, &weights) {
         return Err(item.fault("`weights` are those of a node; by mortar they are integrals", "leave it out"));
     }
-    let tie = Tie { kind, weights, ..Tie::new(follower.name(), leader.name()) };
+    let partial = table.item("partial").is_some();
+    let tie = Tie { kind, weights, partial, ..Tie::new(follower.name(), leader.name()) };
     let tie = tie.with_tolerance(table.must("tolerance"));
     let [follower, leader] = [follower, leader].map(|item| item.place().clone());
     Ok(PlacedTie { tie, place: table.place.clone(), follower, leader })
@@ -162,13 +165,18 @@ pub(super) fn notes_on_start(body: &Body, initial: &[InitialVelocity]) -> Vec<St
     initial.iter().filter_map(notes).flatten().flatten().collect()
 }
 
-/// Notes on followers that were moved.
+/// Notes on followers that were moved, and on nodes that stay free.
 pub(super) fn notes(body: &Body, units: Units) -> Vec<String> {
-    let note = |tie: &TieSummary| {
-        let shift = units.number(shift_of_followers(body, tie)?, "length");
-        Some(format!("tie of `{}` to `{}`: nodes are moved by up to {shift}", tie.follower, tie.leader))
+    let notes = |tie: &TieSummary| {
+        let of_tie = format!("tie of `{}` to `{}`", tie.follower, tie.leader);
+        let shift = shift_of_followers(body, tie).map(|shift| units.number(shift, "length"));
+        let moved = shift.map(|shift| format!("{of_tie}: nodes are moved by up to {shift}"));
+        let (n, all) = (tie.n_free, tie.n_free + tie.n_followers);
+        let free =
+            (n > 0).then(|| format!("{of_tie}: {n} of {all} nodes are beyond its tolerance and stay free"));
+        [moved, free]
     };
-    body.ties().iter().filter_map(note).collect()
+    body.ties().iter().flat_map(notes).flatten().collect()
 }
 
 /// The fault of a body with an impossible tie, or with ties on several ranks.

@@ -143,7 +143,7 @@ fn cards_of_instances_have_placed_points_and_qualified_groups() {
     let table = "name = \"c\"\ngroup = \"c-nodes\"\npoint = [9.0, 0.0, 0.0]\nkind = \"rigid\"";
     assert_entry(&file, "c", "coupling", table);
     assert!(places(&file, "c-nodes").iter().all(|place| place[0] == 7.0));
-    assert_entry(&file, "t", "tie", "follower = \"P-1.tip\"\nleader = \"P-2.foot\"");
+    assert_entry(&file, "t", "tie", "follower = \"P-1.tip\"\nleader = \"P-2.foot\"\npartial = true");
     assert!(!file.mesh.groups().names().contains(&"_tip"));
     // A card of the part acts in both of its instances.
     let part = text.replace("*END PART\n", "*RIGID BODY, REF NODE=21, NSET=end\n*END PART\n");
@@ -161,9 +161,19 @@ fn ties_are_of_surfaces_or_of_nodes() {
          *TIE, NAME=nodes\nend-nodes, foot\n*TIE, NAME=half\ntip\n*TIE, NAME=far, TIED NSET=end\ntip, foot\n\
          *TIE, NAME=turn, CYCLIC SYMMETRY\ntip, foot\n*TIE, NAME=none\ntip, no\n",
     );
-    assert_entry(&file, "t", "tie", "follower = \"tip\"\nleader = \"foot\"");
-    assert_entry(&file, "tie-1", "tie", "follower = \"tip\"\nleader = \"foot\"\nkind = \"nodes\"");
-    assert_entry(&file, "nodes", "tie", "follower = \"end-nodes\"\nleader = \"foot\"\nkind = \"nodes\"");
+    assert_entry(&file, "t", "tie", "follower = \"tip\"\nleader = \"foot\"\npartial = true");
+    assert_entry(
+        &file,
+        "tie-1",
+        "tie",
+        "follower = \"tip\"\nleader = \"foot\"\npartial = true\nkind = \"nodes\"",
+    );
+    assert_entry(
+        &file,
+        "nodes",
+        "tie",
+        "follower = \"end-nodes\"\nleader = \"foot\"\npartial = true\nkind = \"nodes\"",
+    );
     assert_eq!(file.entries.len(), 3);
     assert_note(&file, "*TIE: 3 ties act: t, tie-1, nodes (mesh.leave_out switches them off)");
     assert_note(

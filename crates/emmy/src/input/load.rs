@@ -95,6 +95,7 @@ impl Load {
     /// let body = Body::builder(Mesh::without_cells())
     ///     .rigid(RigidBody::point("ball", 2.0, [1.0, 0.0, 0.0]))
     ///     .joint(spring.with_spring(8.0, None))
+    ///     .support(Support::of_components("ball", [false, true, true]))
     ///     .load(Load::rotation([0.0, 0.0, 1.0], [0.0; 3], 1.0))
     ///     .build()?;
     /// let state = Equilibrium::new(&body, 0.0, 1)?.start(NewtonSettings::default(), &[], &mut [])?;

@@ -25,6 +25,8 @@ pub struct Tie {
     /// Weights of the nodes of the leader in ascending order, with the sum 1, for a follower of one node; then the kind
     /// has no effect. `None`: found by the kind.
     pub weights: Option<Vec<f64>>,
+    /// Whether nodes beyond the tolerance, and nodes of the leader itself, stay free; else they are an error.
+    pub partial: bool,
 }
 
 /// How the weights of a tie are found.
@@ -41,7 +43,14 @@ pub enum TieKind {
 impl Tie {
     /// The tie of one group to another, with a tolerance of 0.05.
     pub fn new(follower: impl Into<String>, leader: impl Into<String>) -> Self {
-        Tie { follower: follower.into(), leader: leader.into(), kind: None, tolerance: 0.05, weights: None }
+        Tie {
+            follower: follower.into(),
+            leader: leader.into(),
+            kind: None,
+            tolerance: 0.05,
+            weights: None,
+            partial: false,
+        }
     }
 
     /// The tie of the nodes of one group to another group, with a tolerance of 0.05.
@@ -61,6 +70,11 @@ impl Tie {
         weights: impl Into<Vec<f64>>,
     ) -> Self {
         Tie { weights: Some(weights.into()), ..Tie::nodes(follower, leader) }
+    }
+
+    /// The same tie, of the nodes within its tolerance alone.
+    pub fn partial(self) -> Self {
+        Tie { partial: true, ..self }
     }
 
     /// The same tie with another tolerance.

@@ -129,6 +129,14 @@ impl CoupledPoint {
     }
 }
 
+/// Checks that the point of a distributing coupling can follow its group in a mesh.
+///
+/// # Errors
+/// [`Error::UnknownGroup`], [`Error::Coupling`].
+pub fn check_coupling(mesh: &Mesh, coupling: &Coupling) -> Result<()> {
+    CoupledPoint::new(coupling, u32::MAX, (mesh, &vec![1.0; mesh.n_cells()]), false).map(drop)
+}
+
 /// The parts v_A of the nodes of a coupling, which sum to 1.
 fn parts(
     coupling: &Coupling,

@@ -67,7 +67,9 @@ pub struct TieSummary {
     pub kind: TieKind,
     /// Number of nodes that follow.
     pub n_followers: usize,
-    /// Largest distance by which one of them was moved in the reference configuration \[length\].
+    /// Number of nodes of the group that stay free.
+    pub n_free: usize,
+    /// Largest distance by which a follower was moved in the reference configuration \[length\].
     pub largest_shift: f64,
 }
 
@@ -110,7 +112,7 @@ impl Ties {
         let mut kinds = Vec::with_capacity(ties.len());
         for (number, tie) in ties.iter().enumerate() {
             let (kind, found) = of_tie(mesh, number, tie)?;
-            kinds.push(kind);
+            kinds.push((kind, mesh.group_nodes(&tie.follower)?.len() - found.len()));
             for (node, weights) in found {
                 if let Some(body) = body_of(&bodies, node) {
                     let at = place(mesh, node);
@@ -291,9 +293,9 @@ fn is_coupled(pattern: &Pattern, node: usize) -> bool {
 }
 
 impl TieSummary {
-    fn new((tie, kind): (&Tie, TieKind)) -> Self {
+    fn new((tie, (kind, n_free)): (&Tie, (TieKind, usize))) -> Self {
         let Tie { follower, leader, .. } = tie.clone();
-        TieSummary { follower, leader, kind, n_followers: 0, largest_shift: 0.0 }
+        TieSummary { follower, leader, kind, n_followers: 0, n_free, largest_shift: 0.0 }
     }
 }
 
@@ -394,8 +396,11 @@ fn nearest(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>>
             format!("its tolerance must be a finite number of at least 0, not {}", short(tie.tolerance));
         return Err(fault(number, tie, reason));
     }
-    let followers = mesh.group_nodes(&tie.follower)?;
+    let mut followers = mesh.group_nodes(&tie.follower)?;
     let leaders = mesh.group_nodes(&tie.leader)?;
+    if tie.partial {
+        followers.retain(|node| leaders.binary_search(node).is_err());
+    }
     if let Some(&node) = followers.iter().find(|node| leaders.binary_search(node).is_ok()) {
         let reason = format!("both have the node at {}; a tie joins different nodes", place(mesh, node));
         return Err(fault(number, tie, reason));
@@ -416,10 +421,13 @@ fn nearest(mesh: &Mesh, number: usize, tie: &Tie) -> Result<Vec<(u32, Nearest)>>
         let found = near.map(|patch| patch.nearest(X)).min_by(|a, b| a.distance.total_cmp(&b.distance))?;
         Some((node, found))
     };
-    let found: Vec<(u32, Nearest)> = followers.par_iter().filter_map(nearest).collect();
+    let mut found: Vec<(u32, Nearest)> = followers.par_iter().filter_map(nearest).collect();
     let rounding = ROUNDING * mesh.diagonal();
-    let is_far = |(_, nearest): &&(u32, Nearest)| nearest.distance > tie.tolerance * nearest.size + rounding;
-    let Some((node, nearest)) = found.iter().find(is_far) else { return Ok(found) };
+    let is_far = |(_, nearest): &(u32, Nearest)| nearest.distance > tie.tolerance * nearest.size + rounding;
+    if tie.partial {
+        found.retain(|own| !is_far(own));
+    }
+    let Some((node, nearest)) = found.iter().find(|own| is_far(own)) else { return Ok(found) };
     let hint = match patches.is_empty() {
         true => "nodes must meet: name facets or cells to follow, or is there nothing to tie?",
         false => "is there nothing to tie?",

@@ -517,6 +517,10 @@ fn mortar_ties_surfaces_where_they_meet() {
     let beyond = Body::builder(mesh(3.5)).region(rubber()).tie(Tie::mortar("upper-face", "lower-face"));
     let error = beyond.build().unwrap_err().to_string();
     assert!(error.contains("its node at [3.5, 0, 1] is 0.5 away"), "{error}");
+    // The tie of those that are near alone.
+    let partial = Tie::mortar("upper-face", "lower-face").partial();
+    let partial = Body::builder(mesh(3.5)).region(rubber()).tie(partial).build().unwrap();
+    assert_eq!((partial.ties()[0].n_followers, partial.ties()[0].n_free), (9, 3));
     // Leaders that reach further are free there.
     let over = Body::builder(mesh(3.5)).region(rubber()).tie(Tie::mortar("lower-face", "upper-face"));
     assert_eq!(over.build().unwrap().ties()[0].n_followers, 20);

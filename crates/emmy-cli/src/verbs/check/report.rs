@@ -136,7 +136,6 @@ impl Report {
         self.damping(body);
     }
 
-    /// Ties, with the largest shift of their followers.
     fn coupling(&mut self, coupling: &Coupling, body: &Body) {
         let Coupling { name, group, point, .. } = coupling;
         let nodes = counted(body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()), "node", "nodes");
@@ -144,6 +143,7 @@ impl Report {
         self.line("coupling", &format!("{name}: the point {point} follows the mean of {nodes} of `{group}`"));
     }
 
+    /// Ties, with the largest shift of their followers.
     fn ties(&mut self, body: &Body) {
         for tie in body.ties() {
             let nodes = counted(tie.n_followers, "node", "nodes");
@@ -154,7 +154,11 @@ impl Report {
                 TieKind::Mortar => " by mortar",
                 TieKind::Nodes => "",
             };
-            self.line("tie", &format!("{nodes} of {} {follow} {}{kind}{shift}", tie.follower, tie.leader));
+            let free = if tie.n_free > 0 { format!(", {} stay free", tie.n_free) } else { String::new() };
+            self.line(
+                "tie",
+                &format!("{nodes} of {} {follow} {}{kind}{shift}{free}", tie.follower, tie.leader),
+            );
         }
     }
 

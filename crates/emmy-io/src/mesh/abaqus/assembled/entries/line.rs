@@ -28,8 +28,8 @@ pub(super) struct Rod {
 }
 
 impl Maker<'_, '_> {
-    /// The name of the body at a node in joints: a rigid body, a coupling or a group of this node; `None`: nothing moves
-    /// the node.
+    /// The name of the body at a node in joints: a rigid body, a coupling or a group of this node; `None`: nothing
+    /// moves the node.
     pub(super) fn end(&mut self, node: u32) -> Option<String> {
         if let Some(&frame) = self.frame_of.get(&node) {
             self.used.insert(node);

@@ -55,7 +55,9 @@ impl<'a> Maker<'a, '_> {
             let text = "POSITION TOLERANCE is not read: `tolerance` is relative to the edges of the leader, here 0.05";
             self.report.remark("*TIE", None, text);
         }
-        let mut table = vec![("follower", text(&follower)), ("leader", text(&leader))];
+        // As in Abaqus, nodes that are far from the other surface are not tied.
+        let partial = toml::Value::Boolean(true);
+        let mut table = vec![("follower", text(&follower)), ("leader", text(&leader)), ("partial", partial)];
         table.extend(kind);
         let words = ["tie acts", "ties act"];
         self.push(Entry { name, section: "tie", card: "*TIE", of: &called, words, table });
