@@ -24,10 +24,10 @@ from ._motion import Motion
 from ._results import read_table, stamp
 from ._run import StrPath, call, directory_of, flags
 from ._state import Snapshot, State
-from ._tables import joints, loads, masses, regions, rigid, supports, ties
+from ._tables import couplings, joints, loads, masses, regions, rigid, supports, ties
 
 #: Tables of the input that describe the body.
-BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie", "rigid", "joint")
+BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie", "rigid", "joint", "coupling")
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +303,15 @@ class Problem:
         tree = tomllib.loads(native.toml)
         mesh = Mesh._of(native.mesh())
         self._body = Body(
-            mesh, regions(tree), supports(tree), loads(tree), masses(tree), ties(tree), rigid(tree), joints(tree)
+            mesh,
+            regions(tree),
+            supports(tree),
+            loads(tree),
+            masses(tree),
+            ties(tree),
+            rigid(tree),
+            joints(tree),
+            couplings(tree),
         )
         self._tree = {key: table for key, table in tree.items() if key not in BODY_KEYS}
 

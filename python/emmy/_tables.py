@@ -1,4 +1,4 @@
-"""Regions, supports, loads, masses, ties, rigid bodies and joints from the tables of an input file."""
+"""Regions, supports, loads, masses, ties, rigid bodies, couplings and joints from the tables of an input file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 from ._joints import KINDS, Joint
 from ._materials import Material
-from ._parts import Load, Mass, Region, Rigid, Support, Tie, Viscosity
+from ._parts import Coupling, Load, Mass, Region, Rigid, Support, Tie, Viscosity
 
 
 def material(tree: dict[str, Any]) -> Material:
@@ -44,6 +44,11 @@ def ties(tree: dict[str, Any]) -> tuple[Tie, ...]:
 def rigid(tree: dict[str, Any]) -> tuple[Rigid, ...]:
     """The rigid bodies of an input."""
     return tuple(Rigid(**table) for table in _tables(tree, "rigid"))
+
+
+def couplings(tree: dict[str, Any]) -> tuple[Coupling, ...]:
+    """The couplings of an input."""
+    return tuple(Coupling(**table) for table in _tables(tree, "coupling"))
 
 
 def joints(tree: dict[str, Any]) -> tuple[Joint, ...]:

@@ -75,6 +75,23 @@ def test_a_thrust_turns_with_its_body():
     assert emmy.Motion(turned, steps=(1.0, 0.1)).run()["puck_spin_z"][-1] == pytest.approx(2.0, abs=1e-12)
 
 
+def test_a_file_with_couplings_is_read(tmp_path):
+    body = emmy.load(emmy.new("engine-mount")).body
+    assert body.masses[0].at == (20, 20, 80)
+    file = tmp_path / "hook.toml"
+    file.write_text(
+        "mesh.box = { size = [2, 1, 1], cells = [2, 1, 1] }\n"
+        "region = { density = 2, material.neo-hooke = { lambda = 1000, mu = 500 } }\n"
+        "support = { group = 'x-min', fix = ['x', 'y', 'z'] }\n"
+        "coupling = { name = 'hook', group = 'x-max', point = [2, 0.5, 0.5], kind = 'distributing' }\n"
+        "load = { group = 'hook', force = [0, 0, -8] }\n"
+        "time = { scheme = 'DGM', steps = [{ until = 0.1, size = 0.1 }] }\n"
+    )
+    problem = emmy.load(file)
+    assert problem.body.couplings[0].kind == "distributing"
+    assert problem.body.mesh.n_nodes == 12
+
+
 @pytest.mark.filterwarnings("ignore::emmy.EmmyWarning")
 def test_decks_have_what_they_say(tmp_path):
     path = tmp_path / "deck.inp"

@@ -8,8 +8,19 @@ use crate::input::Problem;
 use crate::team::other_than_first;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
-const FIXED: [&str; 10] =
-    ["mesh", "region", "mass", "load", "support", "tie", "rigid", "joint", "initial", "equilibrium"];
+const FIXED: [&str; 11] = [
+    "mesh",
+    "region",
+    "mass",
+    "load",
+    "support",
+    "tie",
+    "rigid",
+    "coupling",
+    "joint",
+    "initial",
+    "equilibrium",
+];
 
 /// The run that a checkpoint belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -266,6 +277,7 @@ mod tests {
             ("[1, 2, 3]", "[1, 2, 3]\n[[support]]\ngroup = 'a'", "`support` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[tie]]\nfollower = 'a'", "`tie` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[rigid]]\nname = 'a'", "`rigid` is [{"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[coupling]]\nname = 'a'", "`coupling` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[joint]]\nname = 'a'", "`joint` is [{"),
         ] {
             let error = check(&old.replace(from, to)).unwrap_err();
@@ -284,7 +296,7 @@ mod tests {
         // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
         assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
-        for section in ["tie", "rigid", "joint"] {
+        for section in ["tie", "rigid", "coupling", "joint"] {
             assert!(!identity(old).has_same_stepper(&identity(&format!("{old}[[{section}]]\nname = 'a'\n"))));
         }
         let pushed =

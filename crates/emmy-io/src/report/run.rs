@@ -73,7 +73,7 @@ impl RunData {
             "probes": names(&tree, "probes"),
             "values": names(&tree, "values"),
             "joints": joints(&tree),
-            "rigid": rigid_bodies(&tree),
+            "rigid": rigid_bodies(&tree).into_iter().map(|(name, _)| name).collect::<Vec<_>>(),
             "files": files.filter(is_there).collect::<Vec<_>>(),
             "history": columns,
             "frames": frames,
@@ -137,9 +137,9 @@ fn joints(input: &toml::Table) -> Vec<Value> {
 fn places(input: &toml::Table, joint: &toml::Value) -> Vec<Value> {
     let bodies = joint.get("between").and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
     let place = |body: &toml::Value, at: &toml::Value| {
-        let rigid = tables(input, "rigid").into_iter().find(|own| own.get("name") == Some(body));
+        let rigid = rigid_bodies(input).into_iter().find(|(name, _)| body.as_str() == Some(name));
         let is_ground = body.as_str() == Some("ground");
-        json!({ "at": at, "centre": rigid.and_then(|own| own.get("centre")), "ground": is_ground })
+        json!({ "at": at, "centre": rigid.and_then(|(_, centre)| centre), "ground": is_ground })
     };
     match (joint.get("at"), joint.get("points").and_then(toml::Value::as_array)) {
         (Some(at), _) => {
@@ -151,9 +151,19 @@ fn places(input: &toml::Table, joint: &toml::Value) -> Vec<Value> {
     }
 }
 
-/// Names of the rigid bodies.
-fn rigid_bodies(input: &toml::Table) -> Vec<&str> {
-    tables(input, "rigid").into_iter().filter_map(|table| table.get("name")?.as_str()).collect()
+/// Names of the rigid bodies, with their centres where the input has them: those of couplings and masses, too.
+fn rigid_bodies(input: &toml::Table) -> Vec<(String, Option<&toml::Value>)> {
+    let text = |table: &toml::Table, key: &str| Some(table.get(key)?.as_str()?.to_string());
+    let rigid = tables(input, "rigid").into_iter();
+    let rigid = rigid.filter_map(|table| Some((text(table, "name")?, table.get("centre"))));
+    let couplings =
+        tables(input, "coupling").into_iter().filter(|table| text(table, "kind").as_deref() == Some("rigid"));
+    let couplings = couplings.filter_map(|table| Some((text(table, "name")?, table.get("point"))));
+    let masses = (1..).zip(tables(input, "mass")).filter_map(|(number, table)| {
+        let at = table.get("at").filter(|_| text(table, "coupling").as_deref() != Some("distributing"))?;
+        Some((text(table, "name").unwrap_or_else(|| format!("mass-{number}")), Some(at)))
+    });
+    rigid.chain(couplings).chain(masses).collect()
 }
 
 /// The tables of a section: a list, or one alone.
