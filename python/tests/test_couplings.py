@@ -68,7 +68,7 @@ def test_a_mass_beside_the_mesh_is_a_rigid_body():
 def test_a_thrust_turns_with_its_body():
     puck = emmy.Rigid("puck", mass=2.0, centre=(0, 0, 0), inertia=(0.1, 0.1, 0.18))
     body = emmy.Body(rigid=puck, loads=emmy.Load("puck", force=(3, 0, 0), follow=True))
-    spin = emmy.Initial("puck", angular_velocity=(0, 0, 2))
+    spin = emmy.Initial(group="puck", angular_velocity=(0, 0, 2))
     history = emmy.Motion(body, degree=3, steps=(1.0, 0.05), initial=spin).run()
     assert history["puck_x"][-1] == pytest.approx(3 / 8 * (1 - np.cos(2)), abs=1e-8)
     turned = emmy.Body(rigid=puck, loads=emmy.Load("puck", torque={"axis": (0, 0, 2), "value": 0.36}))

@@ -178,7 +178,7 @@ def test_mistakes():
     assert raised.value.faults[0].place == "axis"
     with pytest.raises(TypeError, match="angle: a function comes with its rate"):
         emmy.Joint.revolute("hinge", between=("arm", "ground"), at=(0, 0, 0), axis=(0, 0, 1), angle=lambda t: t)
-    with pytest.raises(emmy.InputError, match="no rigid body and no group `arn`.*\n?") as raised:
+    with pytest.raises(emmy.InputError, match="no rigid body, coupling or group `arn`.*\n?") as raised:
         emmy.Body(rigid=arm, joints=emmy.Joint.spherical("tip", between=("arn", "ground"), at=(0, 0, 0)))
     assert raised.value.faults[0].place.startswith("joints[0].between")
     with pytest.raises(emmy.InputError, match="a body needs a mesh or a rigid body"):

@@ -79,8 +79,8 @@ def goal_error(motion):
 
 
 KINDS = (
-    "exactly one of `traction`, `force`, `nodal_force`, `moment`, `pressure`, `acceleration`, `body_force`, "
-    "`attraction`, `drag`"
+    "exactly one of `traction`, `force`, `nodal_force`, `moment`, `torque`, `pressure`, `acceleration`, `body_force`, "
+    "`attraction`, `rotation`, `drag`"
 )
 NO_PLAN = "the motion has no plan; give steps=... or until=... with adaptive=..., or use motion.step(size)"
 

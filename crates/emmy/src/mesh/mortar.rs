@@ -49,6 +49,9 @@ const N_POINTS: usize = 8;
 /// Weights of nodes by node.
 type Weights = BTreeMap<u32, f64>;
 
+/// Leaders with their weights, which sum to 1.
+type Shares = Vec<(u32, f64)>;
+
 /// Part alpha of a node between two corners that is added to them.
 const SHARE: f64 = 0.2;
 
@@ -66,7 +69,7 @@ pub(crate) fn mortar(
     mesh: &Mesh,
     [followers, leaders]: [&[Facet]; 2],
     tolerance: f64,
-) -> BTreeMap<u32, Vec<(u32, f64)>> {
+) -> BTreeMap<u32, Shares> {
     let side =
         |facets: &[Facet]| -> Vec<Side> { facets.iter().map(|&facet| Side::new(mesh, facet)).collect() };
     let [followers, leaders] = [side(followers), side(leaders)];
@@ -82,21 +85,20 @@ pub(crate) fn mortar(
                 .for_each(|(leader, weight)| *of_leaders.entry(leader).or_insert(0.0) += weight);
         }
     }
-    let shares = |(area, weights): (f64, Weights)| -> Vec<(u32, f64)> {
-        let own: Vec<(u32, f64)> =
-            weights.into_iter().filter(|(_, weight)| weight.abs() > ROUNDING * area).collect();
+    let shares = |(area, weights): (f64, Weights)| -> Shares {
+        let own: Shares = weights.into_iter().filter(|(_, weight)| weight.abs() > ROUNDING * area).collect();
         let sum: f64 = own.iter().map(|(_, weight)| weight).sum();
         own.into_iter().map(|(leader, weight)| (leader, weight / sum)).collect()
     };
     let found = sums.into_iter().filter(|(_, (area, _))| *area > 0.0);
-    let mut found: BTreeMap<u32, Vec<(u32, f64)>> = found.map(|(node, own)| (node, shares(own))).collect();
+    let mut found: BTreeMap<u32, Shares> = found.map(|(node, own)| (node, shares(own))).collect();
     add_shares(&followers, &mut found);
     found
 }
 
 /// Takes nodes between two corners, which have shared with these, from the values u^ to those of u. Without both
 /// corners they are not covered.
-fn add_shares(followers: &[Side], found: &mut BTreeMap<u32, Vec<(u32, f64)>>) {
+fn add_shares(followers: &[Side], found: &mut BTreeMap<u32, Shares>) {
     let sides = followers.iter().filter(|side| takes_share(side.kind));
     let between: BTreeMap<u32, [u32; 2]> = sides
         .flat_map(|side| {
@@ -104,7 +106,7 @@ fn add_shares(followers: &[Side], found: &mut BTreeMap<u32, Vec<(u32, f64)>>) {
             (0..n).map(move |i| (side.nodes[n + i], [side.nodes[i], side.nodes[(i + 1) % n]]))
         })
         .collect();
-    let mut own: Vec<(u32, Option<Vec<(u32, f64)>>)> = Vec::new();
+    let mut own: Vec<(u32, Option<Shares>)> = Vec::new();
     for (node, ends) in between {
         let parts = [(node, 1.0 - 2.0 * SHARE), (ends[0], SHARE), (ends[1], SHARE)];
         let mut sum = Weights::new();

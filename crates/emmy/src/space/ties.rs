@@ -364,8 +364,9 @@ fn weighted(mesh: &Mesh, number: usize, tie: &Tie, weights: &[f64]) -> Result<Le
         return fail(format!("both have the node at {}; a tie joins different nodes", place(mesh, node)));
     }
     let sum: f64 = weights.iter().sum();
-    // Not a number is no sum, either.
-    if !((sum - 1.0).abs() <= SUM_OF_WEIGHTS) {
+    // Not a number is no one, either.
+    let is_one = (sum - 1.0).abs() <= SUM_OF_WEIGHTS;
+    if !is_one {
         return fail(format!("its weights sum to {}, not to 1", short(sum)));
     }
     let own: Vec<(u32, f64)> = leaders.into_iter().zip(weights.iter().map(|weight| weight / sum)).collect();

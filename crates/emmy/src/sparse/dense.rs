@@ -137,12 +137,15 @@ pub fn null_space_within(matrix: &[f64], least: f64) -> Result<Vec<Vec<f64>>> {
     Ok((0..n).filter(is_null).map(|m| (0..n).map(|i| eigen.U()[(i, m)]).collect()).collect())
 }
 
+/// An eigenvalue with its vector, (real, imaginary).
+type Eigenpair = (f64, Vec<(f64, f64)>);
+
 /// Eigenvalues `i omega` of a small real antisymmetric matrix of even size with omega >= 0, the smallest first, and
 /// their vectors with `|z| = 1`, (real, imaginary); those of `-i omega` are conjugate.
 ///
 /// # Errors
 /// [`Error::Linear`] if the iteration does not converge.
-pub(crate) fn antisymmetric_eigenpairs(matrix: &[f64]) -> Result<Vec<(f64, Vec<(f64, f64)>)>> {
+pub(crate) fn antisymmetric_eigenpairs(matrix: &[f64]) -> Result<Vec<Eigenpair>> {
     let n = matrix.len().isqrt();
     // -i A is Hermitian.
     let H = Mat::from_fn(n, n, |i, j| c64::new(0.0, 0.5 * (matrix[j * n + i] - matrix[i * n + j])));

@@ -159,8 +159,10 @@ fn started(body: &Body, scheme: Scheme) -> Motion<'_> {
     Motion::starting(body, scheme, NewtonSettings::default(), state).unwrap()
 }
 
-/// Names of formulations with their regions.
-const REGIONS: [(&str, fn() -> Region); 3] = [
+/// The name of a formulation, and a region with it.
+type Formulated = (&'static str, fn() -> Region);
+
+const REGIONS: [Formulated; 3] = [
     ("standard", rubber),
     ("projected volumes", || {
         let stiff = Region::new(NeoHooke::new(1e6, 500.0).unwrap(), 2.0);

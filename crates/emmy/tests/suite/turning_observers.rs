@@ -320,8 +320,8 @@ fn end_of_a_bar(length: f64, square: f64) -> f64 {
 /// `b = Omega sqrt(rho A/(E A))`. A strain of Green and Lagrange, as that of bars here, is stiffer by 1.5 times itself.
 #[test]
 fn a_bar_has_its_steady_extension() {
-    let (length, stiffness, mass, speed) = (10.0, 2.8e7, 1.2, 6.0f64);
-    let b = speed * (mass / stiffness as f64).sqrt();
+    let (length, stiffness, mass, speed) = (10.0, 2.8e7f64, 1.2, 6.0);
+    let b = speed * (mass / stiffness).sqrt();
     let linear = (b * length).tan() / b - length;
     assert!((linear - 5.143175e-4).abs() < 5e-11, "{linear}");
     let exact = end_of_a_bar(length, b * b) - length;
@@ -529,8 +529,8 @@ const BLADE: [(f64, f64); 4] = [(1.0, 3.6816), (2.0, 4.1373), (4.0, 5.5850), (6.
 
 #[test]
 fn a_blade_stiffens_as_southwell_says() {
-    let (length, side, modulus, density) = (40.0, 1.0, 3e6, 2.0);
-    let scale = (density * 12.0 * length * length * length * length / (modulus * side * side) as f64).sqrt();
+    let (length, side, modulus, density) = (40.0f64, 1.0, 3e6, 2.0);
+    let scale = (density * 12.0 * length * length * length * length / (modulus * side * side)).sqrt();
     let blade = |load: Option<Load>| {
         let region = Region::new(SaintVenantKirchhoff::new(0.0, 0.5 * modulus).unwrap(), density);
         Body::builder(mesh::block([length, side, side], [20, 1, 1]).unwrap())
@@ -555,7 +555,7 @@ fn a_blade_stiffens_as_southwell_says() {
         let southwell = (own[1] * own[1] - still * still) / (speed * speed);
         assert!((1.16..1.20).contains(&southwell), "{speed}: {southwell}");
         // Four modes of bending lack the axial motion that the Coriolis force adds, at most 2 Omega/omega_axial.
-        let axial = 0.5 * std::f64::consts::PI * (modulus / density as f64).sqrt() / length;
+        let axial = 0.5 * std::f64::consts::PI * (modulus / density).sqrt() / length;
         let most = 1.01 * 2.0 * speed / scale / axial;
         assert!(found.iter().all(|mode| mode.residual < most), "{} {most}", found[0].residual);
     }
