@@ -65,8 +65,8 @@ __version__ = _emmy.version()
 
 __all__ = [
     "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
-    "ConvergenceError", "Coupling", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
-    "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "Joint",
+    "ConvergenceError", "Coupling", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent",
+    "Goal", "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "Joint",
     "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin", "Motion",
     "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem",
     "Region", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support",

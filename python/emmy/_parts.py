@@ -266,7 +266,8 @@ class Coupling(Table):
         "rigid": group and point are one rigid body (RBE2), which alone takes moments, inertias and joints with an axis;
         "distributing": the point follows the mean of the group, which keeps its freedom to deform (RBE3).
     weights : list of float, optional
-        With "distributing": positive weights of the nodes in ascending order; areas of facets, else equal, if not given.
+        With "distributing": positive weights of the nodes in ascending order; if not given, areas of facets, else
+        equal.
 
     Raises
     ------
