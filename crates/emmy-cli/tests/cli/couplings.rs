@@ -275,6 +275,24 @@ fn impossible_couplings_are_refused() {
     }
 }
 
+/// A point with a mass starts with the mean velocity of its nodes, whatever is given for itself.
+#[test]
+fn initial_velocities_of_a_point_have_a_note() {
+    let start = |group: &str| {
+        let input = BLOCK.replace(
+            "[time]",
+            &format!(
+                "[[mass]]\ngroup = \"hook\"\nmass = 3.0\n\n[[initial]]\ngroup = \"{group}\"\nvelocity = [0, 0, 1]\n\n[time]"
+            ),
+        );
+        Place::with(&input).succeed(&["check", "box.toml"]).stderr
+    };
+    let note =
+        "initial velocity of `hook`: 1 tied node starts with the velocity of the nodes followed instead";
+    assert!(start("hook").contains(note), "{}", start("hook"));
+    assert!(!start("x-max").contains("tied node"), "{}", start("x-max"));
+}
+
 /// Names of a file that has a mesh alone.
 #[test]
 fn what_is_left_out_must_be_there() {

@@ -24,7 +24,12 @@ pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
     let from = shape.absolute_file()?;
     let from = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (lost, notes) = cannot_act(&file, &left_out);
+    let is_off = |name: &str| left_out.iter().chain(&lost).any(|own| own == name);
+    file.notes.retain(|note| !names_that_act(note).is_some_and(|mut names| names.all(is_off)));
     file.notes.extend(notes);
+    if !left_out.is_empty() {
+        file.notes.push(format!("switched off by `mesh.leave_out`: {}", left_out.join(", ")));
+    }
     for entry in
         file.entries.iter().filter(|entry| !left_out.contains(&entry.name) && !lost.contains(&entry.name))
     {
@@ -38,7 +43,7 @@ pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
 }
 
 /// Names of the entries that cannot act: distributing couplings whose points cannot follow their groups, and what
-/// depends on them; with notes on the reasons.
+/// depends on them or on others that are left out; with notes on the reasons.
 fn cannot_act(file: &MeshFile, left_out: &[String]) -> (Vec<String>, Vec<String>) {
     let (mut lost, mut notes) = (Vec::new(), Vec::new());
     for entry in
@@ -50,16 +55,25 @@ fn cannot_act(file: &MeshFile, left_out: &[String]) -> (Vec<String>, Vec<String>
             lost.push(entry.name.clone());
         }
     }
-    let n_couplings = lost.len();
-    for entry in
-        file.entries.iter().filter(|entry| entry.section != "coupling" && !left_out.contains(&entry.name))
-    {
-        if let Some(own) = lost[..n_couplings].iter().find(|own| names(&entry.table, own)) {
+    let is_body = |name: &&String| {
+        let own = file.entries.iter().find(|entry| entry.name == **name);
+        own.is_some_and(|entry| ["coupling", "rigid"].contains(&entry.section))
+    };
+    let bodies: Vec<String> = lost.iter().chain(left_out.iter().filter(is_body)).cloned().collect();
+    for entry in file.entries.iter().filter(|entry| !left_out.contains(&entry.name)) {
+        if let Some(own) = bodies.iter().find(|own| **own != entry.name && names(&entry.table, own)) {
             notes.push(format!("{} is left out with {own}", entry.name));
             lost.push(entry.name.clone());
         }
     }
     (lost, notes)
+}
+
+/// The names in a note of a reader on what acts, if it has all of them.
+fn names_that_act(note: &str) -> Option<impl Iterator<Item = &str>> {
+    let (list, _) = note.rsplit_once(" (mesh.leave_out ")?;
+    let (what, names) = list.rsplit_once(": ")?;
+    (what.ends_with(" act") || what.ends_with(" acts")).then(|| names.split(", "))
 }
 
 /// The distributing coupling of a table.

@@ -24,8 +24,7 @@ pub(super) fn check(mesh: &Mesh, named: &[NamedGroup], bodies: &[&str], faults: 
 }
 
 /// Advice on a rigid body in place of a group of cells or facets.
-const NO_GROUP: &str =
-    "the name of a rigid body is a group of one node, its centre; `force` and `acceleration` take it, too";
+const NO_GROUP: &str = "the name of a rigid body is a group of one node, its centre; `force` takes it, too";
 
 fn find(mesh: &Mesh, group: &NamedGroup, bodies: &[&str]) -> Result<(), Fault> {
     let NamedGroup { name, place, members, or_body } = group;

@@ -361,7 +361,7 @@ pub(super) fn note_on_forces(body: &Body) -> Option<String> {
 
 /// Whether a load acts on rigid bodies by their names.
 pub(super) fn is_for_bodies(load: &Load) -> bool {
-    matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. })
+    matches!(load.kind, LoadKind::Force { .. } | LoadKind::NodalForce { .. })
 }
 
 /// Whether a load acts on the axes of a rigid body.

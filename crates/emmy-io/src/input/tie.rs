@@ -142,9 +142,14 @@ pub(super) fn notes_on_start(body: &Body, initial: &[InitialVelocity]) -> Vec<St
     let notes = |field: &InitialVelocity| -> Option<[Option<String>; 2]> {
         let group = field.group.as_ref()?;
         let nodes = body.mesh().volume_nodes(group).ok()?;
+        let points = body.couplings();
+        let is_point = |node: u32| points.iter().any(|point| point.node == node);
+        // A point that leads starts with the mean velocity of its nodes.
         let is_apart = |node: &&u32| {
-            let mut leaders = body.leaders_of(**node).into_iter().flatten();
-            leaders.any(|(leader, _)| nodes.binary_search(leader).is_err())
+            let mean = points.iter().find(|point| point.leads && point.node == **node);
+            let leaders =
+                mean.map(|point| &point.weights[..]).or(body.leaders_of(**node)).into_iter().flatten();
+            leaders.filter(|own| !is_point(own.0)).any(|(leader, _)| nodes.binary_search(leader).is_err())
         };
         let (rigid, tied): (Vec<u32>, Vec<u32>) =
             nodes.iter().filter(is_apart).partition(|node| body.rigid_body_of(**node).is_some());

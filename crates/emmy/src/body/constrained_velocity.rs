@@ -114,6 +114,9 @@ impl ConstrainedVelocity {
         of_carriers.fill(0.0);
         let carriers = body.mechanism.carriers.iter().flat_map(|carrier| (0..3).map(move |d| (carrier, d)));
         for (row, (carrier, d)) in of_carriers.chunks_exact_mut(n).zip(carriers) {
+            if !carrier.is_free(d, |dof| body.fixed()[dof]) {
+                continue;
+            }
             for (node, weight) in carrier.weights() {
                 row[constraints.local_dof(nodal::dof(node as usize, d))] = -weight;
             }

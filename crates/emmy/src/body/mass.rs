@@ -39,7 +39,8 @@ impl MassSolver {
                 continue;
             }
             let mut factor = BlockCholesky::new(body.pattern(), 1, &fixed(axis), body.node_order()?)?;
-            factor.factorize(|position| body.carried_mass()[position])?;
+            let mass = body.carried_mass_along(axis);
+            factor.factorize(|position| mass[position])?;
             factors.push((vec![axis], factor));
         }
         Ok(MassSolver { factors, iteration: None, rest: vec![0.0; body.n_dofs()] })

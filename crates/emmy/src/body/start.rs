@@ -102,7 +102,18 @@ impl Body {
         self.space.ties().set_points(&mut velocity);
         self.space.complete("initial velocity", &mut velocity);
         self.space.set_internal_means(&mut velocity);
+        let given = velocity.clone();
         self.space.set_given_velocity(time, 0.0, &mut velocity)?;
+        // A rigid body whose centre has a given motion keeps its spin.
+        for nodes in self.rigid_bodies().filter_map(|own| self.nodes_of_rigid_body(&own.name)) {
+            let centre = nodes.start as usize;
+            let [before, now] =
+                [&given, &velocity].map(|all| nodal::at(all, centre)).map(|v| [v[0], v[1], v[2]]);
+            for end in nodes.skip(1) {
+                (0..3).for_each(|d| velocity[nodal::dof(end as usize, d)] += now[d] - before[d]);
+            }
+        }
+        self.space.follow(&mut velocity);
         Ok(velocity)
     }
 

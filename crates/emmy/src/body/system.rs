@@ -1,5 +1,6 @@
 //! The body: its tables.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -12,7 +13,7 @@ use crate::nodal;
 use crate::space::{CoupledPoint, Space, TieSummary};
 use crate::sparse::{Condensation, Pattern, nested_dissection};
 use crate::team::Subdomain;
-use crate::unknowns::{Component, Constraints, Frame, Mechanism, Mobility};
+use crate::unknowns::{Carrier, Component, Constraints, Frame, Mechanism, Mobility};
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -228,6 +229,21 @@ impl Body {
     /// Consistent mass matrix M_AB, one number per coupling of the pattern \[mass\].
     pub fn mass(&self) -> &[f64] {
         &self.mass
+    }
+
+    /// The consistent mass with the carriers of directions that are free along an axis.
+    pub(crate) fn carried_mass_along(&self, axis: usize) -> Cow<'_, [f64]> {
+        let is_free = |carrier: &Carrier| carrier.is_free(axis, |dof| self.fixed()[dof]);
+        let carriers = &self.mechanism.carriers;
+        if carriers.iter().all(is_free) {
+            return Cow::Borrowed(&self.carried_mass);
+        }
+        let mut mass = self.mass.to_vec();
+        carriers
+            .iter()
+            .filter(|own| is_free(own))
+            .for_each(|carrier| carrier.add_to(&self.pattern, &mut mass));
+        Cow::Owned(mass)
     }
 
     /// The consistent mass for factorisations: positive definite, with carriers in the directions of rigid bodies that

@@ -118,8 +118,8 @@ impl Supports {
                          fixed joint to the ground"
                     ),
                     None => format!(
-                        "its node at {point} is tied to others; hold these instead, and by mortar let the finer mesh \
-                         follow"
+                        "its node at {point} is tied to others; hold these instead; by mortar let the finer mesh \
+                         follow, or tie with kind = \"nodes\""
                     ),
                 };
                 return Err(Error::Support { group: group.clone(), reason });

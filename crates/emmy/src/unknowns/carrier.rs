@@ -8,6 +8,7 @@
 
 use super::frame::{Frame, without_directions};
 use crate::error::{Error, Result};
+use crate::nodal;
 use crate::sparse::{Pattern, null_space_within};
 
 /// A mass in a direction of a frame without mass.
@@ -53,6 +54,14 @@ impl Carrier {
     /// Its nodes with their weights.
     pub(crate) fn weights(&self) -> impl Iterator<Item = (u32, f64)> {
         self.nodes.iter().copied().zip(self.weights.iter().copied())
+    }
+
+    /// Whether its direction is free along an axis: a node of it that is held determines the motion in it.
+    pub(crate) fn is_free(&self, axis: usize, is_held: impl Fn(usize) -> bool) -> bool {
+        let largest = self.weights.iter().fold(0.0f64, |most, weight| most.max(weight.abs()));
+        self.weights().all(|(node, weight)| {
+            weight.abs() <= LEAST * largest || !is_held(nodal::dof(node as usize, axis))
+        })
     }
 
     /// Adds it to a mass of each coupling.

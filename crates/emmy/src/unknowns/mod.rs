@@ -24,6 +24,7 @@ mod range;
 mod rank;
 
 pub(crate) use blocks::Blocks;
+pub(crate) use carrier::Carrier;
 pub(crate) use component::Component;
 pub(crate) use constraint_equations::Derivatives;
 pub(crate) use constraint_step::{ConstraintStep, Held};

@@ -605,3 +605,64 @@ fn motions_with_rigid_groups_are_adaptive_and_resumed_bit_for_bit() {
         last = error;
     }
 }
+
+/// A rigid face whose frame is off its plane, driven there: the same as with a slider of any mass that is driven, and its
+/// energy is the work.
+#[test]
+fn a_rigid_coupling_is_driven_off_its_face() {
+    let mesh = mesh::block([4.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    let lift = TimeFunction::smooth("z", |t| [0.1 - 0.1 * (2.0 * t).cos(), 0.2 * (2.0 * t).sin(), 0.0]);
+    let spin = |mass: f64| {
+        let coupling = RigidBody { centre: Some([6.0, 0.5, 0.5]), ..RigidBody::group("p", "x-max") };
+        let points = PointTerms {
+            masses: if mass > 0.0 { vec![PointMass { group: "p".into(), mass }] } else { Vec::new() },
+            ..PointTerms::default()
+        };
+        let body = Body::builder(mesh.clone())
+            .region(rubber(1.0))
+            .rigid(coupling)
+            .point_terms(points)
+            .support(Support::fixed("x-min"))
+            .support(Support::driven("p", [None, None, Some(lift.clone())]))
+            .build()
+            .unwrap();
+        let mut motion = started(&body, at(DGM, 2), &[]);
+        for _ in 0..20 {
+            let record = motion.step(0.05).unwrap();
+            let size = record.kinetic_energy + record.strain_energy;
+            assert!(
+                record.energy_residual.abs() < 1e-11 * size.max(1.0),
+                "{mass}: {:e}",
+                record.energy_residual
+            );
+        }
+        motion.record().rigid_bodies[0].spin
+    };
+    let spins = [0.0, 1e-9, 1e-3].map(spin);
+    for spin in &spins {
+        assert!(spin[0].abs() < 1e-9 && spin[2].abs() < 1e-9, "{spins:?}");
+        assert!((spin[1] - spins[2][1]).abs() < 1e-4 * spins[2][1].abs(), "{spins:?}");
+    }
+}
+
+/// A body that is driven at its centre of mass does not turn; its spin at the start is that given.
+#[test]
+fn a_driven_centre_of_mass_leaves_the_spin() {
+    for (k, velocity, spin) in [(1, [0.0; 3], [0.0; 3]), (2, [1.0, 1.0, 1.0], [1.0, 0.0, 0.0])] {
+        let rise = TimeFunction::smooth("z", |t| [t * t, 2.0 * t, 2.0]);
+        let body = Body::builder(Mesh::without_cells())
+            .rigid(RigidBody::new("p", 2.0, [0.0; 3], [0.1, 0.2, 0.25]))
+            .support(Support { fix: [true, true, false], ..Support::driven("p", [None, None, Some(rise)]) })
+            .build()
+            .unwrap();
+        let start = InitialVelocity { velocity, angular_velocity: spin, ..Default::default() };
+        let mut motion = started(&body, at(DGM, k), &[start]);
+        let of = |motion: &Motion<'_>| motion.record().rigid_bodies[0].spin;
+        assert!((0..3).all(|d| (of(&motion)[d] - spin[d]).abs() < 1e-14), "{:?}", of(&motion));
+        for _ in 0..20 {
+            motion.step(0.05).unwrap();
+        }
+        assert!((0..3).all(|d| (of(&motion)[d] - spin[d]).abs() < 1e-12), "{:?}", of(&motion));
+        assert!((motion.record().rigid_bodies[0].position[2] - 1.0).abs() < 1e-14);
+    }
+}

@@ -12,6 +12,9 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 /// Rounding floor of the residual over `eps || |h^2 K| |u| ||`: rounding errors of many terms partly cancel.
 const FLOOR: f64 = 0.25;
 
+/// Forces over the inertia of all nodes that are none.
+const FORCELESS: f64 = 1e-10;
+
 /// Degrees of freedom below which the number of corrections is all that counts.
 const DOFS_OF_SMALL_BODY: usize = 500;
 
@@ -149,6 +152,17 @@ impl StageSystem<'_> {
         self.border.mass_of_node().powi(2) * of_constraints.iter().map(|c| c * c).sum::<f64>()
     }
 
+    /// The rounding floor where supports move rigid bodies on which no force is left over, as at their centre of mass:
+    /// that of the inertia of all nodes; else 0.
+    fn floor_without_forces(&self, x: &[f64], scale: f64) -> f64 {
+        if self.equations.body.constraints().is_empty() {
+            return 0.0;
+        }
+        let rates = &x[..self.equations.blocks.rates];
+        let inertia = self.border.mass_of_node() * rates.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if scale < FORCELESS * inertia { 16.0 * f64::EPSILON * inertia } else { 0.0 }
+    }
+
     /// Sets the rounding floor, once per step.
     fn set_floor(&mut self, x: &[f64]) {
         if self.floor == 0.0 {
@@ -180,11 +194,8 @@ impl System for StageSystem<'_> {
         let mut squares = [inertia, internal, external, own];
         self.equations.body.space.sum_ranks("squares of a residual and its parts", &mut squares);
         let [inertia, internal, external, residual] = squares.map(f64::sqrt);
-        Ok(Sizes {
-            residual,
-            scale: [inertia, internal, external].into_iter().fold(0.0, f64::max),
-            floor: self.floor,
-        })
+        let scale = [inertia, internal, external].into_iter().fold(0.0, f64::max);
+        Ok(Sizes { residual, scale, floor: self.floor.max(self.floor_without_forces(x, scale)) })
     }
 
     fn correction(
