@@ -71,13 +71,13 @@ fn what_a_deck_has_can_be_left_out() {
     let frequency: f64 =
         place.read("bare/modes.csv").lines().nth(1).unwrap().split(',').nth(2).unwrap().parse().unwrap();
     assert!((frequency / 0.7442006 - 1.0).abs() < 1e-6, "{frequency}");
-    // What depends on a body goes with it.
+    // A mass on a body goes with it.
     let body = ["--set", "mesh.leave_out=['rbe2_901']", "--output", "body"];
     let outcome = place.succeed(&[&["modes", "deck.toml", "--count", "3"], &body[..]].concat());
     for part in ["switched off by `mesh.leave_out`: rbe2_901", "conm2_902 is left out with rbe2_901"] {
         assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
     }
-    assert!(!outcome.stderr.contains("acts"), "{}", outcome.stderr);
+    assert!(!outcome.stderr.contains("mass acts"), "{}", outcome.stderr);
     assert_eq!(place.read("body/modes.csv"), place.read("bare/modes.csv"));
     let wrong = place.emmy(&["check", "deck.toml", "--set", "mesh.leave_out=['rbe2_90']"]);
     assert!(wrong.code == 2 && wrong.stderr.contains("did you mean `rbe2_901`?"), "{}", wrong.stderr);

@@ -606,8 +606,8 @@ fn motions_with_rigid_groups_are_adaptive_and_resumed_bit_for_bit() {
     }
 }
 
-/// A rigid face whose frame is off its plane, driven there: the same as with a slider of any mass that is driven, and its
-/// energy is the work.
+/// A rigid face whose frame is off its plane, driven there: the same as with a mass there, however small, and its energy
+/// is the work.
 #[test]
 fn a_rigid_coupling_is_driven_off_its_face() {
     let mesh = mesh::block([4.0, 1.0, 1.0], [4, 2, 2]).unwrap();
