@@ -606,7 +606,7 @@ fn motions_with_rigid_groups_are_adaptive_and_resumed_bit_for_bit() {
     }
 }
 
-/// A rigid face whose frame is off its plane, driven there: the same as with a mass there, however small, and its energy
+/// A rigid face whose frame is off its plane, driven there: the same as with a mass there, however small; its energy
 /// is the work.
 #[test]
 fn a_rigid_coupling_is_driven_off_its_face() {
