@@ -167,8 +167,8 @@ class Body:
             "joint": self._joints,
         }
         tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
-        for _, section, table, _ in self._mesh._native.entries:
-            tables.setdefault(section, []).append(tomllib.loads(table))
+        for entry in map(tomllib.loads, self._mesh._native.entries):
+            tables.setdefault(entry["section"], []).append(entry["table"])
         cells = {"mesh": self._mesh._native} if self._mesh.n_cells > 0 else {}
         with of_whole_input():
             self._native = _emmy.Body(cells | tables)

@@ -168,7 +168,8 @@ class Mesh(Sources):
 
         They act in every body of this mesh. Each is the table of the input that it stands for, with its ``section``.
         """
-        return {name: {"section": own} | tomllib.loads(table) for name, own, table, _ in self._native.entries}
+        own = map(tomllib.loads, self._native.entries)
+        return {entry["name"]: {"section": entry["section"]} | entry["table"] for entry in own}
 
     def scaled(self, factor: float) -> Self:
         """The mesh with all coordinates multiplied by a factor.
@@ -273,5 +274,5 @@ def _empty() -> Mesh:
     return Mesh._of(_emmy.Mesh.empty())
 
 
-def _from_vtu(content: bytes, links: list[str], entries: list[tuple[str, str, str, str]]) -> Mesh:
+def _from_vtu(content: bytes, links: list[str], entries: list[str]) -> Mesh:
     return Mesh._of(_emmy.Mesh.from_vtu(content, links).with_entries(entries))

@@ -88,7 +88,7 @@ class Sources:
             thickness. Without it they are an error.
         leave_out : list of str, optional
             Names of rigid elements, couplings, ties, masses, springs and joints of a Nastran or Abaqus file that do not
-            act in a body of this mesh; `Mesh.entries` has all.
+            act in a body of this mesh, nor do others that name them; `Mesh.entries` has those that act.
 
         Returns
         -------
@@ -110,12 +110,12 @@ class Sources:
         if shells not in (None, "plane-strain"):
             raise fault("shells", f'expected "plane-strain" or None, not {shells!r}')
         native = _emmy.Mesh.read(os.fspath(path), list(links), shells is not None)
-        names = [name for name, *_ in native.entries]
+        names = list(cls._of(native).entries)
         for name in leave_out:
             if name not in names:
                 known = f"there is {', '.join(names)}" if names else "the file has a mesh alone"
                 raise fault("leave_out", f"the mesh has nothing that is named {name!r}; {known}")
-        mesh = cls._of(native.with_entries([entry for entry in native.entries if entry[0] not in leave_out]))
+        mesh = cls._of(native.acting(list(leave_out)))
         warn(mesh._native.notes)
         return mesh
 

@@ -5,17 +5,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use emmy::mesh::{self, CellKind};
-use emmy_io::mesh::{DeckEntry, Grid, GridArray, MeshFile, MeshOptions, Numbers};
+use emmy_io::mesh::{DeckEntry, Grid, GridArray, MeshFile, MeshOptions, Numbers, acting_entries};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::{self, Cells, FacetGroups, Groups};
 use crate::{errors, pool};
-
-/// Sections of the input that a deck fills.
-const SECTIONS: [&str; 6] = ["rigid", "coupling", "tie", "mass", "support", "joint"];
 
 /// A mesh; immutable.
 #[pyclass(frozen, module = "emmy._emmy")]
@@ -305,24 +302,26 @@ impl Mesh {
         Ok(Mesh::of_file(file.map_err(|error| errors::library(py, &error))?))
     }
 
-    /// Entries of a deck besides the mesh: name, section, table as TOML, and card.
+    /// Entries of a deck besides the mesh, each as TOML.
     #[getter]
-    fn entries(&self) -> Vec<(String, &'static str, String, String)> {
-        let entry =
-            |own: &DeckEntry| (own.name.clone(), own.section, own.table.to_string(), own.card.clone());
-        self.entries.iter().map(entry).collect()
+    fn entries(&self) -> PyResult<Vec<String>> {
+        let text = |own: &DeckEntry| own.to_text().map_err(|error| PyValueError::new_err(error.to_string()));
+        self.entries.iter().map(text).collect()
     }
 
     /// The same mesh with other entries, as [`Mesh::entries`] gives them.
-    fn with_entries(&self, entries: Vec<(String, String, String, String)>) -> PyResult<Self> {
-        let entry = |(name, section, table, card): (String, String, String, String)| {
-            let section = SECTIONS.into_iter().find(|own| *own == section);
-            let (section, table) =
-                section.zip(table.parse().ok()).ok_or_else(|| PyKeyError::new_err(name.clone()))?;
-            Ok(DeckEntry { name, section, table, card })
+    fn with_entries(&self, entries: Vec<String>) -> PyResult<Self> {
+        let entry = |text: &String| {
+            DeckEntry::of_text(text).map_err(|error| PyValueError::new_err(error.to_string()))
         };
-        let entries = entries.into_iter().map(entry).collect::<PyResult<_>>()?;
+        let entries = entries.iter().map(entry).collect::<PyResult<_>>()?;
         Ok(Mesh { mesh: self.mesh.clone(), notes: self.notes.clone(), entries })
+    }
+
+    /// The same mesh with the entries that act when some are switched off, and with notes on them.
+    fn acting(&self, switched_off: Vec<String>) -> Self {
+        let (entries, notes) = acting_entries(&self.entries, &self.mesh, &switched_off);
+        Mesh { mesh: self.mesh.clone(), notes: [&self.notes[..], &notes].concat(), entries }
     }
 
     /// Worst values of the measures of quality, with their cells.

@@ -106,6 +106,14 @@ def test_decks_have_what_they_say(tmp_path):
     np.testing.assert_allclose(
         emmy.modes(emmy.Body(bare, rubber(), held, masses=same), 3).frequencies, frequencies, rtol=1e-10
     )
+    assert sum(" acts: " in note for note in mesh.notes) == 2 and not any(" acts: " in note for note in bare.notes)
+    # An entry goes with the one that it names.
+    coupling = next(name for name, table in mesh.entries.items() if table["section"] == "coupling")
+    alone = emmy.Mesh.read(path, leave_out=[coupling])
+    assert alone.entries == {}
+    assert [note for note in alone.notes if " is left out with " in note] == [
+        f"{name} is left out with {coupling}" for name in mesh.entries if name != coupling
+    ]
     copy = pickle.loads(pickle.dumps(mesh))
     assert copy.entries == mesh.entries
     assert emmy.modes(emmy.Body(copy, rubber(), held), 3).frequencies == pytest.approx(frequencies)

@@ -12,6 +12,7 @@ use plotters::style::text_anchor::HPos;
 
 use crate::chart::Figure;
 use crate::picture::{self, Area, Drawn, INK, stroke, text, units, writing};
+use crate::vector::{cross, dot};
 
 // Sizes in points.
 const WIDTH: f64 = 960.0;
@@ -253,14 +254,6 @@ fn frame<'a>(seen: impl Iterator<Item = &'a [f64; 3]>) -> [[f64; 2]; 2] {
         .filter(|q| q.iter().all(|x| x.is_finite()))
         .fold(none, |[low, high], q| [[0, 1].map(|i| q[i].min(low[i])), [0, 1].map(|i| q[i].max(high[i]))]);
     if low[0] <= high[0] { [low, high] } else { [[0.0; 2]; 2] }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(a: [f64; 3]) -> [f64; 3] {

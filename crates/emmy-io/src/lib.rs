@@ -61,6 +61,7 @@ pub mod summary;
 pub mod sweep;
 pub mod team;
 pub mod units;
+mod vector;
 pub mod vtk;
 mod whole_file;
 

@@ -15,8 +15,8 @@ pub mod body {
     pub use crate::input::models::{MODELS, RegionModel};
     pub use crate::input::pole::pole;
     pub use crate::input::symmetry::symmetry_axis;
-    pub use crate::space::check_coupling;
     pub use crate::space::sum;
+    pub use crate::space::{OffPlane, affine_weights, check_coupling};
 }
 
 /// Reference elements.

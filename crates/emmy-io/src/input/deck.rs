@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use emmy::body::Coupling;
-
 use super::catalogue::{self, ROOT_KIND};
 use super::complete;
 use super::description::Section;
@@ -14,86 +12,25 @@ use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
 use super::tree::{Entry, Node, Value};
 use super::walk;
-use crate::mesh::{DeckEntry, MeshFile};
+use crate::mesh::{DeckEntry, MeshFile, acting_entries};
 
-/// Reads the mesh file of an input and inserts what it has besides the mesh, but for what is left out. `None` without a
-/// file, and with one that is not right, whose faults are found later.
+/// Reads the mesh file of an input, inserts the entries that act, and adds notes on them. `None` without a file, and
+/// with a wrong one, whose faults are found later.
 pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
     let (shape, mut file) = read(tree, directory)?;
     let left_out: Vec<String> = shape.left_out().iter().map(|(name, _)| name.clone()).collect();
     let from = shape.absolute_file()?;
     let from = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (lost, notes) = cannot_act(&file, &left_out);
-    let is_off = |name: &str| left_out.iter().chain(&lost).any(|own| own == name);
-    file.notes.retain(|note| !names_that_act(note).is_some_and(|mut names| names.all(is_off)));
+    let (acting, notes) = acting_entries(&file.entries, &file.mesh, &left_out);
     file.notes.extend(notes);
-    if !left_out.is_empty() {
-        file.notes.push(format!("switched off by `mesh.leave_out`: {}", left_out.join(", ")));
-    }
-    for entry in
-        file.entries.iter().filter(|entry| !left_out.contains(&entry.name) && !lost.contains(&entry.name))
-    {
-        let (_, section) = catalogue::kind_of(entry.section)?;
-        let place = Place::of_path(&format!("{from}: {}", entry.card));
+    for entry in acting {
+        let (_, section) = catalogue::kind_of(&entry.section)?;
+        let place = Place::of_path(&format!("{from}: {}", entry.card()));
         let mut node = node(&toml::Value::Table(entry.table.clone()), &place);
         complete::fill(&mut node, section).ok()?;
-        append(tree, entry.section, node);
+        append(tree, &entry.section, node);
     }
     Some(file)
-}
-
-/// Names of the entries that cannot act: distributing couplings whose points cannot follow their groups, and what
-/// depends on them or on others that are left out; with notes on the reasons.
-fn cannot_act(file: &MeshFile, left_out: &[String]) -> (Vec<String>, Vec<String>) {
-    let (mut lost, mut notes) = (Vec::new(), Vec::new());
-    for entry in
-        file.entries.iter().filter(|entry| entry.section == "coupling" && !left_out.contains(&entry.name))
-    {
-        let Some(coupling) = distributing(&entry.table) else { continue };
-        if let Err(error) = emmy::internals::body::check_coupling(&file.mesh, &coupling) {
-            notes.push(format!("{} is left out: {error}", entry.name));
-            lost.push(entry.name.clone());
-        }
-    }
-    let is_body = |name: &&String| {
-        let own = file.entries.iter().find(|entry| entry.name == **name);
-        own.is_some_and(|entry| ["coupling", "rigid"].contains(&entry.section))
-    };
-    let bodies: Vec<String> = lost.iter().chain(left_out.iter().filter(is_body)).cloned().collect();
-    for entry in file.entries.iter().filter(|entry| !left_out.contains(&entry.name)) {
-        if let Some(own) = bodies.iter().find(|own| **own != entry.name && names(&entry.table, own)) {
-            notes.push(format!("{} is left out with {own}", entry.name));
-            lost.push(entry.name.clone());
-        }
-    }
-    (lost, notes)
-}
-
-/// The names in a note of a reader on what acts, if it has all of them.
-fn names_that_act(note: &str) -> Option<impl Iterator<Item = &str>> {
-    let (list, _) = note.rsplit_once(" (mesh.leave_out ")?;
-    let (what, names) = list.rsplit_once(": ")?;
-    (what.ends_with(" act") || what.ends_with(" acts")).then(|| names.split(", "))
-}
-
-/// The distributing coupling of a table.
-fn distributing(table: &toml::Table) -> Option<Coupling> {
-    let text = |key: &str| table.get(key)?.as_str();
-    let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
-    let numbers = |key: &str| table.get(key)?.as_array()?.iter().map(number).collect::<Option<Vec<f64>>>();
-    text("kind").filter(|kind| *kind == "distributing")?;
-    let point = numbers("point")?.try_into().ok()?;
-    Some(Coupling { weights: numbers("weights"), ..Coupling::new(text("name")?, text("group")?, point) })
-}
-
-/// Whether a table, or a table in it, has a name among its texts.
-fn names(table: &toml::Table, name: &str) -> bool {
-    let is_name = |value: &toml::Value| value.as_str() == Some(name);
-    table.values().any(|value| match value {
-        toml::Value::Table(inner) => names(inner, name),
-        toml::Value::Array(items) => items.iter().any(is_name),
-        value => is_name(value),
-    })
 }
 
 /// Records in a resolved input that the entries of its mesh file stand in the input itself.
@@ -105,7 +42,7 @@ pub(super) fn leave_out_all(tree: &mut Node, file: &MeshFile) {
     mesh.put("leave_out", Node { value: Value::Array(names), place: place.clone() });
 }
 
-/// Checks that what is left out is in the file.
+/// Checks that the file has the entries that `mesh.leave_out` names.
 pub(super) fn check_left_out(shape: &Shape, file: &MeshFile, faults: &mut Faults) {
     let names = || file.entries.iter().map(|entry| entry.name.as_str());
     for (name, place) in shape.left_out() {
@@ -126,7 +63,7 @@ pub(super) fn check_left_out(shape: &Shape, file: &MeshFile, faults: &mut Faults
 pub(super) fn check_unused(shape: &Shape, file: &MeshFile) -> Result<(), Fault> {
     let is_left_out = |entry: &DeckEntry| shape.left_out().iter().any(|(name, _)| *name == entry.name);
     let Some(entry) = file.entries.iter().find(|entry| !is_left_out(entry)) else { return Ok(()) };
-    let message = format!("several ranks do not compute {} of the mesh file", entry.card);
+    let message = format!("several ranks do not compute {} of the mesh file", entry.card());
     let help = format!("take threads: `--threads`; or leave it out: `mesh.leave_out = [\"{}\"]`", entry.name);
     Err(Fault::at(shape.place(), message, "from here").help(help))
 }
@@ -184,13 +121,14 @@ impl DeckEntry {
     ///
     /// ```
     /// use emmy_io::mesh::DeckEntry;
+    /// let [name, section, kind, label] = ["m", "rigid", "CONM2", "1"].map(String::from);
+    /// let words = ["mass acts", "masses act"].map(String::from);
     /// let table = "name = 'm'\nmass = 2.0\ncentre = [10, 0, 0.5]".parse().unwrap();
-    /// let entry = DeckEntry { name: "m".into(), section: "rigid", table, card: "CONM2 1".into() };
-    /// let scaled = entry.scaled(0.001).table;
+    /// let scaled = DeckEntry { name, section, kind, label, words, table }.scaled(0.001).table;
     /// assert_eq!((scaled["mass"].as_float(), scaled["centre"][0].as_float()), (Some(2.0), Some(0.01)));
     /// ```
     pub fn scaled(mut self, factor: f64) -> Self {
-        if let Some((_, section)) = catalogue::kind_of(self.section) {
+        if let Some((_, section)) = catalogue::kind_of(&self.section) {
             scale_lengths(&mut self.table, section, factor);
         }
         self

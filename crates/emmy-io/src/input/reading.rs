@@ -76,7 +76,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    /// `reads_mesh`: whether the mesh file is read here, with what it has besides the mesh.
+    /// `reads_mesh`: whether the mesh file is read here, and its entries act.
     fn new(mut tree: Node, path: &Path, overrides: &Overrides, reads_mesh: bool) -> Result<Self, InputError> {
         for flag in &overrides.set {
             set::apply(&mut tree, flag)?;

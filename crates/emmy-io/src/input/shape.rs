@@ -132,7 +132,7 @@ pub(super) struct Shape {
     merge: Option<(f64, Place)>,
     /// Whether shells of a file are cells in plane strain.
     plane_shells: bool,
-    /// Names of what a file has besides the mesh and does not act.
+    /// Names of the entries of the file that `leave_out` switches off, with their places.
     left_out: Vec<(String, Place)>,
 }
 
@@ -353,7 +353,7 @@ impl Shape {
         &self.place
     }
 
-    /// Names of what a file has besides the mesh and does not act, with their places.
+    /// Names of the entries of the file that `leave_out` switches off, with their places.
     pub(super) fn left_out(&self) -> &[(String, Place)] {
         &self.left_out
     }

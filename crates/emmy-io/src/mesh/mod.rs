@@ -21,7 +21,7 @@ use crate::message::counted;
 use emmy::internals::number::{short, short_vector};
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
-pub use entry::DeckEntry;
+pub use entry::{DeckEntry, acting_entries};
 pub use error::{MeshError, Place, Position};
 pub use vtu::{Grid, GridArray, Numbers};
 

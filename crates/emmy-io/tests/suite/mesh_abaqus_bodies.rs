@@ -1,7 +1,7 @@
 //! Rigid bodies, couplings, ties and equations of Abaqus input, as tables of Emmy's.
 
 use crate::meshes::parse_text;
-use emmy_io::mesh::MeshFile;
+use emmy_io::mesh::{MeshFile, acting_entries};
 
 /// Two bricks from x = 0 to x = 2; the nodes 21 and 22 belong to no cell.
 pub(crate) const BRICKS: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,2,0,0\n\
@@ -22,8 +22,15 @@ pub(crate) fn assert_entry(file: &MeshFile, name: &str, section: &str, table: &s
     assert_eq!(found[0].table, table.parse::<toml::Table>().unwrap(), "{}", found[0].table);
 }
 
+/// Notes of a file and on the entries that act.
+pub(crate) fn all_notes(file: &MeshFile) -> Vec<String> {
+    let (_, of_entries) = acting_entries(&file.entries, &file.mesh, &[]);
+    [&of_entries[..], &file.notes].concat()
+}
+
 pub(crate) fn assert_note(file: &MeshFile, note: &str) {
-    assert!(file.notes.iter().any(|own| own == note), "{note}\n{:#?}", file.notes);
+    let notes = all_notes(file);
+    assert!(notes.iter().any(|own| own == note), "{note}\n{notes:#?}");
 }
 
 fn places(file: &MeshFile, group: &str) -> Vec<[f64; 3]> {
@@ -43,12 +50,13 @@ fn a_kinematic_coupling_is_rigid_and_a_distributing_one_follows_the_mean() {
     assert_entry(&file, "Load-1", "coupling", rigid);
     let mean = "name = \"mean\"\ngroup = \"foot\"\npoint = [-1.0, 0.5, 0.5]\nkind = \"distributing\"";
     assert_entry(&file, "mean", "coupling", mean);
-    assert_eq!(file.entries[0].card, "*COUPLING Load 1");
+    assert_eq!(file.entries[0].card(), "*COUPLING Load 1");
     assert_eq!(
-        file.notes,
+        all_notes(&file),
         [
             "*COUPLING: 1 rigid coupling acts: Load-1 (mesh.leave_out switches it off)",
-            "*COUPLING: 1 distributing coupling acts: mean (mesh.leave_out switches it off)",
+            "mean is left out: coupling \"mean\": the nodes of \"foot\" lie in a plane, and the point [-1, 0.5, 0.5] is 1 \
+             off; put it there, or couple it rigidly",
             "*COUPLING mean: WEIGHTING METHOD=LINEAR is not read, the weights are uniform"
         ]
     );

@@ -1,5 +1,6 @@
 //! Nastran files written by Gmsh (`meshes/generate.py`), and others by hand.
 
+use crate::mesh_abaqus_bodies::all_notes;
 use crate::meshes::{assert_plane, assert_straight, close, links, parse_text, read, volume};
 use emmy::mesh::CellKind;
 use emmy_io::mesh::{MeshOptions, parse_with, read_with};
@@ -125,11 +126,11 @@ fn sets_names_and_shells_become_groups() {
     assert_eq!((&groups.nodes["spc_5"][..], &groups.nodes["spc_6"][..]), (&[0, 1, 2][..], &[1, 3][..]));
     assert!(close(file.mesh.points()[2], [0.0, 2.0, 0.0]) && (volume(&file.mesh) - 4.0 / 3.0).abs() < 1e-15);
     assert_eq!(
-        file.notes,
+        all_notes(&file),
         [
-            "2 constraints (SPC, SPC1) fix nothing without a `support`: groups spc_5, spc_6",
-            "CONM2: 1 mass acts: conm2_9 (mesh.leave_out switches it off)",
             "RBE2: 1 rigid coupling acts: rbe2_10 (mesh.leave_out switches it off)",
+            "CONM2: 1 mass acts: conm2_9 (mesh.leave_out switches it off)",
+            "2 constraints (SPC, SPC1) fix nothing without a `support`: groups spc_5, spc_6",
             "left out, though it may change the motion: 1 CTRIA3, 1 FORCE"
         ]
     );

@@ -1,5 +1,7 @@
 //! Start of a motion.
 
+use std::ops::Range;
+
 use super::constrained_velocity::ConstrainedVelocity;
 use super::system::Body;
 use crate::error::{Error, Result};
@@ -102,15 +104,16 @@ impl Body {
         self.space.ties().set_points(&mut velocity);
         self.space.complete("initial velocity", &mut velocity);
         self.space.set_internal_means(&mut velocity);
-        let given = velocity.clone();
+        let ends = self.rigid_bodies().filter_map(|own| self.nodes_of_rigid_body(&own.name));
+        let centre = |nodes: Range<u32>| (nodal::at(&velocity, nodes.start as usize), nodes);
+        let bodies: Vec<([f64; 3], Range<u32>)> = ends.map(centre).collect();
         self.space.set_given_velocity(time, 0.0, &mut velocity)?;
         // A rigid body whose centre has a given motion keeps its spin.
-        for nodes in self.rigid_bodies().filter_map(|own| self.nodes_of_rigid_body(&own.name)) {
-            let centre = nodes.start as usize;
-            let [before, now] =
-                [&given, &velocity].map(|all| nodal::at(all, centre)).map(|v| [v[0], v[1], v[2]]);
-            for end in nodes.skip(1) {
-                (0..3).for_each(|d| velocity[nodal::dof(end as usize, d)] += now[d] - before[d]);
+        for (before, mut nodes) in bodies {
+            let now = nodes.next().map_or(before, |centre| nodal::at(&velocity, centre as usize));
+            for end in nodes {
+                let own = nodal::at_mut(&mut velocity, end as usize);
+                (0..3).for_each(|d| own[d] += now[d] - before[d]);
             }
         }
         self.space.follow(&mut velocity);

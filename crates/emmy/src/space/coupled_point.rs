@@ -59,42 +59,19 @@ impl CoupledPoint {
         }
         let nodes = mesh.group_nodes(group)?;
         let parts = parts(coupling, &nodes, (mesh, section)).map_err(fault)?;
-        let X = |node: &u32| mesh.points()[*node as usize];
-        let sum = |of: &dyn Fn([f64; 3]) -> f64| -> f64 {
-            nodes.iter().zip(&parts).map(|(node, part)| part * of(X(node))).sum()
-        };
-        // About a node, so that a group far from the origin keeps its digits.
-        let Some(origin) = nodes.first().map(X) else {
+        if nodes.is_empty() {
             return fail(format!("the group \"{group}\" is empty"));
-        };
-        let mean = [0, 1, 2].map(|d| origin[d] + sum(&|X| X[d] - origin[d]));
-        let J = |i: usize, j: usize| sum(&|X| (X[i] - mean[i]) * (X[j] - mean[j]));
-        let (moments, axes) = eigen(&[J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(0, 2)]);
-        let largest = moments.iter().fold(0.0f64, |most, moment| most.max(*moment));
-        let arm = [0, 1, 2].map(|d| point[d] - mean[d]);
-        let mut slope = [0.0; 3];
-        for (k, moment) in moments.into_iter().enumerate() {
-            let axis = [0, 1, 2].map(|d| axes[d][k]);
-            let along = dot3(arm, axis);
-            if moment > FLAT * largest && moment > 0.0 {
-                (0..3).for_each(|d| slope[d] += along / moment * axis[d]);
-            } else if along.abs() > FLAT.sqrt() * largest.sqrt() + FLAT * mesh.diagonal() {
-                let place = short_vector(*point);
-                let n_flat = moments.iter().filter(|moment| **moment <= FLAT * largest).count();
-                let what = if n_flat == 1 { "a plane" } else { "a line" };
-                return fail(format!(
-                    "the nodes of \"{group}\" lie in {what}, and the point {place} is {} off; put it there, or couple \
-                     it rigidly",
-                    short(along.abs())
-                ));
-            }
         }
-        let weight = |(node, part): (&u32, &f64)| {
-            let arm = [0, 1, 2].map(|d| X(node)[d] - mean[d]);
-            (*node, part * (1.0 + dot3(slope, arm)))
-        };
-        let weights: Vec<(u32, f64)> =
-            nodes.iter().zip(&parts).map(weight).filter(|own| own.1 != 0.0).collect();
+        let places: Vec<[f64; 3]> = nodes.iter().map(|node| mesh.points()[*node as usize]).collect();
+        let affine = affine_weights(*point, &places, &parts, FLAT * mesh.diagonal()).map_err(|off| {
+            let what = if off.is_of_plane { "a plane" } else { "a line" };
+            fault(format!(
+                "the nodes of \"{group}\" lie in {what}, and the point {} is {} off; put it there, or couple it rigidly",
+                short_vector(*point),
+                short(off.distance)
+            ))
+        })?;
+        let weights: Vec<(u32, f64)> = nodes.into_iter().zip(affine).filter(|own| own.1 != 0.0).collect();
         if leads && weights.len() > MOST_NODES {
             return fail(format!(
                 "a mass, spring, support or joint at its point connects all {} nodes of \"{group}\" with each other; \
@@ -127,6 +104,69 @@ impl CoupledPoint {
         }
         *nodal::at_mut(vector, self.node as usize) = sum;
     }
+}
+
+/// A point that is off the plane or the line of some places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OffPlane {
+    /// Distance from it.
+    pub distance: f64,
+    /// Whether the places lie in a plane, and not on a line.
+    pub is_of_plane: bool,
+}
+
+/// Weights with which a point X moves as the affine mean of places, of which each has a part v, one in sum.
+///
+/// ```math
+/// w_A = v_A (1 + s · (X_A − X̄)),   J s = X − X̄,   J = Σ v_A (X_A − X̄) ⊗ (X_A − X̄)
+/// ```
+///
+/// `rounding`: a distance below which the point is not off the plane of the places.
+///
+/// ```
+/// use emmy::internals::body::affine_weights;
+/// let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+/// let weights = affine_weights([1.5, 0.0, 0.0], &line, &[0.25, 0.5, 0.25], 0.0).unwrap();
+/// assert!(weights.iter().zip([0.0, 0.5, 0.5]).all(|(weight, due)| (weight - due).abs() < 1e-15));
+/// let off = affine_weights([1.5, 0.25, 0.0], &line, &[0.25, 0.5, 0.25], 0.0).unwrap_err();
+/// assert_eq!((off.distance, off.is_of_plane), (0.25, false));
+/// ```
+///
+/// # Errors
+/// [`OffPlane`].
+#[allow(non_snake_case)]
+pub fn affine_weights(
+    point: [f64; 3],
+    places: &[[f64; 3]],
+    parts: &[f64],
+    rounding: f64,
+) -> std::result::Result<Vec<f64>, OffPlane> {
+    let Some(origin) = places.first() else { return Ok(Vec::new()) };
+    let sum = |of: &dyn Fn(&[f64; 3]) -> f64| -> f64 {
+        places.iter().zip(parts).map(|(place, part)| part * of(place)).sum()
+    };
+    // About a place, so that places far from the origin keep their digits.
+    let mean = [0, 1, 2].map(|d| origin[d] + sum(&|X| X[d] - origin[d]));
+    let J = |i: usize, j: usize| sum(&|X| (X[i] - mean[i]) * (X[j] - mean[j]));
+    let (moments, axes) = eigen(&[J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(0, 2)]);
+    let largest = moments.iter().fold(0.0f64, |most, moment| most.max(*moment));
+    let arm = [0, 1, 2].map(|d| point[d] - mean[d]);
+    let mut slope = [0.0; 3];
+    for (k, moment) in moments.into_iter().enumerate() {
+        let axis = [0, 1, 2].map(|d| axes[d][k]);
+        let along = dot3(arm, axis);
+        if moment > FLAT * largest && moment > 0.0 {
+            (0..3).for_each(|d| slope[d] += along / moment * axis[d]);
+        } else if along.abs() > FLAT.sqrt() * largest.sqrt() + rounding {
+            let n_flat = moments.iter().filter(|moment| **moment <= FLAT * largest).count();
+            return Err(OffPlane { distance: along.abs(), is_of_plane: n_flat == 1 });
+        }
+    }
+    let weight = |(place, part): (&[f64; 3], &f64)| {
+        let arm = [0, 1, 2].map(|d| place[d] - mean[d]);
+        part * (1.0 + dot3(slope, arm))
+    };
+    Ok(places.iter().zip(parts).map(weight).collect())
 }
 
 /// Checks that the point of a distributing coupling can follow its group in a mesh.

@@ -15,7 +15,7 @@ mod ties;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use coupled_point::{CoupledPoint, check_coupling};
+pub use coupled_point::{CoupledPoint, OffPlane, affine_weights, check_coupling};
 pub(crate) use driven::DrivenRates;
 pub(crate) use geometry::CellTable;
 pub(crate) use internal_nodes::InternalNodes;

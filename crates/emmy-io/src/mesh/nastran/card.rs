@@ -24,7 +24,7 @@ pub(super) struct Card<'a> {
 }
 
 impl Card<'_> {
-    /// A field, counted from 0 after the name; one that is not there is empty.
+    /// A field, counted from 0 after the name; empty beyond the last one.
     pub(super) fn field(&self, index: usize) -> &str {
         self.fields.get(index).map_or("", |field| field)
     }
@@ -41,7 +41,7 @@ pub(super) struct Bulk<'a> {
     pub(super) cards: Vec<Card<'a>>,
     /// Continuations that belong to no card: their number, and the first one.
     pub(super) stray: Option<(usize, At)>,
-    /// Lines with the mark of a continuation that is not there.
+    /// Lines whose mark of a continuation no other line has.
     pub(super) open: Option<(usize, At)>,
     /// `ENDDATA`.
     pub(super) end: Option<At>,

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::super::abaqus::{At, Deck};
 use super::super::{MeshError, Result};
+use crate::vector::{cross, dot, minus, norm, unit};
 
 /// Largest number of systems that are given in each other.
 const MAX_DEPTH: usize = 500;
@@ -195,42 +196,27 @@ impl<'a> Placement<'a> {
                 points
             }
         };
-        let z = unit(minus(top, origin));
-        let side = minus(side, origin);
-        let along: f64 = dot(side, z);
-        let x = minus(side, z.map(|component| along * component));
-        // Relative, because the points are given with few digits.
-        if dot(z, z).is_nan() || dot(x, x).sqrt() <= 1e-10 * dot(side, side).sqrt() {
+        let axes = || {
+            let z = unit(minus(top, origin))?;
+            let side = minus(side, origin);
+            let along = dot(side, z);
+            let x = minus(side, z.map(|component| along * component));
+            // Relative, because the points are given with few digits.
+            let x = Some(x).filter(|&x| norm(x) > 1e-10 * norm(side)).and_then(unit)?;
+            Some([x, cross(z, x), z])
+        };
+        let Some(axes) = axes() else {
             let problem = format!("the three points of coordinate system {number} lie on one line");
             return malformed(
                 at,
                 problem,
                 "give its origin, a point on its axis z, and one in its plane x-z",
             );
-        }
-        let x = unit(x);
-        let frame = Frame { shape, origin, axes: [x, cross(z, x), z] };
+        };
+        let frame = Frame { shape, origin, axes };
         self.frames.insert(number, frame);
         Ok(frame)
     }
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| a[i] - b[i])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// A vector of length one; not numbers for the zero vector.
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = dot(a, a).sqrt();
-    a.map(|component| component / length)
 }
 
 #[cfg(test)]

@@ -46,12 +46,12 @@ pub(in crate::mesh) const TABLE: &[Entries] = &[
     ),
     entries(
         Read,
-        "rigid elements and equations, and sets of these; a note names what is left out",
+        "rigid elements, equations and their sets, unless a note gives a reason against it",
         &["RBE2", "RBE3", "RBAR", "RROD", "MPC", "MPCADD"],
     ),
     entries(
         Read,
-        "masses, springs and dampers; a note names what is left out",
+        "masses, springs and dampers, unless a note gives a reason against it",
         &["CONM2", "CMASS1", "CMASS2", "CELAS1", "CELAS2", "CDAMP1", "CDAMP2"],
     ),
     entries(Read, "properties of masses, springs and dampers", &["PMASS", "PELAS", "PDAMP"]),

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::super::account::{Treatment, treatment};
 use super::super::nastran::TABLE;
-use super::super::parse;
+use super::super::{DeckEntry, parse};
 use super::{Block, Choices, Contents, Wanted, What, choices, config, names, with_include};
 use emmy::mesh::CellKind;
 
@@ -324,7 +324,8 @@ proptest! {
         cards.iter().for_each(|(name, fields)| lines.card(choices, name, fields));
         let text = [lines.all, lines.elsewhere, vec!["ENDDATA".to_string(), String::new()]].concat().join("\n");
         let read = parse("a.bdf".as_ref(), text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        let named: Vec<&String> = read.entries.iter().map(|entry| &entry.card).chain(&read.notes).collect();
+        let of_entry = |entry: &DeckEntry| [entry.card(), format!("{} {}", entry.kind, entry.name)];
+        let named: Vec<String> = read.entries.iter().flat_map(of_entry).chain(read.notes.iter().cloned()).collect();
         for (name, fields) in &own {
             let is_there = named.iter().any(|text| text.contains(name) && text.contains(&fields[0]));
             prop_assert!(is_there, "{name} {}\n{named:#?}\n{text}", fields[0]);

@@ -2,14 +2,13 @@
 
 use std::collections::{HashMap, HashSet};
 
-use emmy::internals::tensor::eigen;
-
 use super::super::super::abaqus::At;
+use super::super::super::entry::first_names;
 use super::fields::Reason;
-use super::grids::{moments, symmetric};
 use super::pair::{How, Pair};
-use super::register::{listed, table, text, texts, vector};
+use super::register::{table, text, texts, vector};
 use super::{Mass, Work};
+use crate::vector::span_a_plane;
 use toml::Value;
 
 /// A rigid element of several grid points.
@@ -218,7 +217,7 @@ impl Work<'_> {
             let remark = format!(
                 "{name} is one rigid body of {} {}: they share grid points",
                 first.card,
-                listed(&labels)
+                first_names(&labels)
             );
             self.register.remark(remark);
         }
@@ -241,10 +240,11 @@ impl Work<'_> {
 
     /// Whether grid points make a rigid body that has a mass and turns about no line without inertia.
     fn check_body(&self, grids: &[u64], nodes: &[u64]) -> Result<(), Reason> {
+        let mut places: Vec<[f64; 3]> = nodes.iter().map(|&node| self.grids.place(node)).collect();
         let is_own = |mass: &&Mass| grids.contains(&self.resolved(mass.grid)) && mass.mass > 0.0;
         let masses: Vec<&Mass> = match nodes.len() {
             // A search among many grid points has no effect on a body of many nodes.
-            n if n > 2 && !self.is_line(nodes.iter().map(|&node| self.grids.place(node))) => return Ok(()),
+            n if n > 2 && span_a_plane(&places) => return Ok(()),
             _ => self.masses.iter().filter(is_own).collect(),
         };
         if nodes.is_empty() {
@@ -253,22 +253,12 @@ impl Work<'_> {
                 false => Ok(()),
             };
         }
-        let places = nodes.iter().map(|&node| self.grids.place(node));
         let has_inertia = masses.iter().any(|mass| mass.inertia.is_some());
-        match has_inertia || !self.is_line(places.chain(masses.iter().map(|mass| mass.centre))) {
+        places.extend(masses.iter().map(|mass| mass.centre));
+        match has_inertia || span_a_plane(&places) {
             true => Ok(()),
             false => Err(Reason::new("its nodes lie on a line, about which nothing holds it")),
         }
-    }
-
-    /// Whether places lie on a line or at one place.
-    fn is_line(&self, places: impl Iterator<Item = [f64; 3]>) -> bool {
-        let places: Vec<([f64; 3], f64)> = places.map(|place| (place, 1.0)).collect();
-        let (_, scatter) = moments(&places);
-        let (mut moments, _) = eigen(&symmetric(&scatter));
-        moments.sort_by(f64::total_cmp);
-        // Squares of lengths.
-        moments[1] <= 1e-12 * moments[2]
     }
 
     /// Joins two rigid bodies at a point.

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use emmy::internals::tensor::det;
 
+use super::super::super::entry::first_names;
 use super::Work;
 use super::fields::{Outcome, Reason, Stored};
-use super::grids::distance;
 use super::mean::Average;
 use super::pair::{How, Pair};
-use super::register::listed;
+use crate::vector::distance;
 
 /// Part of a sum that is rounding: fields of eight columns have few digits.
 const ROUNDING: f64 = 1e-5;
@@ -68,7 +68,7 @@ impl Work<'_> {
             let n: usize = unused.values().sum();
             let are = crate::message::counted(n, "equation is", "equations are");
             let names: Vec<String> = unused.keys().map(u64::to_string).collect();
-            let (names, chosen) = (listed(&names), listed(&chosen));
+            let (names, chosen) = (first_names(&names), first_names(&chosen));
             self.register.remark(format!(
                 "MPC: {are} left out, for the case control chooses {chosen} and not {names}"
             ));
@@ -78,7 +78,7 @@ impl Work<'_> {
             let names: Vec<String> = found.iter().map(u64::to_string).collect();
             let act = match &names[..] {
                 [set] => format!("set {set} acts"),
-                sets => format!("sets {} act", listed(sets)),
+                sets => format!("sets {} act", first_names(sets)),
             };
             self.register.remark(format!("MPC: no case control chooses a set: {act}"));
         }

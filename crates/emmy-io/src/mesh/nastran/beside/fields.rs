@@ -37,7 +37,7 @@ impl Reason {
 pub(super) type Outcome<T> = Result<T, Reason>;
 
 impl Stored {
-    /// A field, counted from 0 after the name; one that is not there is empty.
+    /// A field, counted from 0 after the name; empty beyond the last one.
     pub(super) fn field(&self, index: usize) -> &str {
         self.fields.get(index).map_or("", String::as_str)
     }

@@ -6,6 +6,7 @@ use super::super::super::abaqus::Deck;
 use super::super::range::Range;
 use super::super::system::{Grid, Placement, System};
 use super::fields::{Outcome, Reason};
+use crate::vector::distance;
 
 /// Part of the size of the grid that is rounding of coordinates.
 const ROUNDING: f64 = 1e-7;
@@ -99,37 +100,7 @@ impl<'a> Grids<'a> {
     }
 }
 
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| a[i] - b[i])
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
-pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let d = minus(a, b);
-    d[0].hypot(d[1]).hypot(d[2])
-}
-
 /// The sum of a place and multiples of three axes.
 pub(super) fn shifted(place: [f64; 3], axes: &[[f64; 3]; 3], by: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| place[i] + (0..3).map(|axis| by[axis] * axes[axis][i]).sum::<f64>())
-}
-
-/// Second moments of places about their mean, which comes first.
-pub(super) fn moments(places: &[([f64; 3], f64)]) -> ([f64; 3], [[f64; 3]; 3]) {
-    let total: f64 = places.iter().map(|(_, weight)| weight).sum();
-    let sum = |i: usize| places.iter().map(|(place, weight)| weight * place[i]).sum::<f64>();
-    let mean = [0, 1, 2].map(|i| sum(i) / total);
-    let moment = |i: usize, j: usize| {
-        let of = |(place, weight): &([f64; 3], f64)| weight * (place[i] - mean[i]) * (place[j] - mean[j]);
-        places.iter().map(of).sum::<f64>() / total
-    };
-    (mean, [0, 1, 2].map(|i| [0, 1, 2].map(|j| moment(i, j))))
-}
-
-/// Components of a symmetric matrix as the eigenvalues take them.
-pub(super) fn symmetric(m: &[[f64; 3]; 3]) -> [f64; 6] {
-    [m[0][0], m[1][1], m[2][2], m[0][1], m[1][2], m[0][2]]
 }

@@ -3,8 +3,8 @@
 use super::super::super::abaqus::At;
 use super::Work;
 use super::fields::{Outcome, Reason};
-use super::grids::{distance, dot, minus};
 use super::register::{table, text, vector};
+use crate::vector::{distance, dot, minus};
 use toml::Value;
 
 /// A spring or damper along a line.

@@ -3,11 +3,13 @@
 use emmy::internals::tensor::eigen;
 
 use super::super::super::abaqus::At;
+use super::super::super::entry::first_names;
 use super::Work;
 use super::body::Of;
 use super::fields::{Outcome, Reason, Stored};
-use super::grids::{Grids, distance, dot, minus, shifted, symmetric};
-use super::register::{listed, matrix, table, text, texts, vector};
+use super::grids::{Grids, shifted};
+use super::register::{matrix, table, text, texts, vector};
+use crate::vector::{distance, dot, minus};
 use toml::{Table, Value};
 
 /// A mass at a grid point.
@@ -87,7 +89,7 @@ fn turned(own: &[[f64; 3]; 3], axes: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 fn is_of_a_body(inertia: &[[f64; 3]; 3]) -> bool {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
     let second = |i: usize, j: usize| if i == j { 0.5 * trace - inertia[i][j] } else { -inertia[i][j] };
-    let (moments, _) = eigen(&symmetric(&[0, 1, 2].map(|i| [0, 1, 2].map(|j| second(i, j)))));
+    let (moments, _) = eigen(&[(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|(i, j)| second(i, j)));
     trace > 0.0 && moments.iter().all(|moment| *moment > -ROUNDING * trace)
 }
 
@@ -246,7 +248,7 @@ impl Work<'_> {
         let rows = [("name", text(&name)), ("mass", Value::Float(mass)), ("centre", vector(centre))];
         let what = ["rigid body without cells acts", "rigid bodies without cells act"];
         let labels: Vec<String> = masses.iter().map(|mass| format!("{} {}", mass.card, mass.label)).collect();
-        self.register.remark(format!("{name} has the masses of {}", listed(&labels)));
+        self.register.remark(format!("{name} has the masses of {}", first_names(&labels)));
         let size = masses.iter().map(|mass| distance(mass.centre, centre)).fold(0.0, f64::max);
         let is_point = inertia.is_none() && size == 0.0;
         let inertia = inertia.filter(|_| !is_point);

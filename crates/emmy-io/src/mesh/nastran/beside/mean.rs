@@ -1,12 +1,12 @@
 //! Points that move as the mean of nodes: `RBE3`, and equations of several grid points.
 
-use emmy::internals::tensor::eigen;
+use emmy::internals::body::affine_weights;
 
 use super::super::super::abaqus::At;
 use super::super::card::real;
 use super::Work;
 use super::fields::{Components, Outcome, Reason, Stored, components, grid_points, number};
-use super::grids::{Grids, distance, dot, minus, moments, symmetric};
+use super::grids::Grids;
 use super::pair::TIES;
 use super::register::{numbers, table, text, texts, vector};
 use toml::Value;
@@ -22,9 +22,6 @@ pub(super) struct Average {
     pub(super) grid: u64,
     pub(super) weights: Vec<(u64, f64)>,
 }
-
-/// Least part of the largest second moment that is not flat, as a square of lengths.
-const FLAT: f64 = 1e-12;
 
 /// Grid points of `RBE3` and its components at the point.
 fn parsed(card: &Stored, grids: &Grids<'_>) -> Outcome<(Average, Components)> {
@@ -71,32 +68,6 @@ fn parsed(card: &Stored, grids: &Grids<'_>) -> Outcome<(Average, Components)> {
     Ok((Average { card: card.name, label, name, at: card.at, grid, weights }, follows))
 }
 
-/// Weights with which a point moves as the affine mean of others with weights, if it lies where they determine it.
-fn affine(place: [f64; 3], nodes: &[([f64; 3], f64)]) -> Option<Vec<f64>> {
-    let total: f64 = nodes.iter().map(|(_, weight)| weight).sum();
-    let (mean, scatter) = moments(nodes);
-    let (values, vectors) = eigen(&symmetric(&scatter));
-    let largest = values.into_iter().fold(0.0, f64::max);
-    let arm = minus(place, mean);
-    let mut direction = [0.0; 3];
-    let mut reached = [0.0; 3];
-    for axis in (0..3).filter(|&axis| values[axis] > FLAT * largest) {
-        let own = [0, 1, 2].map(|i| vectors[i][axis]);
-        let along = dot(arm, own);
-        for i in 0..3 {
-            direction[i] += along / values[axis] * own[i];
-            reached[i] += along * own[i];
-        }
-    }
-    let size = largest.sqrt() + dot(arm, arm).sqrt();
-    // Coordinates have some seven digits.
-    (distance(arm, reached) <= 1e-6 * size).then(|| {
-        let weight =
-            |(node, weight): &([f64; 3], f64)| weight / total * (1.0 + dot(direction, minus(*node, mean)));
-        nodes.iter().map(weight).collect()
-    })
-}
-
 impl Work<'_> {
     /// Reads all `RBE3`.
     pub(super) fn means(&mut self) {
@@ -125,9 +96,10 @@ impl Work<'_> {
             return Ok(());
         }
         if self.grids.is_of_cell(grid) {
-            let places: Vec<([f64; 3], f64)> =
-                weights.iter().map(|&(node, weight)| (self.grids.place(node), weight)).collect();
-            let Some(affine) = affine(self.grids.place(grid), &places) else {
+            let places: Vec<[f64; 3]> = weights.iter().map(|(node, _)| self.grids.place(*node)).collect();
+            let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
+            let parts: Vec<f64> = weights.iter().map(|(_, weight)| weight / total).collect();
+            let Ok(affine) = affine_weights(self.grids.place(grid), &places, &parts, 0.0) else {
                 let why = "its point is a node, and lies off the plane or line of the others";
                 return Err(Reason::new(why));
             };
@@ -219,25 +191,5 @@ impl Work<'_> {
         self.register.used.extend([own.grid].into_iter().chain(own.weights.iter().map(|(node, _)| *node)));
         self.register.add("tie", &name, (own.card, own.label.clone()), TIES, table(rows));
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The weights reproduce every affine motion, and those of a flat set only in its plane.
-    #[test]
-    fn affine_weights_reproduce_the_place() {
-        let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0], [1.0, 1.0, 1.0]];
-        let nodes: Vec<([f64; 3], f64)> = corners.into_iter().zip([1.0, 2.0, 0.5, 1.0, 3.0]).collect();
-        let place = [0.7, -0.4, 2.0];
-        let weights = affine(place, &nodes).unwrap();
-        let sum: f64 = weights.iter().sum();
-        let reached = [0, 1, 2].map(|i| nodes.iter().zip(&weights).map(|((x, _), w)| w * x[i]).sum::<f64>());
-        assert!((sum - 1.0).abs() < 1e-14 && distance(reached, place) < 1e-13, "{weights:?}");
-        assert_eq!(affine(place, &nodes[..3]), None);
-        let mean = affine([1.0, 0.5, 0.0], &[([0.0, 0.5, 0.0], 1.0), ([2.0, 0.5, 0.0], 1.0)]).unwrap();
-        assert_eq!(mean, [0.5, 0.5]);
     }
 }

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::super::DeckEntry;
 use super::super::abaqus::Of;
+use super::super::entry::first_names;
 use super::Reader;
 use super::card::Card;
 use super::range::Range;
@@ -25,7 +26,7 @@ use grids::Grids;
 use line::Line;
 use mass::Mass;
 use pair::Pair;
-use register::{Register, listed};
+use register::Register;
 
 /// The cards that are kept until all grid points are placed.
 const CARDS: [&str; 17] = [
@@ -99,7 +100,7 @@ struct Work<'a> {
     held: HashSet<u64>,
     /// Grid points without cells whose rigid element is left out.
     lost: HashSet<u64>,
-    /// Cards that join what is one rigid body already.
+    /// Cards between grid points of one rigid body.
     idle: Vec<String>,
 }
 
@@ -124,7 +125,7 @@ impl Work<'_> {
         let names = self.free.keys().filter(is_free).map(|grid| self.free[grid].0.clone());
         let names: Vec<String> = names.collect();
         if !names.is_empty() {
-            let names = listed(&names);
+            let names = first_names(&names);
             self.register
                 .remark(format!("joined to nothing, as masses at grid points without cells: {names}"));
         }
@@ -143,7 +144,7 @@ impl Work<'_> {
             found.extend(own.map(|(_, name)| format!("{name} ({set})")));
         }
         if !found.is_empty() {
-            let names = listed(&found.into_iter().collect::<Vec<_>>());
+            let names = first_names(&found.into_iter().collect::<Vec<_>>());
             let note = "constraints of points without cells fix nothing without a `support` with their names";
             self.register.remark(format!("{note}: {names}"));
         }

@@ -1,10 +1,12 @@
 //! Two grid points that a rigid bar, a rod or equations join.
 
 use super::super::super::abaqus::At;
+use super::super::super::entry::first_names;
 use super::Work;
 use super::fields::{Outcome, Reason, Stored};
-use super::grids::{Grids, distance};
-use super::register::{listed, numbers, table, text, texts, vector};
+use super::grids::Grids;
+use super::register::{numbers, table, text, texts, vector};
+use crate::vector::distance;
 use toml::Value;
 
 /// How two grid points move together.
@@ -107,16 +109,16 @@ impl Work<'_> {
             }
         }
         if !links.is_empty() {
-            let names = listed(&links);
+            let names = first_names(&links);
             self.register.remark(format!("rigid links keep a distance and carry no moments: {names}"));
         }
         if !moved.is_empty() {
-            let names = listed(&moved);
+            let names = first_names(&moved);
             self.register
                 .remark(format!("grid points without cells move with the node at their place: {names}"));
         }
         if !self.idle.is_empty() {
-            let names = listed(&self.idle);
+            let names = first_names(&self.idle);
             self.register.remark(format!("within one rigid coupling, and without effect: {names}"));
         }
     }

@@ -6,11 +6,9 @@ use toml::{Table, Value};
 
 use super::super::super::DeckEntry;
 use super::super::super::abaqus::{At, Deck};
+use super::super::super::entry::first_names;
 use super::fields::{Reason, Stored};
 use crate::message::counted;
-
-/// Names of a note at most.
-const MAX_NAMES: usize = 10;
 
 /// Cards that are left out for one reason.
 #[derive(Debug)]
@@ -32,8 +30,6 @@ pub(super) struct Register<'a> {
     pub(super) used: HashSet<u64>,
     /// Names of entries and groups, in lower case.
     taken: HashSet<String>,
-    /// The entries that act: card, one and many of it, and the names.
-    acting: BTreeMap<(&'static str, [&'static str; 2]), Vec<String>>,
     /// By the card, or a part of it, and the reason.
     left_out: BTreeMap<(String, String), LeftOut>,
     remarks: Vec<String>,
@@ -49,7 +45,6 @@ impl<'a> Register<'a> {
             groups: Vec::new(),
             used: HashSet::new(),
             taken,
-            acting: BTreeMap::new(),
             left_out: BTreeMap::new(),
             remarks: Vec::new(),
         }
@@ -73,19 +68,17 @@ impl<'a> Register<'a> {
         name
     }
 
-    /// Adds an entry, which `what` counts in a note under a card.
+    /// Adds an entry with its card and label, and with words for one and for several of its kind.
     pub(super) fn add(
         &mut self,
         section: &'static str,
         name: &str,
-        card: (&'static str, String),
-        what: [&'static str; 2],
+        (kind, label): (&'static str, String),
+        words: [&'static str; 2],
         table: Table,
     ) {
-        let (kind, label) = card;
-        self.acting.entry((kind, what)).or_default().push(name.to_string());
-        let card = format!("{kind} {label}");
-        self.entries.push(DeckEntry { name: name.to_string(), section, table, card });
+        let [name, section, kind] = [name, section, kind].map(str::to_string);
+        self.entries.push(DeckEntry { name, section, kind, label, words: words.map(str::to_string), table });
     }
 
     /// Leaves out a card.
@@ -109,31 +102,18 @@ impl<'a> Register<'a> {
         self.remarks.push(note);
     }
 
-    /// Sentences on what acts, and on what is left out and why.
+    /// Sentences on the cards that are left out, with the reasons, and the remarks.
     pub(super) fn notes(&self) -> Vec<String> {
-        let act = |((card, what), names): (&(&str, [&str; 2]), &Vec<String>)| {
-            let act = counted(names.len(), what[0], what[1]);
-            let them = if names.len() == 1 { "it" } else { "them" };
-            format!("{card}: {act}: {} (mesh.leave_out switches {them} off)", listed(names))
-        };
         let left_out = |((card, reason), own): (&(String, String), &LeftOut)| {
             let place = match own.is_fault {
                 true => format!("{}: ", self.deck.place(own.at)),
                 false => String::new(),
             };
             let are = counted(own.n, "is", "are");
-            format!("{place}{card}: {are} left out ({}): {reason}", listed(&own.names))
+            format!("{place}{card}: {are} left out ({}): {reason}", first_names(&own.names))
         };
-        let acting = self.acting.iter().map(act);
-        acting.chain(self.left_out.iter().map(left_out)).chain(self.remarks.iter().cloned()).collect()
+        self.left_out.iter().map(left_out).chain(self.remarks.iter().cloned()).collect()
     }
-}
-
-/// The first names of a list, with the number of the others.
-pub(super) fn listed(names: &[String]) -> String {
-    let more = names.len().saturating_sub(MAX_NAMES);
-    let rest = if more > 0 { format!(" and {more} others") } else { String::new() };
-    names[..names.len() - more].join(", ") + &rest
 }
 
 /// A table of keys and values.

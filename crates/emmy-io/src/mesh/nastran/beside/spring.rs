@@ -4,13 +4,14 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::super::super::abaqus::At;
+use super::super::super::entry::first_names;
 use super::super::element::is_blank;
 use super::Work;
 use super::fields::{Outcome, Reason, Stored, number};
 use super::grids::Grids;
 use super::line::Line;
 use super::mass::Mass;
-use super::register::{listed, table, text};
+use super::register::{table, text};
 use toml::Value;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -101,7 +102,7 @@ impl Work<'_> {
             }
         }
         if !is_damped.is_empty() {
-            let names = listed(&is_damped);
+            let names = first_names(&is_damped);
             self.register.remark(format!("the structural damping GE of springs is left out: CELAS2 {names}"));
         }
         let mut supports = Vec::new();

@@ -11,8 +11,8 @@ use toml::Value;
 use super::find::{Lump, real};
 use super::line::{Line, Rod};
 use super::orientation::Axes;
-use super::vector::{Vector, distance};
 use super::{Entry, Maker, Owned, Rows, inner, list, text, vector};
+use crate::vector::{Vector, distance};
 
 /// The constraints of a connector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,7 +95,7 @@ struct Behaviour {
     damping: Option<f64>,
 }
 
-/// One connector with what its section says.
+/// A connector with the data of its section.
 struct Connector {
     lump: Lump,
     kind: Kind,

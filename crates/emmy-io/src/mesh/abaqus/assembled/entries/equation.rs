@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::find::real;
-use super::vector::distance;
 use super::{Entry, Maker, Owned, numbers, text};
+use crate::vector::distance;
 
 /// A linear equation, solved for its first term: `u = sum w u_i` in one component.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use emmy::mesh::Facet;
 
 use super::super::super::body::{Body, LeftOut, Member, Of};
-use super::vector::{Vector, difference, norm};
 use super::{Maker, Owned};
+use crate::vector::{Vector, minus, norm};
 
 /// Contents of a surface.
 #[derive(Debug, Clone)]
@@ -80,7 +80,7 @@ impl<'a> Maker<'a, '_> {
             low = [0, 1, 2].map(|i| low[i].min(point[i]));
             high = [0, 1, 2].map(|i| high[i].max(point[i]));
         }
-        let length = norm(difference(high, low));
+        let length = norm(minus(high, low));
         if length.is_finite() { length } else { 0.0 }
     }
 
@@ -136,7 +136,7 @@ impl<'a> Maker<'a, '_> {
         &deck.types[self.element(lump).element_type as usize]
     }
 
-    /// Nodes of an element; `None` if one of them is not there.
+    /// Nodes of an element; `None` if the file lacks one of them.
     pub(super) fn nodes_of(&self, lump: Lump) -> Option<Vec<u32>> {
         let node =
             |member: &Member| self.assembly.indices(Of::Nodes, lump.instance, *member).0.first().copied();

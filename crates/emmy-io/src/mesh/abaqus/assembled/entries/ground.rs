@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::super::super::super::entry::first_names;
 use super::Maker;
 use super::find::real;
-use super::report::listed;
 
 /// Words of a line that fix x, y and z.
 const FIXED: [&str; 2] = ["PINNED", "ENCASTRE"];
@@ -57,7 +57,7 @@ impl Maker<'_, '_> {
         let [what, are] = if nodes.len() == 1 { ["node", "is"] } else { ["nodes", "are"] };
         let text = format!(
             "the {what} {} without cells {are} fixed, and the ground of springs and joints",
-            listed(&nodes)
+            first_names(&nodes)
         );
         self.report.remark("*BOUNDARY", None, &text);
     }

@@ -2,8 +2,8 @@
 
 use toml::Value;
 
-use super::vector::distance;
 use super::{Entry, Maker, inner, list, text, vector};
+use crate::vector::distance;
 
 /// A spring, a damper or both between two nodes.
 #[derive(Debug)]

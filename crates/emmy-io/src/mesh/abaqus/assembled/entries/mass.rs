@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::find::{Lump, reals};
 use super::rigid::{Frame, Rigid};
-use super::vector::Vector;
 use super::{Entry, Maker, Owned, Rows, inner, list, text, vector};
+use crate::vector::Vector;
 
 type Matrix = [[f64; 3]; 3];
 

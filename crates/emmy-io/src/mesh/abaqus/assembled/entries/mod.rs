@@ -13,7 +13,6 @@ mod report;
 mod rigid;
 mod spring;
 mod tie;
-mod vector;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -30,7 +29,7 @@ use names::Names;
 use report::Report;
 use rigid::Frame;
 
-/// The entries of a deck, and what its notes say of them.
+/// The entries of a deck, with notes on the cards that are left out.
 #[derive(Debug, Default)]
 pub(super) struct Made {
     pub(super) entries: Vec<DeckEntry>,
@@ -261,12 +260,12 @@ impl<'a, 'b> Maker<'a, 'b> {
         groups.map(|(name, nodes)| (name.to_string(), entry(nodes))).collect()
     }
 
-    /// Adds an entry and records it as acting.
+    /// Adds an entry.
     fn push(&mut self, entry: Entry<'_>) {
         let Entry { name, section, card, of, words, table } = entry;
-        self.report.act(card, words, &name);
+        let [section, kind, label] = [section, card, of].map(str::to_string);
         let table = table.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
-        self.entries.push(DeckEntry { name, section, table, card: format!("{card} {of}") });
+        self.entries.push(DeckEntry { name, section, kind, label, words: words.map(str::to_string), table });
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::line::Rod;
 use super::rigid::Rigid;
-use super::vector::distance;
 use super::{Entry, Maker, Owned, inner, list, text, vector};
+use crate::vector::distance;
 
 /// A constraint of a card: its type in upper case, and the nodes of its fields.
 struct Constraint {

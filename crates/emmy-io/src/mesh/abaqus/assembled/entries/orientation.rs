@@ -1,8 +1,8 @@
 //! `*ORIENTATION`: local directions of connectors.
 
 use super::find::reals;
-use super::vector::{Vector, cross, difference, unit};
 use super::{Maker, Owned};
+use crate::vector::{Vector, cross, minus, unit};
 
 /// Local directions 1, 2 and 3, unit vectors.
 pub(super) type Axes = [Vector; 3];
@@ -44,7 +44,7 @@ fn axes(owned: Owned<'_>) -> Result<Axes, &'static str> {
     }
     let point = |at: usize| [0, 1, 2].map(|i| values_of_points.get(3 * at + i).copied().unwrap_or(0.0));
     let [a, b, c] = [0, 1, 2].map(point);
-    let one = unit(difference(a, c)).ok_or(NOT_READ)?;
-    let three = unit(cross(one, difference(b, c))).ok_or(NOT_READ)?;
+    let one = unit(minus(a, c)).ok_or(NOT_READ)?;
+    let three = unit(cross(one, minus(b, c))).ok_or(NOT_READ)?;
     Ok([one, cross(three, one), three])
 }

@@ -1,24 +1,12 @@
-//! Notes on the cards that act and on those that are left out.
+//! Notes on the cards that are left out, and remarks.
 
-use crate::message::counted;
-
-/// Names in a note at most.
-const MAX_NAMES: usize = 10;
+use super::super::super::super::entry::first_names;
 
 /// The fates of the cards, in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Report {
-    acting: Vec<Acting>,
     left_out: Vec<LeftOut>,
     remarks: Vec<Remark>,
-}
-
-#[derive(Debug)]
-struct Acting {
-    card: String,
-    /// Words for one and for several: `rigid coupling acts`.
-    words: [&'static str; 2],
-    names: Vec<String>,
 }
 
 #[derive(Debug)]
@@ -37,15 +25,6 @@ struct Remark {
 }
 
 impl Report {
-    /// Records an entry that acts.
-    pub(super) fn act(&mut self, card: &str, words: [&'static str; 2], name: &str) {
-        let known = self.acting.iter_mut().find(|acting| acting.card == card && acting.words == words);
-        match known {
-            Some(acting) => acting.names.push(name.to_string()),
-            None => self.acting.push(Acting { card: card.to_string(), words, names: vec![name.to_string()] }),
-        }
-    }
-
     /// Records a card, or an element, that is left out, with the reason in a clause.
     pub(super) fn leave_out(&mut self, card: &str, reason: &str, which: String) {
         let known = self.left_out.iter_mut().find(|own| own.card == card && own.reason == reason);
@@ -73,32 +52,18 @@ impl Report {
         }
     }
 
-    /// A sentence for each kind of what acts, each reason, and each remark.
+    /// A sentence for each reason and each remark.
     pub(super) fn notes(self) -> Vec<String> {
-        let acting = self.acting.iter().map(|Acting { card, words: [one, many], names }| {
-            let them = if names.len() == 1 { "it" } else { "them" };
-            let count = counted(names.len(), one, many);
-            format!("{card}: {count}: {} (mesh.leave_out switches {them} off)", listed(names))
-        });
         let left_out = self.left_out.iter().map(|LeftOut { card, reason, which }| {
             let [are, they] = if which.len() == 1 { ["is", "it"] } else { ["are", "they"] };
             let count = which.len();
-            let which = listed(which);
+            let which = first_names(which);
             format!("{card}: {count} {are} left out, though {they} may change the motion: {which} ({reason})")
         });
         let remarks = self.remarks.iter().map(|Remark { card, text, which }| match which.is_empty() {
             true => format!("{card}: {text}"),
-            false => format!("{card} {}: {text}", listed(which)),
+            false => format!("{card} {}: {text}", first_names(which)),
         });
-        acting.chain(left_out).chain(remarks).collect()
-    }
-}
-
-/// The first of some names.
-pub(super) fn listed(names: &[String]) -> String {
-    let first = names.iter().take(MAX_NAMES).map(String::as_str).collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(MAX_NAMES) {
-        0 => first,
-        more => format!("{first} and {more} more"),
+        left_out.chain(remarks).collect()
     }
 }

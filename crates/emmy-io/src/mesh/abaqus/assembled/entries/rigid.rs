@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::super::super::super::entry::first_names;
 use super::find::{Surface, real};
-use super::report::listed;
-use super::vector::{distance, span_a_plane};
 use super::{Entry, Maker, Owned, numbers, text, vector};
+use crate::vector::{distance, span_a_plane};
 
 /// An entry with a motion of its own, which joints, masses and springs name.
 #[derive(Debug)]
@@ -303,7 +303,7 @@ impl<'a> Maker<'a, '_> {
         let named: Vec<String> =
             cluster.iter().filter(|own| !own.is_beam).map(|own| own.called.clone()).collect();
         if named.len() > 1 {
-            let text = format!("{} share nodes and are one rigid body, {name}", listed(&named));
+            let text = format!("{} share nodes and are one rigid body, {name}", first_names(&named));
             self.report.remark(&first.card, None, &text);
         }
         let is_whole = |own: &Rigid| {

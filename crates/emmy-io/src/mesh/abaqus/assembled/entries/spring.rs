@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::find::{Lump, real};
 use super::line::Line;
-use super::vector::{difference, norm};
 use super::{Entry, Maker, Owned, text};
+use crate::vector::{minus, norm};
 
 /// Springs of a node to the ground.
 #[derive(Debug, Default)]
@@ -65,7 +65,7 @@ impl<'a> Maker<'a, '_> {
                 _ => None,
             };
             let [a, b] = nodes.map(|node| self.point(node));
-            let line = difference(b, a);
+            let line = minus(b, a);
             let is_along = |axis: usize| line[axis].abs() >= (1.0 - 1e-9) * norm(line) && norm(line) > 0.0;
             if !along.is_some_and(is_along) {
                 return self.leave_out_lump(lump, ALONG);

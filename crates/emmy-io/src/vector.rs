@@ -1,42 +1,42 @@
 //! Vectors in space.
 
-pub(super) type Vector = [f64; 3];
+pub(crate) type Vector = [f64; 3];
 
-pub(super) fn difference(a: Vector, b: Vector) -> Vector {
+pub(crate) fn minus(a: Vector, b: Vector) -> Vector {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn norm(a: Vector) -> f64 {
+pub(crate) fn norm(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
-pub(super) fn distance(a: Vector, b: Vector) -> f64 {
-    norm(difference(a, b))
+pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
+    norm(minus(a, b))
 }
 
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
-    emmy::internals::tensor::cross(a, b)
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The unit vector of a direction; `None` without one.
-pub(super) fn unit(a: Vector) -> Option<Vector> {
+pub(crate) fn unit(a: Vector) -> Option<Vector> {
     let length = norm(a);
     (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
 }
 
 /// Whether three of some points are not on one line, up to rounding of their distances.
-pub(super) fn span_a_plane(points: &[Vector]) -> bool {
+pub(crate) fn span_a_plane(points: &[Vector]) -> bool {
     let Some((&first, rest)) = points.split_first() else { return false };
     let far = |to: &dyn Fn(Vector) -> f64| {
         rest.iter().copied().map(|point| (to(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let Some((length, end)) = far(&|point| distance(point, first)) else { return false };
-    let along = difference(end, first);
-    let off = far(&|point| norm(cross(along, difference(point, first))));
+    let along = minus(end, first);
+    let off = far(&|point| norm(cross(along, minus(point, first))));
     off.is_some_and(|(area, _)| length > 0.0 && area > 1e-6 * length * length)
 }
 
