@@ -48,6 +48,9 @@ pub struct Case {
 /// Increments of an equilibrium.
 pub const INCREMENTS: usize = 4;
 
+/// A tolerance of which stresses, too, show nothing: they are larger than loads by the modulus.
+const NEWTON: &str = "[newton]\ntolerance = 1e-12\n\n";
+
 /// Numbers of a drawn case.
 struct Draft<'a> {
     choice: &'a Choice,
@@ -121,7 +124,7 @@ impl Case {
         if !is_static {
             text += &time;
         }
-        let _ = write!(text, "[solver]\nkind = \"{}\"\n\n", chosen(choice, "solver"));
+        let _ = write!(text, "[solver]\nkind = \"{}\"\n\n{NEWTON}", chosen(choice, "solver"));
         text += &draft.output("run");
         let first = (chosen(choice, "start") == "state").then(|| draft.first(&head));
         if is_static {
@@ -161,7 +164,7 @@ impl Case {
 
     /// The motion of the reference.
     pub fn motion(&self) -> Motion<'_> {
-        Motion { body: &self.body, supports: &self.supports, scheme: &self.scheme }
+        Motion { body: &self.body, supports: &self.supports, scheme: &self.scheme, guess: 1.0 }
     }
 
     /// The state at the start.
@@ -173,7 +176,7 @@ impl Case {
         let mut state = State { u: vec![0.0; n], v: vec![0.0; n] };
         if let Some((_, body, supports, times)) = &self.first {
             let scheme = Scheme::Element(Element::new(1, Average::Points(gauss(1)), None));
-            let motion = Motion { body, supports, scheme: &scheme };
+            let motion = Motion { body, supports, scheme: &scheme, guess: 1.0 };
             let last = motion.rows(state, times, false)?.pop().ok_or("no rows")?;
             state = State { u: last.displacement, v: last.velocity };
         }

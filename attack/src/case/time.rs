@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Draft, chosen, vector};
+use super::{Draft, NEWTON, chosen, vector};
 use crate::reference::body::{Body, Dead, STEADY};
 use crate::reference::element::{Average, Element};
 use crate::reference::history::History;
@@ -83,7 +83,7 @@ impl Draft<'_> {
         let supports = vec![Support { drives, has_springs: false, until: f64::INFINITY }];
         let text = format!(
             "{head}[[load]]\ngroup = \"top\"\ntraction = {}\n\n[[support]]\ngroup = \"bottom\"\nfix = [\"x\", \"y\", \"z\"]\n\n\
-             [time]\nscheme = \"FE(1)\"\nsteps = [{{ until = 0.06, size = 0.03 }}]\n\n[output]\ndirectory = \"first\"\nevery = 0\n",
+             [time]\nscheme = \"FE(1)\"\nsteps = [{{ until = 0.06, size = 0.03 }}]\n\n{NEWTON}[output]\ndirectory = \"first\"\nevery = 0\n",
             vector(traction)
         );
         (text, body, supports, vec![0.0, 0.03, 0.06])

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-/// Points and weights of Gauss' rule on the unit interval, with up to 15 points.
+/// Points and weights of Gauss' rule on the unit interval, with up to 40 points.
 pub fn gauss(n: usize) -> Vec<(f64, f64)> {
-    static RULES: [OnceLock<Vec<(f64, f64)>>; 16] = [const { OnceLock::new() }; 16];
+    static RULES: [OnceLock<Vec<(f64, f64)>>; 41] = [const { OnceLock::new() }; 41];
     RULES[n].get_or_init(|| gauss_rule(n)).clone()
 }
 

@@ -64,7 +64,8 @@ impl Body {
                 _ => {
                     let rate =
                         |s: f64| (0..k).map(|j| lagrange(&element.c, j, s) * square_rates[j]).sum::<f64>();
-                    let gain: f64 = gauss(12).iter().map(|&(s, w)| w * slope(s) * rate(s)).sum();
+                    // A node may fall to a tenth of its distance from the centre.
+                    let gain: f64 = gauss(40).iter().map(|&(s, w)| w * slope(s) * rate(s)).sum();
                     let seen: f64 =
                         (0..k).map(|j| element.b[j] * slope(element.c[j]) * square_rates[j]).sum();
                     let sum: f64 = (0..k).map(|j| element.b[j] * square_rates[j] * square_rates[j]).sum();

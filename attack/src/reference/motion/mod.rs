@@ -82,6 +82,9 @@ pub struct Motion<'a> {
     pub supports: &'a [Support],
     /// The scheme.
     pub scheme: &'a Scheme,
+    /// Factor on the accelerations of the first guess of a time element, which decides between several solutions of
+    /// a step.
+    pub guess: f64,
 }
 
 /// Impulses of a step.

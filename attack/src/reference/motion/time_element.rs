@@ -44,7 +44,7 @@ impl Motion<'_> {
         };
         let a = self.at_rest_of_step(&state.u, t, t).a;
         let along = |c: &f64| {
-            let own = |dof: &usize| h * state.v[*dof] + c * h * h * a[*dof];
+            let own = |dof: &usize| h * state.v[*dof] + self.guess * c * h * h * a[*dof];
             free.iter().map(own).collect::<Vec<f64>>()
         };
         let guess = element.c.iter().flat_map(along).collect();

@@ -32,6 +32,7 @@ mod memory;
 mod names;
 mod nodal;
 mod placed;
+mod plane_strain;
 mod plausible;
 mod problem;
 mod quantities;

@@ -30,8 +30,8 @@ use super::tie::PlacedTie;
 use super::time::Time;
 use super::tree::{Node, Value};
 use super::{
-    coupling, deck, derived, equilibrium, groups, initial, joint, load, nodal, placed, plausible, quantities,
-    region, rigid, settings, shape, start, support, tie, time, units, walk,
+    coupling, deck, derived, equilibrium, groups, initial, joint, load, nodal, placed, plane_strain,
+    plausible, quantities, region, rigid, settings, shape, start, support, tie, time, units, walk,
 };
 use crate::accuracy;
 use crate::mesh::MeshFile;
@@ -226,9 +226,11 @@ impl Sections {
         }
         let mesh = &file.mesh;
         let regions: Vec<&Region> = self.regions.iter().map(|region| &region.value).collect();
-        let loads = self.loads.iter().map(|load| &load.value.0);
+        let loads = || self.loads.iter().map(|load| &load.value.0);
         file.notes.extend(plausible::note_on_size(mesh, self.units));
-        file.notes.extend(plausible::notes_on_loads(mesh, loads, &regions, self.units));
+        file.notes.extend(plausible::notes_on_loads(mesh, loads(), &regions, self.units));
+        let initial = self.initial.iter().map(|own| &own.value);
+        file.notes.extend(plane_strain::notes(mesh, loads(), initial));
         let Sections { loads, supports, ties, initial, nodal, .. } = self;
         file.notes.extend(groups::notes(mesh, loads, supports, ties, &self.mechanism, initial, nodal));
         Ok(CheckedMesh { file, formulations })

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 53] = [
+const ORDER: [&str; 54] = [
     "fault",
     "excerpt",
     "syntax",
@@ -48,6 +48,7 @@ const ORDER: [&str; 53] = [
     "write",
     "derived",
     "plausible",
+    "plane_strain",
     "problem",
     "start_state",
     "source",

@@ -175,3 +175,40 @@ fn cells_in_plane_strain_are_not_beside_solid_ones() {
     let expected = "a.inp, line 13: element 2 (CPE4) is a cell in plane strain beside solid cells, such as element 1 (C3D8)";
     assert!(message.starts_with(expected), "{message}");
 }
+
+/// Notes on an input of plane cells.
+fn notes(more: &str) -> Vec<String> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("input.toml");
+    let text = format!(
+        "[mesh]\nrectangle = {{ size = [2.0, 1.0], cells = [4, 2] }}\n[[region]]\ndensity = 1.0\n\
+         material.neo-hooke = {{ youngs_modulus = 1000.0, poissons_ratio = 0.3 }}\n{more}\n\
+         [time]\nscheme = \"DGM\"\nsteps = [{{ until = 1.0, size = 0.1 }}]\n"
+    );
+    std::fs::write(&path, text).unwrap();
+    emmy_io::input::read(&path, &emmy_io::input::Overrides::default()).unwrap().notes
+}
+
+#[test]
+fn what_acts_along_z_in_plane_strain_has_a_note() {
+    let effect = "z is without effect, since cells in plane strain do not move along it";
+    for (entry, what) in [
+        ("[[load]]\ngroup = \"x-max\"\ntraction = [0.0, 0.0, 3.0]", "load of `x-max`"),
+        ("[[load]]\ngroup = \"x-max\"\nforce = [1.0, 0.0, 3.0]", "load of `x-max`"),
+        ("[[load]]\ngroup = \"x-max\"\nnodal_force = [1.0, 0.0, 3.0]", "load of `x-max`"),
+        ("[[load]]\nacceleration = [0.0, 0.0, -9.81]", "load"),
+        ("[[load]]\nbody_force = [\"0\", \"0\", \"x\"]", "load"),
+        ("[[initial]]\ngroup = \"x-max\"\nvelocity = [0.0, 0.0, 1.0]", "initial velocity of `x-max`"),
+        ("[[initial]]\nangular_velocity = [1.0, 0.0, 0.0]", "initial velocity"),
+    ] {
+        assert_eq!(notes(entry), [format!("{what}: {effect}")], "{entry}");
+    }
+    for entry in [
+        "[[load]]\nacceleration = [0.0, -9.81, 0.0]",
+        "[[initial]]\nangular_velocity = [0.0, 0.0, 1.0]",
+        "[[mass]]\nname = \"weight\"\nat = [2.0, 0.5, 0.0]\nmass = 1.0\ngroup = \"x-max\"\ncoupling = \"distributing\"\n\
+         [[load]]\nacceleration = [0.0, -9.81, 0.0]",
+    ] {
+        assert_eq!(notes(entry), [""; 0], "{entry}");
+    }
+}
