@@ -19,6 +19,11 @@ pub mod body {
     pub use crate::space::{OffPlane, affine_weights, check_coupling};
 }
 
+/// Contact.
+pub mod contact {
+    pub use crate::contact::*;
+}
+
 /// Reference elements.
 pub mod element {
     pub use crate::element::*;

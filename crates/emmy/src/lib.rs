@@ -40,6 +40,7 @@
 pub mod adjoint;
 mod average;
 pub mod body;
+mod contact;
 mod element;
 pub mod equilibrium;
 mod error;

@@ -21,6 +21,7 @@ mod start;
 pub(crate) mod system;
 mod team;
 
+pub use crate::contact::LayerLaw;
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
     Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 25] = [
+const ORDER: [&str; 26] = [
     "nodal",
     "number",
     "error",
@@ -18,6 +18,7 @@ const ORDER: [&str; 25] = [
     "mesh",
     "material",
     "average",
+    "contact",
     "input",
     "space",
     "mass",
