@@ -316,6 +316,22 @@ pub enum Error {
         /// Name in the place of that of a rigid body.
         group: String,
     },
+    /// An impossible contact.
+    #[error("contact \"{contact}\": {reason}")]
+    Contact {
+        /// Its name.
+        contact: String,
+        /// Reason.
+        reason: String,
+    },
+    /// A surface would pass through an obstacle.
+    #[error("contact \"{contact}\": its surface would pass through the obstacle near {}; take smaller steps", short_vector(*at))]
+    Passed {
+        /// Name of the contact.
+        contact: String,
+        /// Position \[length\].
+        at: [f64; 3],
+    },
     /// An impossible distributing coupling.
     #[error("coupling \"{coupling}\": {reason}")]
     Coupling {

@@ -11,6 +11,7 @@
 
 #![allow(non_snake_case)]
 
+mod contact;
 mod damping;
 mod energy_momentum;
 mod follower;
@@ -22,6 +23,7 @@ mod tests;
 mod time_point;
 mod volume;
 
+pub use contact::ContactRule;
 pub use damping::Damping;
 pub use follower::FollowerRule;
 pub use mean::Mean;

@@ -3,13 +3,14 @@
 mod added_nodes;
 
 use std::borrow::Borrow;
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use super::couplings;
 use super::system::Body;
 use crate::error::{Error, Result};
 use crate::force::{Drag, Force, ForceSource, Forces, Site, cells, dead};
-use crate::input::{Coupling, GroundSpring, Joint, Load, PointTerms, Region, RigidBody, Support, Tie};
+use crate::input::{Contact, Coupling, Joint, Load, PointTerms, Region, RigidBody, Support, Tie};
 use crate::mass::{RegionOfCell, Spread, points, regions, spread};
 use crate::mesh::{Mesh, Share};
 use crate::space::geometry::MassKind;
@@ -43,6 +44,7 @@ pub struct BodyBuilder {
     couplings: Vec<Coupling>,
     rigid: Vec<RigidBody>,
     joints: Vec<Joint>,
+    contacts: Vec<Contact>,
     ranks: Arc<Subdomain>,
     /// The rank that the share was made for.
     rank: usize,
@@ -66,6 +68,7 @@ impl BodyBuilder {
             couplings: Vec::new(),
             rigid: Vec::new(),
             joints: Vec::new(),
+            contacts: Vec::new(),
             ranks,
             rank,
         }
@@ -139,6 +142,18 @@ impl BodyBuilder {
         self
     }
 
+    /// Adds a contact.
+    pub fn contact(mut self, contact: Contact) -> Self {
+        self.contacts.push(contact);
+        self
+    }
+
+    /// Adds contacts.
+    pub fn contacts(mut self, contacts: impl IntoIterator<Item = impl Borrow<Contact>>) -> Self {
+        self.contacts.extend(contacts.into_iter().map(|contact| contact.borrow().clone()));
+        self
+    }
+
     /// Sets the masses and forces at single nodes.
     pub fn point_terms(mut self, terms: PointTerms) -> Self {
         self.point_terms = terms;
@@ -165,7 +180,7 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`],
     /// [`crate::Error::NotFinite`] for a load, [`crate::Error::PressureInside`], [`crate::Error::Support`],
-    /// [`crate::Error::Tie`], [`crate::Error::Coupling`], [`crate::Error::Inertia`], [`crate::Error::Rigid`],
+    /// [`crate::Error::Tie`], [`crate::Error::Contact`], [`crate::Error::Coupling`], [`crate::Error::Inertia`], [`crate::Error::Rigid`],
     /// [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::Rotation`],
     /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node
     /// without mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not
@@ -179,6 +194,10 @@ impl BodyBuilder {
             let what = "a body with ties, couplings, rigid bodies or joints".to_string();
             return Err(Error::NotOnTeam { what });
         }
+        if ranks.size() > 1 && !self.contacts.is_empty() {
+            return Err(Error::NotOnTeam { what: "a body with contact".to_string() });
+        }
+        self.check_names_of_contacts()?;
         let points = self.points()?;
         let frames = self.frames()?;
         if !(points.is_empty() && frames.is_empty()) {
@@ -204,6 +223,23 @@ impl BodyBuilder {
             }
         };
         Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes, ties, frames)))?.with_sums_of_ranks())
+    }
+}
+
+impl BodyBuilder {
+    /// Checks that no name of a contact is that of a supported group or of another contact.
+    fn check_names_of_contacts(&self) -> Result<()> {
+        let supports = self.supports.iter().map(|support| support.group.clone());
+        let springs = self.point_terms.springs.iter().map(|spring| spring.group.clone());
+        let mut taken: HashSet<String> = supports.chain(springs).collect();
+        for (number, contact) in self.contacts.iter().enumerate() {
+            let name = contact.name(number);
+            if !taken.insert(name.clone()) {
+                let reason = "its forces need a name that no supported group and no other contact has".into();
+                return Err(Error::Contact { contact: name, reason });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -280,6 +316,7 @@ impl Body {
             drag,
             forces,
             joints,
+            contacts,
             ranks,
             ..
         } = parts;
@@ -359,6 +396,8 @@ impl Body {
                 parts: &parts,
                 n_own,
                 section: &section,
+                regions: &regions,
+                region_of_cell: of_cell.indices(),
                 density_of_cell: &density_of_cell,
                 kind,
                 mass: &mass_before_ties,
@@ -372,6 +411,7 @@ impl Body {
             let drag = Some(Drag { rate: drag }).filter(|drag| drag.rate > 0.0);
             let further = forces.iter().enumerate().map(|(number, source)| source.force(number, &site));
             let all = forces_of(&point_terms.springs, &site)
+                .chain(forces_of(&contacts, &site))
                 .chain(forces_of(&point_terms.attractions, &site))
                 .chain(forces_of(&loads, &site))
                 .chain(drag.map(|drag| Ok(Arc::new(drag) as Arc<dyn Force>)))
@@ -385,7 +425,11 @@ impl Body {
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
         let guests = n_own..mesh.n_nodes();
-        let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &nodal.springs), |_| true)?;
+        // In the order of their forces.
+        let springs = nodal.springs.iter().map(|spring| spring.group.clone());
+        let names = contacts.iter().enumerate().map(|(number, contact)| contact.name(number));
+        let of_groups: Vec<(String, usize)> = springs.chain(names).zip(0..).collect();
+        let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &of_groups), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
         points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&mechanism.frames, &mesh))?;
         lumped_mass.resize(internal.n_all(), 0.0);
@@ -413,13 +457,13 @@ impl Body {
         };
         let lumped = on_lumped_mass.map(|others| {
             let body = Body { forces: Forces { others, ..body.forces.clone() }, ..body.clone() };
-            body.with_releases(&supports, &nodal.springs).map(Box::new)
+            body.with_releases(&supports, &of_groups).map(Box::new)
         });
-        Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &nodal.springs)? })
+        Ok(Body { lumped: lumped.transpose()?, ..body.with_releases(&supports, &of_groups)? })
     }
 
     /// The body and its successors after each release of supports and joints, which share its tables.
-    fn with_releases(self, supports: &[Support], springs: &[GroundSpring]) -> Result<Self> {
+    fn with_releases(self, supports: &[Support], springs: &[(String, usize)]) -> Result<Self> {
         let of_supports = supports.iter().filter_map(|support| support.until);
         let mut times: Vec<f64> =
             of_supports.chain(self.joints().iter().filter_map(|joint| joint.until)).collect();

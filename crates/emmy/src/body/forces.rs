@@ -358,6 +358,12 @@ impl Body {
         -most[0]
     }
 
+    /// Whether some force sets in within the step, with derivatives unlike those at its start.
+    pub(crate) fn has_sudden_force(&self, step: &StepInput<'_>, assembly: &Assembly) -> bool {
+        let mut forces = self.others().zip(&assembly.acting.memories);
+        forces.any(|(force, memory)| force.is_sudden(step, memory))
+    }
+
     /// Number of history variables of all forces.
     pub(crate) fn n_history(&self) -> usize {
         self.others().map(|force| force.n_history()).sum()
@@ -466,7 +472,7 @@ impl Body {
     /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.
     pub(crate) fn add_spring_reactions(
         &self,
-        step: &StepInput<'_>,
+        (step, assembly): (&StepInput<'_>, &Assembly),
         stage: usize,
         weight: f64,
         displacement: &[f64],
@@ -474,7 +480,8 @@ impl Body {
     ) {
         for (group, reaction) in self.space.groups().iter().zip(reactions) {
             for &spring in &group.springs {
-                self.forces.others[spring].for_each_reaction(step, stage, &mut |node, force| {
+                let input = (step, &assembly.acting.memories[spring]);
+                self.forces.others[spring].for_each_reaction(input, stage, &mut |node, force| {
                     reaction.add_at(self.space.position(displacement, node), force.map(|f| weight * f));
                 });
             }

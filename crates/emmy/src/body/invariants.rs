@@ -101,7 +101,12 @@ impl Body {
         // A rank without cells has none that counts.
         let cell = ranks.cells.get(own.smallest_cell).filter(|_| is_here).map(|&cell| cell as usize);
         let smallest_cell = ranks.lowest("cell of the smallest determinant", cell).unwrap_or(0);
-        StrainState { strain_energy: energy[0], smallest_determinant: -most[0], smallest_cell }
+        StrainState {
+            strain_energy: energy[0],
+            smallest_determinant: -most[0],
+            smallest_cell,
+            contact: own.contact,
+        }
     }
 
     /// Centre of a group: of the area of its facets, else of the volume of its cells (of links the length), else of its

@@ -21,10 +21,10 @@ mod start;
 pub(crate) mod system;
 mod team;
 
-pub use crate::contact::LayerLaw;
+pub use crate::contact::{LayerLaw, Obstacle};
 pub use crate::element::{Formulation, PressureSpace};
 pub use crate::input::{
-    Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,
+    Contact, Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,
     JointKind, JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass,
     Support, Tie, TieKind, TimeFunction, Viscosity,
 };

@@ -5,5 +5,7 @@
 //! it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
 mod layer;
+mod obstacle;
 
 pub use layer::{Layer, LayerLaw};
+pub use obstacle::{Obstacle, ObstacleLayer, Path};

@@ -83,6 +83,31 @@ impl FacetTable {
         self.reference.n_nodes
     }
 
+    /// Number of quadrature points of a facet.
+    pub(super) fn n_points(&self) -> usize {
+        self.reference.weights.len()
+    }
+
+    /// Shape functions at a quadrature point.
+    pub(super) fn shapes_at(&self, point: usize) -> &[f64] {
+        self.reference.shapes_at(point)
+    }
+
+    /// Reference areas of the quadrature points, `[facet][point]` \[length^2\].
+    pub(super) fn areas(&self) -> Vec<f64> {
+        let mut areas = Vec::with_capacity(self.sections.len() * self.n_points());
+        for facet in self.facets() {
+            let mut X = NodalVectors::default();
+            X.iter_mut().zip(facet.points).for_each(|(own, X)| *own = *X);
+            for point in 0..self.n_points() {
+                let [a, b] = self.tangents(&X, point);
+                let size = cross(a, b).iter().map(|n| n * n).sum::<f64>().sqrt();
+                areas.push(facet.section * self.reference.weights[point] * size);
+            }
+        }
+        areas
+    }
+
     /// The facets.
     pub(super) fn facets(&self) -> impl Iterator<Item = FacetOfTable<'_>> {
         let n = self.n_nodes();

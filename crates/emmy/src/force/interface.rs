@@ -141,8 +141,14 @@ pub trait Force: fmt::Debug + Send + Sync {
         None
     }
 
-    /// Calls a function with the stage average of the force of a support on the body at each node.
-    fn for_each_reaction(&self, _: &StepInput<'_>, _stage: usize, _: &mut dyn FnMut(usize, [f64; 3])) {}
+    /// Calls a function with the stage average of the force of a support or an obstacle on the body at each node.
+    fn for_each_reaction(
+        &self,
+        _: (&StepInput<'_>, &ForceMemory),
+        _stage: usize,
+        _: &mut dyn FnMut(usize, [f64; 3]),
+    ) {
+    }
 
     /// Whether it bounds corrections.
     fn bounds(&self) -> bool {
@@ -152,6 +158,11 @@ pub trait Force: fmt::Debug + Send + Sync {
     /// Largest part, up to 1, of a correction of the rates that the force admits.
     fn largest_part(&self, _: &StepInput<'_>, _: &ForceMemory, _correction: &[f64]) -> f64 {
         1.0
+    }
+
+    /// Whether it sets in within the step at these rates, or may: its derivatives at the start are then of no use.
+    fn is_sudden(&self, _: &StepInput<'_>, _: &ForceMemory) -> bool {
+        false
     }
 
     /// Number of its history variables, on which later steps depend. They are zero at first and the same on all ranks.

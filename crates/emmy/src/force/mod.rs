@@ -6,6 +6,7 @@ mod attraction;
 mod batches;
 pub(crate) mod cells;
 mod centrifugal;
+mod contact;
 pub(crate) mod dead;
 mod drag;
 mod facets;

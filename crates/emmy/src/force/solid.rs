@@ -243,7 +243,7 @@ impl SolidForce {
             for (lane, cell) in cells.clone().enumerate() {
                 let smallest_determinant = dets.0[lane];
                 let smallest_cell = self.cells.cells[cell] as usize;
-                sum = sum.with(StrainState { strain_energy: 0.0, smallest_determinant, smallest_cell });
+                sum = sum.with(StrainState { smallest_determinant, smallest_cell, ..StrainState::NONE });
             }
             sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
         }

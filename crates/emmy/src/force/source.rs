@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::interface::Force;
 use crate::error::Result;
+use crate::input::Region;
 use crate::mass::Spread;
 use crate::mesh::Mesh;
 use crate::space::geometry::MassKind;
@@ -32,6 +33,9 @@ pub struct Site<'a> {
     pub n_own: usize,
     /// Thickness of each cell.
     pub section: &'a [f64],
+    /// The regions, and the region of each cell.
+    pub regions: &'a [Region],
+    pub region_of_cell: &'a [u32],
     /// Mass per measure of each cell.
     pub density_of_cell: &'a [f64],
     /// The kind of mass on which the forces act.

@@ -99,7 +99,12 @@ impl Force for GroundSprings {
         Ok(())
     }
 
-    fn for_each_reaction(&self, step: &StepInput<'_>, stage: usize, visit: &mut dyn FnMut(usize, [f64; 3])) {
+    fn for_each_reaction(
+        &self,
+        (step, _): (&StepInput<'_>, &ForceMemory),
+        stage: usize,
+        visit: &mut dyn FnMut(usize, [f64; 3]),
+    ) {
         for &(row, column, stiffness) in &self.pairs {
             visit(row as usize, spring_force(stiffness, column as usize, step, stage).map(|f| -f));
         }

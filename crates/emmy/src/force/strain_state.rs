@@ -2,7 +2,32 @@
 
 use crate::error::{Error, Result};
 
-/// Strain energy and smallest det F of a set of cells.
+/// Layers of contact at one configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactState {
+    /// Stored energy \[energy\].
+    pub energy: f64,
+    /// Smallest gap over the thickness of its layer; infinite where nothing is near.
+    pub smallest_gap: f64,
+    /// Number of points whose layer stores energy.
+    pub n_points: usize,
+}
+
+impl ContactState {
+    /// The state without contact.
+    pub const NONE: ContactState = ContactState { energy: 0.0, smallest_gap: f64::INFINITY, n_points: 0 };
+
+    /// The union of both states.
+    pub fn with(self, other: ContactState) -> ContactState {
+        ContactState {
+            energy: self.energy + other.energy,
+            smallest_gap: self.smallest_gap.min(other.smallest_gap),
+            n_points: self.n_points + other.n_points,
+        }
+    }
+}
+
+/// Strain energy and smallest det F of a set of cells, and the layers of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrainState {
     /// Stored energy \[energy\].
@@ -11,12 +36,18 @@ pub struct StrainState {
     pub smallest_determinant: f64,
     /// Cell with the smallest det F.
     pub smallest_cell: usize,
+    /// Layers of contact.
+    pub contact: ContactState,
 }
 
 impl StrainState {
     /// The state of an empty set of cells.
-    pub const NONE: StrainState =
-        StrainState { strain_energy: 0.0, smallest_determinant: f64::INFINITY, smallest_cell: 0 };
+    pub const NONE: StrainState = StrainState {
+        strain_energy: 0.0,
+        smallest_determinant: f64::INFINITY,
+        smallest_cell: 0,
+        contact: ContactState::NONE,
+    };
 
     /// The union of both sets.
     pub fn with(self, other: StrainState) -> StrainState {
@@ -24,7 +55,8 @@ impl StrainState {
         // NaN counts as the smallest.
         let is_mine =
             self.smallest_determinant <= other.smallest_determinant || self.smallest_determinant.is_nan();
-        StrainState { strain_energy, ..if is_mine { self } else { other } }
+        let contact = self.contact.with(other.contact);
+        StrainState { strain_energy, contact, ..if is_mine { self } else { other } }
     }
 
     /// Returns `self`, or an error if a cell is inverted.

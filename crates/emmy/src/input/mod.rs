@@ -3,6 +3,7 @@
 
 #![allow(non_snake_case)]
 
+mod contact;
 mod coupling;
 mod field;
 mod initial_velocity;
@@ -22,6 +23,7 @@ mod tie;
 pub(crate) mod time_function;
 mod viscosity;
 
+pub use contact::Contact;
 pub use coupling::Coupling;
 pub use field::Field;
 pub use initial_velocity::InitialVelocity;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Mesh;
+use super::{Facet, Mesh};
 
 impl Mesh {
     /// The facets of cells that no other cell shares, each as its corner nodes, outward normal by the right-hand rule.
@@ -13,14 +13,23 @@ impl Mesh {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn boundary(&self) -> Vec<Vec<u32>> {
+        let corners = |facet: Facet| {
+            let n = self.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind.n_corners();
+            self.facet_nodes(facet).take(n).collect()
+        };
+        self.boundary_facets().into_iter().map(corners).collect()
+    }
+
+    /// The same facets, in the order of their sorted corner nodes.
+    pub(crate) fn boundary_facets(&self) -> Vec<Facet> {
         let mut facets = BTreeMap::new();
-        for cell in self.cells() {
-            for facet in cell.kind.facets() {
+        for (index, cell) in self.cells().enumerate() {
+            for (local, facet) in cell.kind.facets().iter().enumerate() {
                 let corners = facet.nodes[..facet.kind.n_corners()].iter();
-                let corners: Vec<u32> = corners.map(|&local| cell.nodes[local]).collect();
-                let mut key = corners.clone();
+                let mut key: Vec<u32> = corners.map(|&local| cell.nodes[local]).collect();
                 key.sort_unstable();
-                facets.entry(key).and_modify(|facet| *facet = None).or_insert(Some(corners));
+                let own = Some(Facet { cell: index as u32, local: local as u8 });
+                facets.entry(key).and_modify(|facet| *facet = None).or_insert(own);
             }
         }
         facets.into_values().flatten().collect()

@@ -40,7 +40,16 @@ pub struct Record {
     pub external_work: f64,
     /// Energy dissipated by viscosity, drag and the scheme since the start \[energy\].
     pub dissipated_energy: f64,
-    /// Total energy E = T + V \[energy\].
+    /// Energy of the layers of contact V_c \[energy\].
+    #[serde(default)]
+    pub contact_energy: f64,
+    /// Smallest gap of a contact over the thickness of its layer; `None` where nothing is near.
+    #[serde(default)]
+    pub smallest_gap: Option<f64>,
+    /// Number of contact points whose layer stores energy.
+    #[serde(default)]
+    pub contact_points: usize,
+    /// Total energy E = T + V + V_c \[energy\].
     pub total_energy: f64,
     /// Residual of the energy balance of the step \[energy\].
     ///
@@ -124,7 +133,10 @@ impl Record {
         self.kinetic_energy = 0.5 * body.space.dot(&state.momentum, &state.velocity);
         self.strain_energy = strain_state.strain_energy;
         self.smallest_determinant = strain_state.smallest_determinant;
-        self.total_energy = self.kinetic_energy + self.strain_energy;
+        self.contact_energy = strain_state.contact.energy;
+        self.smallest_gap = Some(strain_state.contact.smallest_gap).filter(|gap| gap.is_finite());
+        self.contact_points = strain_state.contact.n_points;
+        self.total_energy = self.kinetic_energy + self.strain_energy + self.contact_energy;
         self.linear_momentum = body.space.sum(&state.momentum);
         self.angular_momentum = state.angular_momentum(body);
         self
@@ -151,12 +163,13 @@ impl Record {
             ..Record::default()
         };
         let record = record.with_invariants(body, state, outcome.strain_state);
-        // T and V separately: they may be large and cancel in the change of their sum.
+        // Each energy by itself: they may be large and cancel in the change of their sum.
         let kinetic = record.kinetic_energy - self.kinetic_energy;
         let strain = record.strain_energy - self.strain_energy;
+        let contact = record.contact_energy - self.contact_energy;
         let angular = residual(record.angular_momentum, self.angular_momentum, impulses.angular);
         Record {
-            energy_residual: kinetic + strain - impulses.work + impulses.dissipated,
+            energy_residual: kinetic + strain + contact - impulses.work + impulses.dissipated,
             linear_momentum_residual: norm(residual(
                 record.linear_momentum,
                 self.linear_momentum,

@@ -39,6 +39,11 @@ pub trait System {
         1.0
     }
 
+    /// Whether the derivative changes so much from a starting point on that an approximation is of no use.
+    fn wants_exact_tangent(&mut self, _x: &[f64]) -> bool {
+        false
+    }
+
     /// Part of the scale of the residual that the solution may leave, as rounding does.
     fn rounding(&self) -> f64 {
         ROUND_OFF
@@ -259,7 +264,8 @@ impl Newton {
         self.has_open_end = false;
         let (rounding, ending) = (system.rounding(), system.ending());
         let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
-        if !line_search && !settings.exact_tangent && self.solve_approximately(system, x, &mut run)? {
+        let is_exact = line_search || settings.exact_tangent || system.wants_exact_tangent(x);
+        if !is_exact && self.solve_approximately(system, x, &mut run)? {
             return Ok(run.outcome);
         }
         self.solve_exactly(system, x, &mut run, line_search)?;

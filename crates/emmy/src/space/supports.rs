@@ -6,7 +6,7 @@ use super::drive::Drive;
 use super::internal_nodes::InternalNodes;
 use super::ties::Ties;
 use crate::error::{Error, Result};
-use crate::input::{GroundSpring, Rotation, Support};
+use crate::input::{Rotation, Support};
 use crate::mesh::Mesh;
 use crate::nodal;
 use crate::number::{short, short_vector};
@@ -28,7 +28,8 @@ pub(crate) struct Supports {
 }
 
 impl Supports {
-    /// The supports of a mesh that `hold`, and the places of all supports and springs among the supported groups;
+    /// The supports of a mesh that `hold`, and the places of all supports, and of forces of the ground that count as
+    /// those of a group with their indices, among the supported groups;
     /// `guests`: nodes that other ranks own; `ties`: nodes that follow others.
     ///
     /// # Errors
@@ -37,7 +38,7 @@ impl Supports {
     pub(crate) fn new(
         mesh: &Mesh,
         (internal, guests, ties): (&InternalNodes, Range<usize>, &Ties),
-        all: (&[Support], &[GroundSpring]),
+        all: (&[Support], &[(String, usize)]),
         holds: impl Fn(&Support) -> bool,
     ) -> Result<Self> {
         let held = || all.0.iter().enumerate().filter(|(_, support)| holds(support));
@@ -166,7 +167,7 @@ impl Supports {
 pub(crate) struct SupportedGroup {
     pub name: String,
     pub dofs: Vec<usize>,
-    /// Indices of the springs among the terms of the ground.
+    /// Indices of its springs and contacts among the forces beside those of cells.
     pub springs: Vec<usize>,
 }
 
@@ -175,7 +176,7 @@ pub(crate) struct SupportedGroup {
 fn supported_groups(
     mesh: &Mesh,
     n_own: usize,
-    (supports, springs): (&[Support], &[GroundSpring]),
+    (supports, springs): (&[Support], &[(String, usize)]),
     holds: impl Fn(&Support) -> bool,
 ) -> Result<Vec<SupportedGroup>> {
     let mut groups: Vec<SupportedGroup> = Vec::new();
@@ -193,8 +194,8 @@ fn supported_groups(
             group.dofs.extend(own);
         }
     }
-    for (index, spring) in springs.iter().enumerate() {
-        entry(&mut groups, &spring.group).springs.push(index);
+    for (group, index) in springs {
+        entry(&mut groups, group).springs.push(*index);
     }
     Ok(groups)
 }

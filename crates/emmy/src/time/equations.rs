@@ -369,7 +369,7 @@ impl<'a> Equations<'a> {
         reactions: &mut [Reaction],
     ) {
         let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
-        self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
+        self.body.add_spring_reactions((&step, &self.assembly), stage, weight, displacement, reactions);
     }
 
     /// Sets the forces of the joints in a solved step. Returns the work of the given

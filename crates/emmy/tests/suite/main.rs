@@ -6,6 +6,7 @@ mod allocations;
 mod architecture;
 mod balances;
 mod classic_steppers;
+mod contact;
 mod couplings;
 mod damping;
 mod driven_supports;

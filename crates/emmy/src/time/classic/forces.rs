@@ -87,7 +87,7 @@ impl<'a> Forces<'a> {
         }
         let Forces { body, assembly, rule, rest, coordinates, .. } = self;
         let step = StepInput { coordinates, ..StepInput::undamped(rule, displacement, rest) };
-        body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
+        body.add_spring_reactions((&step, assembly), 0, 1.0, displacement, reactions);
         body.ground_force(&step, assembly, outside)
     }
 

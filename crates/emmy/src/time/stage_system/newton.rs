@@ -246,6 +246,11 @@ impl System for StageSystem<'_> {
         )
     }
 
+    fn wants_exact_tangent(&mut self, x: &[f64]) -> bool {
+        let [rates, ..] = self.equations.blocks.split(x);
+        self.equations.body.has_sudden_force(&self.equations.step_at(rates), &self.equations.assembly)
+    }
+
     fn refactorization_cost(&self) -> f64 {
         self.approximate_tangent.refactorization_cost()
     }

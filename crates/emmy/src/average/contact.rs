@@ -1,0 +1,30 @@
+//! Quadrature in time of contact forces.
+
+use super::{FollowerRule, Kind, Rule, StressKind};
+
+/// How a scheme takes the forces of contact.
+#[derive(Debug, Clone)]
+pub enum ContactRule {
+    /// By a discrete gradient, which changes the energy exactly: energy-momentum rules.
+    Conserving,
+    /// By the force in the middle, for a stiffness that is kept: symmetric derivatives of the mean force of a step.
+    Kept,
+    /// By the gradient of the energy at the points of a standard rule.
+    Points(FollowerRule),
+}
+
+impl ContactRule {
+    /// The quadrature of a rule.
+    ///
+    /// ```
+    /// use emmy::internals::average::{ContactRule, Rule};
+    /// assert!(matches!(ContactRule::new(&Rule::assumed_strain(2, 2)), ContactRule::Conserving));
+    /// ```
+    pub fn new(rule: &Rule) -> Self {
+        match rule.kind {
+            Kind::EnergyMomentum(StressKind::StrainingRates) => ContactRule::Kept,
+            Kind::EnergyMomentum(_) => ContactRule::Conserving,
+            Kind::Standard => ContactRule::Points(FollowerRule::new(rule)),
+        }
+    }
+}
