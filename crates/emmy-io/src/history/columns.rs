@@ -36,14 +36,14 @@ const MOMENTUM: &str = "mass·length/time";
 const ANGULAR_MOMENTUM: &str = "mass·length²/time";
 
 /// The columns of the whole body, in their order in the file.
-const COLUMNS: [Column; 23] = [
+const COLUMNS: [Column; 26] = [
     always("step", "", "number of the step; 0: the start", |step| Whole(step.record.step)),
     always("time", "time", "time at its end", |step| Real(step.record.time)),
     always("step_size", "time", "its size; 0 at the start", |step| Real(step.record.step_size)),
     always("kinetic_energy", ENERGY, "T", |step| Real(step.record.kinetic_energy)),
     always("strain_energy", ENERGY, "V", |step| Real(step.record.strain_energy)),
     always("external_work", ENERGY, WORK, |step| Real(step.record.external_work)),
-    always("total_energy", ENERGY, "T + V", |step| Real(step.record.total_energy)),
+    always("total_energy", ENERGY, "T + V, with contact T + V + V_c", |step| Real(step.record.total_energy)),
     always("energy_residual", ENERGY, ENERGY_RESIDUAL, |step| Real(step.record.energy_residual)),
     always("linear_momentum_x", MOMENTUM, "linear momentum", |step| Real(step.record.linear_momentum[0])),
     always("linear_momentum_y", MOMENTUM, "linear momentum", |step| Real(step.record.linear_momentum[1])),
@@ -96,11 +96,32 @@ const COLUMNS: [Column; 23] = [
         number: |step| Whole(step.record.degree),
         is_in: |own| own.has_degrees,
     },
+    Column {
+        name: "contact_energy",
+        dimension: ENERGY,
+        meaning: "with contact only: energy V_c of the layers",
+        number: |step| Real(step.record.contact_energy),
+        is_in: |own| own.has_contact,
+    },
+    Column {
+        name: "smallest_gap",
+        dimension: "",
+        meaning: "with contact only: smallest gap at the end of the step over the thickness of its layer; empty where nothing is \
+                  near",
+        number: |step| step.record.smallest_gap.map_or(Missing, Real),
+        is_in: |own| own.has_contact,
+    },
+    Column {
+        name: "contact_points",
+        dimension: "",
+        meaning: "with contact only: number of points whose layer stores energy at the end of the step",
+        number: |step| Whole(step.record.contact_points),
+        is_in: |own| own.has_contact,
+    },
 ];
 
 const WORK: &str = "work of the loads, and of the reactions of driven supports, since the start";
-const ENERGY_RESIDUAL: &str =
-    "change of T + V in this step, minus the external work in it, plus the dissipated energy in it";
+const ENERGY_RESIDUAL: &str = "change of the total energy in this step, minus the external work in it, plus the dissipated energy in it";
 const ANGULAR: &str = "angular momentum about the origin";
 const MOMENTUM_RESIDUAL: &str =
     "norm of the change of linear momentum in this step minus the impulse of loads and reactions";
@@ -186,6 +207,8 @@ pub struct HistoryColumns {
     pub dissipates: bool,
     /// Whether degrees are adaptive: column `degree`.
     pub has_degrees: bool,
+    /// Whether there is contact: columns `contact_energy`, `smallest_gap`, `contact_points`.
+    pub has_contact: bool,
     /// Whether the time is the load fraction of a static analysis.
     pub is_static: bool,
     /// Probes, reactions, joints, rigid bodies, extremes, values of groups.
@@ -201,6 +224,7 @@ impl HistoryColumns {
             dissipates: body.dissipates() || scheme.dissipation().is_some(),
             is_adaptive: adaptivity.is_some(),
             has_degrees: adaptivity.is_some_and(|adaptivity| adaptivity.degrees.is_some()),
+            has_contact: body.contacts().next().is_some(),
             is_static: problem.is_static(),
             measures: Measures::new(body, &problem.quantities),
         }

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use super::description::{Described, Key, Kind, Rule, Section, tables};
 use super::{
-    coupling, equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape, support,
-    tie, time, units,
+    contact, coupling, equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape,
+    support, tie, time, units,
 };
 
 /// The whole input.
@@ -37,6 +37,7 @@ pub(super) static ROOT: Described = Described::new(|| {
         "Points that move with groups of the mesh, rigidly or with their mean; none, one or more",
     )
     .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
+    .may("contact", tables(0, &contact::CONTACT), "", "Surfaces that meet obstacles; none, one or more")
     .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
     .absent("at rest")
     .may(

@@ -38,6 +38,10 @@ fn find(mesh: &Mesh, group: &NamedGroup, bodies: &[&str]) -> Result<(), Fault> {
     let is_empty = match members {
         Members::Cells => groups.cells(name).ok().map(<[_]>::is_empty),
         Members::Facets => groups.facets(name).ok().map(<[_]>::is_empty),
+        Members::FacetsOrCells => {
+            let cells = || groups.cells(name).ok().map(<[_]>::is_empty);
+            groups.facets(name).ok().map(<[_]>::is_empty).or_else(cells)
+        }
         Members::Nodes => is_there.then(|| mesh.group_nodes(name).is_err()),
     };
     match is_empty {
@@ -48,6 +52,10 @@ fn find(mesh: &Mesh, group: &NamedGroup, bodies: &[&str]) -> Result<(), Fault> {
     let (what, known): (_, Vec<&str>) = match members {
         Members::Cells => ("cells", groups.cells.keys().map(String::as_str).collect()),
         Members::Facets => ("facets", groups.facets.keys().map(String::as_str).collect()),
+        Members::FacetsOrCells => {
+            let kinds = |name: &&str| groups.kinds(name).iter().any(|kind| *kind != "nodes");
+            ("facets or cells", groups.names().into_iter().filter(kinds).collect())
+        }
         Members::Nodes => ("nodes, facets or cells", groups.names()),
     };
     let other = is_there.then(|| format!("`{name}` exists, but has no {what}"));
@@ -73,6 +81,7 @@ pub(super) fn near(mesh: &Mesh, name: &str, members: Members) -> Option<String> 
     let fits = |kind: &&str| match members {
         Members::Cells => *kind == "cells",
         Members::Facets => *kind == "facets",
+        Members::FacetsOrCells => *kind != "nodes",
         Members::Nodes => true,
     };
     let mut known: Vec<String> = Vec::new();

@@ -9,6 +9,7 @@
 mod adaptive;
 mod catalogue;
 mod complete;
+mod contact;
 mod coupling;
 mod deck;
 mod derived;

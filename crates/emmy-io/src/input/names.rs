@@ -2,6 +2,7 @@
 
 use emmy::body::{InitialVelocity, Load, Region, Support};
 
+use super::contact::PlacedContact;
 use super::fault::Place;
 use super::mechanism::{self, Mechanism};
 use super::nodal::PlacedNodal;
@@ -16,6 +17,7 @@ pub(super) struct Naming<'a> {
     pub(super) loads: &'a [Placed<(Load, Members)>],
     pub(super) supports: &'a [Placed<Support>],
     pub(super) ties: &'a [PlacedTie],
+    pub(super) contacts: &'a [PlacedContact],
     pub(super) initial: &'a [Placed<InitialVelocity>],
     pub(super) mechanism: &'a Mechanism,
     pub(super) nodal: &'a PlacedNodal,
@@ -43,8 +45,11 @@ impl Naming<'_> {
         let all = regions.chain(self.loads.iter().filter(of_group).map(of_load)).chain(at_nodes).flatten();
         let tied = self.ties.iter().flat_map(PlacedTie::groups);
         let tied = tied.map(|(name, place, members)| NamedGroup::of_mesh(name, place, members));
+        let surfaces = self.contacts.iter().filter_map(PlacedContact::group);
+        let surfaces = surfaces.map(|(name, place)| NamedGroup::of_mesh(name, place, Members::FacetsOrCells));
         let rigid = self.mechanism.groups();
         all.chain(tied)
+            .chain(surfaces)
             .chain(rigid)
             .chain(self.requested.into_iter().flat_map(Requested::groups).cloned())
             .collect()

@@ -55,5 +55,7 @@ pub(super) fn fault(
 pub(super) enum Members {
     Cells,
     Facets,
+    /// Facets, or cells for those on the boundary.
+    FacetsOrCells,
     Nodes,
 }

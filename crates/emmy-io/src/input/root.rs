@@ -59,9 +59,10 @@ impl<'a> Root<'a> {
         named.chain(masses).collect()
     }
 
-    /// Groups that the supports name, also in tables with faults; `None` if a name cannot be read.
+    /// Groups that the supports name, and contacts, also in tables with faults; `None` if a name cannot be read.
     pub(super) fn supported_groups(&self) -> Option<Vec<String>> {
-        if self.faults.are_many() || walk::meant(&self.table).any(|key| key == "support") {
+        if self.faults.are_many() || walk::meant(&self.table).any(|key| ["support", "contact"].contains(&key))
+        {
             return None;
         }
         let mut groups = Vec::new();
@@ -70,6 +71,12 @@ impl<'a> Root<'a> {
             if !groups.contains(&group) {
                 groups.push(group);
             }
+        }
+        for (table, number) in self.raw("contact").zip(1..) {
+            groups.push(match table.item("name") {
+                Some(name) => name.text()?.to_string(),
+                None => format!("contact-{number}"),
+            });
         }
         Some(groups)
     }

@@ -4,12 +4,13 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-use emmy::body::{BodyBuilder, InitialVelocity, Load, Region, Support};
+use emmy::body::{BodyBuilder, Contact, InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, Solver, StepPlan};
 use emmy::time::Scheme;
 
 use super::catalogue::ROOT_KIND;
+use super::contact::{self, PlacedContact};
 use super::fault::{Fault, Faults, InputError};
 use super::formulation::Formulations;
 use super::history::Context;
@@ -47,6 +48,7 @@ pub(super) struct Sections {
     loads: Vec<Placed<(Load, Members)>>,
     supports: Vec<Placed<Support>>,
     ties: Vec<PlacedTie>,
+    contacts: Vec<PlacedContact>,
     mechanism: Mechanism,
     nodal: PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
@@ -95,6 +97,7 @@ impl Sections {
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
         let ties = root.each("tie", |table, faults| faults.keep(tie::read(table)));
+        let contacts = root.each("contact", |table, _| Some(contact::read(table)));
         let rigid = root.each("rigid", |table, faults| faults.keep(rigid::read(table)));
         let joints = root.tables("joint").into_iter().zip(1..);
         let joints =
@@ -138,6 +141,7 @@ impl Sections {
             loads: &loads,
             supports: &supports,
             ties: &ties,
+            contacts: &contacts,
             mechanism: &mechanism,
             initial: &initial,
             nodal: &nodal,
@@ -165,6 +169,7 @@ impl Sections {
                     loads,
                     supports,
                     ties,
+                    contacts,
                     mechanism,
                     nodal,
                     initial,
@@ -186,9 +191,9 @@ impl Sections {
 
     /// The groups that the input names.
     fn named_groups(&self) -> Vec<NamedGroup> {
-        let Sections { regions, loads, supports, ties, mechanism, initial, nodal, requested, .. } = self;
-        Naming { regions, loads, supports, ties, mechanism, initial, nodal, requested: Some(requested) }
-            .groups()
+        let Sections { regions, loads, supports, ties, contacts, mechanism, initial, nodal, .. } = self;
+        let requested = Some(&self.requested);
+        Naming { regions, loads, supports, ties, contacts, mechanism, initial, nodal, requested }.groups()
     }
 
     /// Checks that the mesh has the groups and cells that the input names.
@@ -239,8 +244,9 @@ impl Sections {
     /// The mesh alone for several ranks, with remarks on it.
     pub(super) fn mesh(&self) -> Result<MeshFile, InputError> {
         self.mechanism.check_alone()?;
-        match self.ties.first() {
-            Some(tie) => Err(tie.not_on_ranks().into()),
+        let of_contacts = self.contacts.first().map(PlacedContact::not_on_ranks);
+        match self.ties.first().map(PlacedTie::not_on_ranks).or(of_contacts) {
+            Some(fault) => Err(fault.into()),
             None => Ok(self.checked_mesh()?.file),
         }
     }
@@ -271,6 +277,8 @@ impl Sections {
         let pressed = placed::groups(self.loads.iter().map(|load| &load.group));
         let supports = values(self.supports);
         let (ties, tied): (Vec<_>, Vec<_>) = self.ties.into_iter().map(PlacedTie::into_parts).unzip();
+        let contact_places = contact::places(&self.contacts);
+        let contacts: Vec<Contact> = self.contacts.into_iter().map(|own| own.contact).collect();
         let loads: Vec<Load> =
             values(self.loads).into_iter().map(|(load, _)| mechanism.at_centre(load)).collect();
         let drag = self.nodal.drag();
@@ -299,6 +307,7 @@ impl Sections {
                     .point_terms(nodal.clone())
                     .supports(&supports)
                     .ties(ties)
+                    .contacts(&contacts)
                     .loads(&loads)
                     .drag(drag)
                     .build();
@@ -306,6 +315,7 @@ impl Sections {
                     let own = support::fault(&error, &held).or_else(|| nodal::fault(&error, &spread));
                     let own = own.or_else(|| load::fault(&error, &pressed));
                     let own = own.or_else(|| tie::fault(&error, &tied));
+                    let own = own.or_else(|| contact::fault(&error, &contact_places));
                     let own = own.or_else(|| mechanism.fault(&error));
                     own.unwrap_or_else(|| self.shape.fault(&error))
                 };
@@ -433,9 +443,9 @@ fn read_time(root: &mut Root<'_>, start: Option<&Start>, overrides: &Overrides) 
 
 /// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names
 /// there: loads and supports themselves tell them apart.
-fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 8]> {
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 9]> {
     let mut table = resolved.parse::<toml::Table>().ok()?;
-    let sections = ["region", "mass", "load", "support", "tie", "rigid", "coupling", "joint"];
+    let sections = ["region", "mass", "load", "support", "tie", "contact", "rigid", "coupling", "joint"];
     Some(sections.map(|section| table.remove(section)))
 }
 

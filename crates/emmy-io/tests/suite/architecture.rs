@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 54] = [
+const ORDER: [&str; 55] = [
     "fault",
     "excerpt",
     "syntax",
@@ -22,6 +22,7 @@ const ORDER: [&str; 54] = [
     "time",
     "support",
     "tie",
+    "contact",
     "rigid",
     "coupling",
     "joint",

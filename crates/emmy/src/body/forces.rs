@@ -6,8 +6,8 @@ use super::system::Body;
 use crate::average::{FollowerRule, Request, Rule};
 use crate::error::Result;
 use crate::force::{
-    Book, Cells, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side, StepInput,
-    StepStart, StrainState, cells,
+    Book, Cells, ContactSummary, Force, ForceMemory, OverTime, PressureResults, Sampling, Scratch, Side,
+    StepInput, StepStart, StrainState, cells,
 };
 use crate::input::Span;
 use crate::quadrature::Quadrature;
@@ -376,6 +376,11 @@ impl Body {
             force.update_history(step, memory, own);
             history = others;
         }
+    }
+
+    /// The contacts, in the order of the builder.
+    pub fn contacts(&self) -> impl Iterator<Item = &ContactSummary> {
+        self.others().filter_map(|force| force.contact())
     }
 
     /// Rate of the drag \[1/time\].

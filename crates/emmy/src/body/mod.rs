@@ -23,6 +23,7 @@ mod team;
 
 pub use crate::contact::{LayerLaw, Obstacle};
 pub use crate::element::{Formulation, PressureSpace};
+pub use crate::force::ContactSummary;
 pub use crate::input::{
     Contact, Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,
     JointKind, JointSpring, Load, LoadKind, PointMass, PointTerms, Region, RigidBody, Rotation, SpreadMass,

@@ -30,11 +30,45 @@ const PART_OF_GAP: f64 = 0.5;
 /// Part of the gap that a correction may leave.
 const LEFT: f64 = 0.2;
 
+/// A contact of a body.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::body::{Contact, Obstacle};
+/// let floor = Obstacle::Plane { point: [0.0, 0.0, -0.1], normal: [0.0, 0.0, 1.0] };
+/// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?)
+///     .region(Region::new(NeoHooke::from_engineering(1000.0, 0.3)?, 1.0))
+///     .contact(Contact::with_obstacle("z-min", floor))
+///     .build()?;
+/// let contact = body.contacts().next().unwrap();
+/// assert_eq!((contact.name.as_str(), contact.n_facets, contact.n_points), ("contact-1", 4, 16));
+/// assert!((contact.area - 1.0).abs() < 1e-15 && (contact.stiffness - 1000.0).abs() < 1e-9);
+/// assert!((contact.smallest_gap - 0.1).abs() < 1e-15 && (contact.distance - 0.05).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSummary {
+    /// Name of its forces.
+    pub name: String,
+    /// Number of facets of its surface.
+    pub n_facets: usize,
+    /// Number of quadrature points on them.
+    pub n_points: usize,
+    /// Reference area of the surface \[length^2\].
+    pub area: f64,
+    /// Modulus of the layer \[force/length^2\].
+    pub stiffness: f64,
+    /// Thickness of the layer \[length\].
+    pub distance: f64,
+    /// Smallest gap between a node and the obstacle in the reference configuration \[length\].
+    pub smallest_gap: f64,
+}
+
 /// A layer on a surface that stores energy where an obstacle is near: at the quadrature points of its facets, and in a
 /// thinner layer at its nodes, the guards.
 #[derive(Debug)]
 struct ObstacleContact {
-    name: String,
+    summary: ContactSummary,
     points: ObstacleLayer,
     guards: ObstacleLayer,
     tables: Vec<FacetTable>,
@@ -87,7 +121,16 @@ impl ForceSource for Contact {
             layer: Layer { modulus, thickness, law: self.law },
         };
         let (points, guards) = (layer(thickness), layer(GUARD * thickness));
-        Ok(Arc::new(ObstacleContact { name, points, guards, tables, areas, nodes, positions }))
+        let summary = ContactSummary {
+            name,
+            n_facets: facets.len(),
+            n_points: areas.iter().map(Vec::len).sum(),
+            area: areas.iter().flatten().sum(),
+            stiffness: modulus,
+            distance: thickness,
+            smallest_gap: gap,
+        };
+        Ok(Arc::new(ObstacleContact { summary, points, guards, tables, areas, nodes, positions }))
     }
 }
 
@@ -212,7 +255,7 @@ impl ObstacleContact {
         let mut visit = |to: [f64; 3]| {
             let passes = obstacle.gap(to) <= 0.0 || obstacle.is_passed(from, to);
             from = to;
-            if passes { Err(Error::Passed { contact: self.name.clone(), at: to }) } else { Ok(()) }
+            if passes { Err(Error::Passed { contact: self.summary.name.clone(), at: to }) } else { Ok(()) }
         };
         match rule {
             ContactRule::Conserving => (0..path.rates.len()).try_for_each(|i| visit(path.stage(i)))?,
@@ -472,6 +515,10 @@ impl Force for ObstacleContact {
         let mut acts = false;
         let input = (step, memory.of(), Request::Stress);
         self.for_each_point(input, |_| true, &mut |_, _| acts = true).is_err() || acts
+    }
+
+    fn contact(&self) -> Option<&ContactSummary> {
+        Some(&self.summary)
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

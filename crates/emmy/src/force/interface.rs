@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
+use super::contact::ContactSummary;
 use super::integral::Scratch;
 use super::pressures::PressureCells;
 use super::signal::Signal;
@@ -177,6 +178,11 @@ pub trait Force: fmt::Debug + Send + Sync {
 
     /// Its interface as a load; `None` for a force that does not depend on time.
     fn over_time(&self) -> Option<&dyn OverTime> {
+        None
+    }
+
+    /// The contact that exerts it; `None` for other forces.
+    fn contact(&self) -> Option<&ContactSummary> {
         None
     }
 

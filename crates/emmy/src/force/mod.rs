@@ -26,6 +26,7 @@ pub(crate) mod step;
 mod strain_state;
 mod surface_pressure;
 
+pub use contact::ContactSummary;
 pub(crate) use drag::Drag;
 pub(crate) use integral::Scratch;
 pub(crate) use interface::{Book, Force, ForceMemory, OverTime, Side};
