@@ -4,6 +4,18 @@
 //! layer has an energy per area that is zero from a distance on and infinite at distance zero, so nothing passes through
 //! it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
+mod closest;
 mod layer;
+mod links;
+mod pair;
+mod path;
+mod step;
+#[cfg(test)]
+mod tests;
 
+pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
 pub use layer::{Layer, LayerLaw};
+pub use links::PairState;
+pub use pair::Pair;
+pub use path::paths_meet;
+pub use step::PairStage;
