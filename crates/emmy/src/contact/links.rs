@@ -52,7 +52,7 @@ pub(super) struct Links {
     /// `phi_1 - phi_2`, or zero where both are equal and s is 1/2.
     width: f64,
     /// `z_2 - z_1` \[length^2\].
-    pub change: f64,
+    pub(super) change: f64,
 }
 
 /// Where phi_1 and phi_2 differ by less, relative to `z_1 + z_2`, s is 1/2, its limit for short steps.
@@ -60,7 +60,7 @@ const EQUAL: f64 = 1e-11;
 
 impl Links {
     /// The links of a step with a displacement, which has more digits than the difference of the positions.
-    pub fn new(start: &PairState, end: &PairState, displacement: &PairVectors) -> Links {
+    pub(super) fn new(start: &PairState, end: &PairState, displacement: &PairVectors) -> Links {
         let (first, second) = (start.closest.weights, end.closest.weights);
         let change = |weights: &[f64; 4]| {
             let (r_1, r_2) = (combination(weights, &start.positions), combination(weights, &end.positions));
@@ -83,14 +83,19 @@ impl Links {
     }
 
     /// `(1-s) ell_1 r_1 + s ell_2 r_2` at positions: half the gradient of the two squares.
-    pub fn spread(&self, q: &PairVectors) -> PairVectors {
+    pub(super) fn spread(&self, q: &PairVectors) -> PairVectors {
         let (r_1, r_2) = (combination(&self.first, q), combination(&self.second, q));
         let s = self.share;
         pair_vectors(|a, i| (1.0 - s) * self.first[a] * r_1[i] + s * self.second[a] * r_2[i])
     }
 
     /// The derivative of s by the positions at the end, with the active face there.
-    pub fn share_derivative(&self, start: &PairState, end: &PairState, face: &ActiveFace) -> PairVectors {
+    pub(super) fn share_derivative(
+        &self,
+        start: &PairState,
+        end: &PairState,
+        face: &ActiveFace,
+    ) -> PairVectors {
         if self.width == 0.0 {
             return PairVectors::default();
         }
@@ -108,7 +113,7 @@ impl Links {
 
     /// Adds the derivative of [`Links::spread`] at q: `of_point` by q, `of_end` by the positions at the end, where the
     /// active face is `face`.
-    pub fn add_derivative(
+    pub(super) fn add_derivative(
         &self,
         q: &PairVectors,
         (of_point, of_end): (f64, f64),

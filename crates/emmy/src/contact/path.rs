@@ -12,19 +12,20 @@ const ROUNDING: f64 = 1e-14;
 /// The most intervals that are looked at.
 const MAX_INTERVALS: usize = 10_000;
 
-/// Whether the opponents of a pair meet while all entities go straight from the start to the end of a step.
+/// Whether the two sides of a pair meet while all entities go straight from the start to the end of a step.
 ///
-/// Where they meet, the distance is zero, and with it the volume of the four entities, a cubic polynomial in time. An
-/// interval of time without a hit is one in which the coefficients of this polynomial in Bernstein's basis have one
-/// sign, or whose middle has a larger distance than the relative motion in half of the interval. Others are halved, until
-/// a middle has a distance of at most 1e-9 times the extent of the paths: a hit.
+/// Where they meet, their distance is zero, and with it the volume of the four entities, a cubic polynomial in time. A
+/// part of the step has no hit if the Bernstein coefficients of this polynomial have one sign, or if the distance in its
+/// middle is larger than the relative motion up to its ends. Other parts are halved, until a distance is at most 1e-9
+/// times the extent of the paths: a hit.
 ///
-/// So a hit is never missed, and a distance that stays above this tolerance is never one, except that paths count as a
-/// hit which are undecided after 10,000 intervals: those of coplanar entities or parallel edges that slide along each
-/// other by more than about a thousand times their distance.
+/// So no hit is missed, and paths that stay farther apart than this tolerance are no hit, with one exception: what is
+/// undecided after 10,000 parts counts as a hit. Only coplanar entities and parallel edges have volumes without a sign,
+/// and they have to slide along each other by a thousand times their distance. Positions that are not finite count as a
+/// hit, unless the boxes of both paths have no common point.
 ///
-/// For a point and an edge, an area in the x-y plane replaces the volume, as they can only meet there in a plane body; for
-/// a point and a vertex, distances decide.
+/// A point and an edge are those of a plane body: an area in the x-y plane replaces the volume. In space, and for two
+/// points, the answer is right too, but takes as many parts as for coplanar entities.
 ///
 /// ```
 /// use emmy::internals::contact::{PairKind, paths_meet};
@@ -195,6 +196,24 @@ mod tests {
         assert!(meet(PairKind::EdgeEdge, &edges(0.1, 0.5), &edges(-0.1, 0.5)));
         assert!(!meet(PairKind::EdgeEdge, &edges(0.1, 1.5), &edges(-0.1, 1.2)));
         assert!(!meet(PairKind::EdgeEdge, &edges(0.01, -2.0), &edges(0.01, 2.0)));
+    }
+
+    /// Volumes in an oblique plane are rounding, which does not rule hits out.
+    #[test]
+    fn points_meet_triangles_in_oblique_planes() {
+        let mut random = Random(10);
+        for _ in 0..200 {
+            let [origin, u, v, shift] = random.vectors(PairKind::PointTriangle, 1.0);
+            let at = |s: f64, t: f64| [0, 1, 2].map(|i| origin[i] + s * u[i] + t * v[i]);
+            let (s, t) = (3.0 * random.number(), 3.0 * random.number());
+            // Halfway, the point is the centroid.
+            let third = 1.0 / 3.0;
+            let at_time = |sign: f64| {
+                let x = [at(third + sign * s, third + sign * t), at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
+                x.map(|x| [0, 1, 2].map(|i| x[i] + sign * shift[i]))
+            };
+            assert!(meet(PairKind::PointTriangle, &at_time(-1.0), &at_time(1.0)));
+        }
     }
 
     #[test]

@@ -95,6 +95,10 @@ impl Pair {
     ) {
         let (a, b, k) = (rule.coefficients(), rule.weights(), rates.len());
         let step = self.step(rule, start, rates, stages);
+        if step.quotient == 0.0 && stages.iter().all(|stage| stage.slope == 0.0) {
+            tangents.fill(PairTangent::default());
+            return;
+        }
         if k > 1 {
             self.differentiate(stages, rates);
         }
@@ -138,7 +142,7 @@ impl Pair {
         let mut step = Step { end, links, quotient, norm: 0.0, correction: 0.0 };
         if k == 1 {
             stages[0].state.positions = moved(&sum(a));
-            stages[0].spread = PairVectors::default();
+            (stages[0].spread, stages[0].slope) = Default::default();
             return step;
         }
         let extent = largest(&start.positions).max(largest(&end.positions));

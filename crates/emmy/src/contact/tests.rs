@@ -17,7 +17,7 @@ pub(super) const KINDS: [PairKind; 4] =
 pub(super) struct Random(pub u64);
 
 impl Random {
-    pub fn number(&mut self) -> f64 {
+    pub(super) fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -25,7 +25,7 @@ impl Random {
     }
 
     /// Vectors of the entities of a pair.
-    pub fn vectors(&mut self, kind: PairKind, size: f64) -> PairVectors {
+    pub(super) fn vectors(&mut self, kind: PairKind, size: f64) -> PairVectors {
         let mut vectors = PairVectors::default();
         let all = vectors[..kind.n_entities()].as_flattened_mut();
         all.iter_mut().for_each(|component| *component = size * self.number());
@@ -197,7 +197,8 @@ fn forces_of_sliding_pairs_are_gradients() {
         step.rates = (0..k).map(|_| rate(&mut random)).collect();
         let (forces, end) = step.forces();
         let states: Vec<PairState> = (0..k).map(|i| PairState::new(kind, step.positions(i))).collect();
-        if !is_smooth(&states, &states) || !is_smooth(&[step.start, end], &[]) || end.closest.dimension < 2 {
+        let all: Vec<PairState> = [step.start, end].into_iter().chain(states.clone()).collect();
+        if !is_smooth(&all, &[]) || all.iter().any(|state| state.closest.dimension < 2) {
             continue;
         }
         n += 1;

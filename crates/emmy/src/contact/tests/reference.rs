@@ -3,20 +3,20 @@
 use super::super::closest::{PairKind, PairVectors};
 
 /// A step of a pair of weight one; kappa = 100, d = 0.5, the smooth law.
-pub struct Case {
-    pub kind: PairKind,
+pub(super) struct Case {
+    pub(super) kind: PairKind,
     /// Positions at the start.
-    pub start: PairVectors,
+    pub(super) start: PairVectors,
     /// Rates at the Gauss points of degree 1 or 2.
-    pub rates: &'static [PairVectors],
+    pub(super) rates: &'static [PairVectors],
     /// Stage forces.
-    pub forces: &'static [PairVectors],
+    pub(super) forces: &'static [PairVectors],
     /// Energies at the start and at the end.
-    pub energies: [f64; 2],
+    pub(super) energies: [f64; 2],
 }
 
 #[rustfmt::skip]
-pub const CASES: &[Case] = &[
+pub(super) const CASES: &[Case] = &[
     Case {
         kind: PairKind::PointTriangle,
         start: [[0.363004, 0.84551, 0.03343], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.2, 1.0, 0.0]],
