@@ -14,15 +14,15 @@ const MAX_INTERVALS: usize = 10_000;
 
 /// Whether the two sides of a pair meet while all entities go straight from the start to the end of a step.
 ///
-/// Where they meet, their distance is zero, and with it the volume of the four entities, a cubic polynomial in time. A
-/// part of the step has no hit if the Bernstein coefficients of this polynomial have one sign, or if the distance in its
-/// middle is larger than the relative motion up to its ends. Other parts are halved, until a distance is at most 1e-9
-/// times the extent of the paths: a hit.
+/// Where they meet, their distance is zero, and with it the volume of the four entities, a cubic polynomial in time.
+/// A part of the step has no hit if the Bernstein coefficients of this polynomial have one sign, or if the distance in
+/// its middle is larger than the relative motion up to its ends. Other parts are halved, until a distance is at most
+/// 1e-9 times the extent of the paths: a hit.
 ///
 /// So no hit is missed, and paths that stay farther apart than this tolerance are no hit, with one exception: what is
 /// undecided after 10,000 parts counts as a hit. Only coplanar entities and parallel edges have volumes without a sign,
-/// and they have to slide along each other by a thousand times their distance. Positions that are not finite count as a
-/// hit, unless the boxes of both paths have no common point.
+/// and they have to slide along each other by a thousand times their distance. Positions that are not finite count as
+/// a hit, unless the boxes of both paths have no common point.
 ///
 /// A point and an edge are those of a plane body: an area in the x-y plane replaces the volume. In space, and for two
 /// points, the answer is right too, but takes as many parts as for coplanar entities.

@@ -9,6 +9,8 @@ use crate::average::Rule;
 use crate::tensor::dot3;
 
 /// Memory of a pair for one Gauss point of a step.
+///
+/// One memory serves all pairs in turn.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PairStage {
     state: PairState,
@@ -45,11 +47,10 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 impl Pair {
     /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
     ///
-    /// Of the rule, the coefficients and weights of its time element count: the positions are `q_1 + sum_j a_ij x_j` at
-    /// the Gauss points and `q_1 + sum_j b_j x_j` at the end. The forces do the work
-    /// `sum_i b_i f_i . x_i = w (psi_2 - psi_1)` and have neither resultant nor moment, for any step and any path of the
-    /// closest point. For k = 1 they are those of two links, with the closest weights ell_1 of the start and ell_2 of the
-    /// end, at the mid-point:
+    /// The coefficients and weights of the rule's time element give the positions: `q_1 + sum_j a_ij x_j` at the Gauss
+    /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)` and
+    /// have neither resultant nor moment, for any step and any path of the closest point. For k = 1 they are those of
+    /// two links, with the closest weights ell_1 of the start and ell_2 of the end, at the mid-point:
     ///
     /// ```math
     /// f = 2 w G [(1-s) ell_1 r_1 + s ell_2 r_2],    G = (psi_2 - psi_1)/(z_2 - z_1),
