@@ -56,7 +56,7 @@ impl PairKind {
 ///
 /// ```
 /// use emmy::internals::contact::{Closest, PairKind};
-/// let x = [[0.2, 0.3, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let x = [[0.25, 0.25, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let closest = Closest::new(PairKind::PointTriangle, &x);
 /// assert_eq!((closest.link, closest.squared_distance, closest.dimension), ([0.0, 0.0, 0.5], 0.25, 2));
 /// ```
@@ -238,11 +238,6 @@ pub(super) fn spread(weights: &[f64; 4], v: [f64; 3]) -> PairVectors {
     pair_vectors(|a, i| weights[a] * v[i])
 }
 
-/// `sum_a left_a . right_a`.
-pub(super) fn product(left: &PairVectors, right: &PairVectors) -> f64 {
-    (0..4).map(|a| dot3(left[a], right[a])).sum()
-}
-
 /// `factor v_a`.
 pub(super) fn scaled(factor: f64, v: &PairVectors) -> PairVectors {
     v.map(|vector| vector.map(|component| factor * component))
@@ -280,7 +275,7 @@ pub(super) fn add_weights(tangent: &mut PairTangent, scale: f64, weights: &[f64;
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{KINDS, Random};
+    use super::super::tests::{KINDS, Random, product};
     use super::*;
 
     /// Weights of the corners of the admissible set.

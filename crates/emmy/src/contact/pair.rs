@@ -18,7 +18,8 @@ use super::links::PairState;
 /// x[1][0] = 0.25;
 /// let state = PairState::new(pair.kind, x);
 /// assert!((pair.energy(&state) - 2.0 * 6.25 * 0.5625 / 0.25).abs() < 1e-13);
-/// assert!((pair.gradient(&state)[0][0] - 2.0 * 6.25 * 0.9375 / 0.0625 * 2.0 / 0.5).abs() < 1e-11);
+/// // dy/dx = 2 * 0.25/0.5^2
+/// assert!((pair.gradient(&state)[0][0] - 2.0 * 6.25 * 0.9375 / 0.0625 * 2.0).abs() < 1e-11);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {

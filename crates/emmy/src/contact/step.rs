@@ -48,9 +48,9 @@ impl Pair {
     /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
     ///
     /// The coefficients and weights of the rule's time element give the positions: `q_1 + sum_j a_ij x_j` at the Gauss
-    /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)` and
-    /// have neither resultant nor moment, for any step and any path of the closest point. For k = 1 they are those of
-    /// two links, with the closest weights ell_1 of the start and ell_2 of the end, at the mid-point:
+    /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)`
+    /// and have neither resultant nor moment, for any step and any path of the closest point. For k = 1 they are those
+    /// of two links, with the closest weights ell_1 of the start and ell_2 of the end, at the mid-point:
     ///
     /// ```math
     /// f = 2 w G [(1-s) ell_1 r_1 + s ell_2 r_2],    G = (psi_2 - psi_1)/(z_2 - z_1),

@@ -2,7 +2,7 @@
 
 mod reference;
 
-use super::closest::{PairKind, PairTangent, PairVectors, pair_vectors, product};
+use super::closest::{PairKind, PairTangent, PairVectors, pair_vectors};
 use super::layer::{Layer, LayerLaw};
 use super::links::PairState;
 use super::pair::Pair;
@@ -12,6 +12,11 @@ use crate::tensor::{cross, dot3};
 
 pub(super) const KINDS: [PairKind; 4] =
     [PairKind::PointTriangle, PairKind::PointEdge, PairKind::PointVertex, PairKind::EdgeEdge];
+
+/// `sum_a left_a . right_a`.
+pub(super) fn product(left: &PairVectors, right: &PairVectors) -> f64 {
+    (0..4).map(|a| dot3(left[a], right[a])).sum()
+}
 
 /// Numbers between -1 and 1 (SplitMix64).
 pub(super) struct Random(pub u64);
