@@ -1,11 +1,23 @@
 //! Contact: thin layers on surfaces that store energy where something comes near.
 //!
 //! A contact point is a fixed combination of the nodes of a facet, with an area in the reference configuration. Its
-//! layer has an energy per area that is zero from a distance on and infinite at distance zero, so nothing passes through
-//! it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
+//! layer has an energy per area that is zero from a distance on and infinite at distance zero, so nothing passes
+//! through it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
+mod closest;
 mod layer;
+mod links;
 mod obstacle;
+mod pair;
+mod path;
+mod step;
+#[cfg(test)]
+mod tests;
 
+pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
 pub use layer::{Layer, LayerLaw};
+pub use links::PairState;
 pub use obstacle::{Obstacle, ObstacleLayer, Path};
+pub use pair::Pair;
+pub use path::paths_meet;
+pub use step::PairStage;

@@ -261,7 +261,7 @@ impl ObstacleLayer {
             }
             return true;
         }
-        self.add_higher_forces(path, (ends, [g_1, g_2], quotient), forces, derivatives);
+        self.add_higher_forces(path, (ends, g_2, quotient), forces, derivatives);
         true
     }
 
@@ -289,7 +289,7 @@ impl ObstacleLayer {
     fn add_higher_forces(
         &self,
         path: &Path<'_>,
-        (ends, [g_1, g_2], quotient): ([[f64; 3]; 2], [f64; 2], f64),
+        (ends, g_2, quotient): ([[f64; 3]; 2], f64, f64),
         forces: &mut [[f64; 3]],
         derivatives: &mut [[[f64; 3]; 3]],
     ) {
@@ -300,17 +300,21 @@ impl ObstacleLayer {
             let [_, slope, stiffness] = self.by_gap(obstacle.gap(q));
             Stage { q, x, n, slope, stiffness, rate: dot3(n, x) }
         };
-        let change = g_2 - g_1;
-        let (mut defect, mut square, mut noise) =
-            (quotient * change, change * change, (quotient * change).abs());
+        // The change of the gap by its rates: a difference of gaps would have the rounding of positions.
+        let mut change = 0.0;
         for (i, b) in path.weights.iter().enumerate() {
-            let Stage { slope, rate, .. } = stage(i);
+            let Stage { q, x, .. } = stage(i);
+            change += b * dot3(obstacle.secant(ends, q).gradient, x);
+        }
+        let (mut defect, mut square, mut noise) = (quotient * change, change * change, 0.0);
+        for (i, b) in path.weights.iter().enumerate() {
+            let Stage { slope, rate, x, .. } = stage(i);
             defect -= b * slope * rate;
             square += b * rate * rate;
-            noise += (b * slope * rate).abs();
+            noise += b * slope.abs().max(quotient.abs()) * norm(x);
         }
-        // The defect of a point at rest is rounding over rounding.
-        let is_noise = defect.abs() <= 4.0 * f64::EPSILON * noise || square == 0.0;
+        // The defect of a point at rest, or that slides along the surface, is rounding over rounding.
+        let is_noise = defect.abs() <= 32.0 * f64::EPSILON * noise || square == 0.0;
         let (defect, square) = if is_noise { (0.0, 1.0) } else { (defect, square) };
         for i in 0..k {
             let Stage { q, n, slope, rate, .. } = stage(i);

@@ -1,0 +1,249 @@
+//! Forces of a pair in a step, and their derivatives by the rates.
+
+use super::closest::{
+    PairTangent, PairVectors, add_product, combination, minus, pair_vectors, scale, scaled,
+};
+use super::links::{Links, PairState};
+use super::pair::Pair;
+use crate::average::Rule;
+use crate::tensor::dot3;
+
+/// Memory of a pair for one Gauss point of a step.
+///
+/// One memory serves all pairs in turn.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PairStage {
+    state: PairState,
+    /// `ell r`, half the gradient of z.
+    spread: PairVectors,
+    /// Rate zeta of z.
+    rate: f64,
+    /// `dpsi/dz`.
+    slope: f64,
+    /// `d^2psi/dz^2`, for tangents.
+    curvature: f64,
+    /// The second derivative of z, for tangents.
+    second: PairTangent,
+    /// Its product with the rates, for tangents.
+    second_rate: PairVectors,
+}
+
+/// What all stages of a step share.
+struct Step {
+    end: PairState,
+    links: Links,
+    /// `G = (psi_2 - psi_1)/(z_2 - z_1)`.
+    quotient: f64,
+    /// N, see [`Pair::forces`].
+    norm: f64,
+    /// `D/N`, or zero where D is rounding.
+    correction: f64,
+}
+
+/// A defect D is rounding below this, relative to products of forces with positions and rates. In random sliding steps,
+/// 8 epsilon left correcting forces of the size of the gradient.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+impl Pair {
+    /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
+    ///
+    /// The coefficients and weights of the rule's time element give the positions: `q_1 + sum_j a_ij x_j` at the Gauss
+    /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)`
+    /// and have neither resultant nor moment, for any step and any path of the closest point. For k = 1 they are those
+    /// of two links, with the closest weights ell_1 of the start and ell_2 of the end, at the mid-point:
+    ///
+    /// ```math
+    /// f = 2 w G [(1-s) ell_1 r_1 + s ell_2 r_2],    G = (psi_2 - psi_1)/(z_2 - z_1),
+    /// z_2 - z_1 = (1-s) phi_1 + s phi_2
+    /// ```
+    ///
+    /// with the changes phi of `|r|^2` at fixed weights. Higher degrees take the gradients at the Gauss points, and
+    /// correct their work by forces along the rates `zeta_i = dz/dalpha` and along the links:
+    ///
+    /// ```math
+    /// f_i = 2 w (psi'(z_i) + D zeta_i/N) ell_i r_i + 2 w D (z_2-z_1)/N [(1-s) ell_1 r_1 + s ell_2 r_2]
+    /// D = psi_2 - psi_1 - sum_i b_i psi'(z_i) zeta_i,    N = sum_i b_i zeta_i^2 + (z_2 - z_1)^2
+    /// ```
+    ///
+    /// No factor of `2 w ell r` exceeds `1 + sqrt(2/b_i)` times the largest of `|G|` and `|psi'(z_i)|`.
+    pub fn forces(
+        &self,
+        rule: &Rule,
+        start: &PairState,
+        rates: &[PairVectors],
+        stages: &mut [PairStage],
+        forces: &mut [PairVectors],
+    ) -> PairState {
+        let step = self.step(rule, start, rates, stages);
+        for (stage, force) in stages.iter().zip(forces) {
+            let links = step.links.spread(&stage.state.positions);
+            let (of_gradient, of_links) = step.factors(stage, rates.len());
+            *force = pair_vectors(|a, c| {
+                2.0 * self.weight * (of_gradient * stage.spread[a][c] + of_links * links[a][c])
+            });
+        }
+        step.end
+    }
+
+    /// Derivatives of [`Pair::forces`] by the rates, `df_i/dx_j` as `[i k + j]` \[force/length\]; not symmetric.
+    pub fn tangents(
+        &self,
+        rule: &Rule,
+        start: &PairState,
+        rates: &[PairVectors],
+        stages: &mut [PairStage],
+        tangents: &mut [PairTangent],
+    ) {
+        let (a, b, k) = (rule.coefficients(), rule.weights(), rates.len());
+        let step = self.step(rule, start, rates, stages);
+        if step.quotient == 0.0 && stages.iter().all(|stage| stage.slope == 0.0) {
+            tangents.fill(PairTangent::default());
+            return;
+        }
+        if k > 1 {
+            self.differentiate(stages, rates);
+        }
+        let face = step.end.face();
+        let share = step.links.share_derivative(start, &step.end, &face);
+        for j in 0..k {
+            let (correction, of_links) = self.factor_derivatives(rule, start, &step, stages, j);
+            for (i, stage) in stages.iter().enumerate() {
+                let (tangent, a_ij) = (&mut tangents[i * k + j], a[i * k + j]);
+                *tangent = PairTangent::default();
+                let (of_gradient, factor) = step.factors(stage, k);
+                if k > 1 {
+                    let rate = stage.rate_derivative(a_ij, i == j);
+                    let of_factor = pair_vectors(|a, c| {
+                        let slope = 2.0 * stage.curvature * a_ij * stage.spread[a][c];
+                        slope + step.correction * rate[a][c] + stage.rate * correction[a][c]
+                    });
+                    *tangent = stage.second;
+                    scale(tangent, 0.5 * a_ij * of_gradient);
+                    add_product(tangent, 1.0, &stage.spread, &of_factor);
+                }
+                let q = &stage.state.positions;
+                add_product(tangent, 1.0, &step.links.spread(q), &of_links);
+                step.links.add_derivative(q, (a_ij * factor, b[j] * factor), &face, &share, tangent);
+                scale(tangent, 2.0 * self.weight);
+            }
+        }
+    }
+
+    /// Evaluates the stages and the end.
+    fn step(&self, rule: &Rule, start: &PairState, rates: &[PairVectors], stages: &mut [PairStage]) -> Step {
+        let (a, b, k) = (rule.coefficients(), rule.weights(), rates.len());
+        let sum = |weights: &[f64]| {
+            pair_vectors(|e, c| weights.iter().zip(rates).map(|(weight, rate)| weight * rate[e][c]).sum())
+        };
+        let moved = |u: &PairVectors| pair_vectors(|e, c| start.positions[e][c] + u[e][c]);
+        let displacement = sum(b);
+        let end = PairState::new(self.kind, moved(&displacement));
+        let links = Links::new(start, &end, &displacement);
+        let quotient = self.quotient(start, &end);
+        let mut step = Step { end, links, quotient, norm: 0.0, correction: 0.0 };
+        if k == 1 {
+            stages[0].state.positions = moved(&sum(a));
+            (stages[0].spread, stages[0].slope) = Default::default();
+            return step;
+        }
+        let extent = largest(&start.positions).max(largest(&end.positions));
+        let (mut defect, mut rounding) = (quotient * links.change, 0.0);
+        step.norm = links.change * links.change;
+        for (i, stage) in stages.iter_mut().enumerate() {
+            stage.state = PairState::new(self.kind, moved(&sum(&a[i * k..(i + 1) * k])));
+            let closest = &stage.state.closest;
+            let link_rate = combination(&closest.weights, &rates[i]);
+            stage.spread = closest.spread_link();
+            stage.slope = self.slope(closest);
+            stage.rate = 2.0 * dot3(closest.link, link_rate);
+            defect -= b[i] * stage.slope * stage.rate;
+            step.norm += b[i] * stage.rate * stage.rate;
+            let length = closest.squared_distance.sqrt();
+            let sizes = extent * dot3(link_rate, link_rate).sqrt() + length * largest(&relative(&rates[i]));
+            rounding += ROUNDING * b[i] * quotient.abs().max(stage.slope.abs()) * sizes;
+        }
+        // N of a pair that moves along its surface is small, and D all rounding: forces of any size up to their bound.
+        if defect.abs() > rounding {
+            step.correction = defect / step.norm;
+        }
+        step
+    }
+
+    /// Second derivatives at the stages.
+    fn differentiate(&self, stages: &mut [PairStage], rates: &[PairVectors]) {
+        for (stage, rate) in stages.iter_mut().zip(rates) {
+            let closest = &stage.state.closest;
+            stage.curvature = self.curvature(closest);
+            stage.second = closest.second_derivative(&stage.state.face());
+            let second = &stage.second;
+            stage.second_rate = pair_vectors(|a, i| (0..4).map(|b| dot3(second[a][b][i], rate[b])).sum());
+        }
+    }
+
+    /// Derivatives of `D/N` and of the factor of the links by x_j.
+    fn factor_derivatives(
+        &self,
+        rule: &Rule,
+        start: &PairState,
+        step: &Step,
+        stages: &[PairStage],
+        j: usize,
+    ) -> (PairVectors, PairVectors) {
+        let (a, b, k) = (rule.coefficients(), rule.weights(), stages.len());
+        // dz_2
+        let change = scaled(2.0 * b[j], &step.end.closest.spread_link());
+        if k == 1 {
+            return (PairVectors::default(), scaled(self.quotient_slope(start, &step.end), &change));
+        }
+        if step.correction == 0.0 {
+            return Default::default();
+        }
+        // dD - (D/N) dN
+        let mut defect =
+            scaled(self.slope(&step.end.closest) - 2.0 * step.correction * step.links.change, &change);
+        for (i, stage) in stages.iter().enumerate() {
+            let a_ij = a[i * k + j];
+            let rate = stage.rate_derivative(a_ij, i == j);
+            let of_rate = stage.slope + 2.0 * step.correction * stage.rate;
+            let of_gradient = 2.0 * stage.curvature * a_ij * stage.rate;
+            for e in 0..4 {
+                for c in 0..3 {
+                    defect[e][c] -= b[i] * (of_gradient * stage.spread[e][c] + of_rate * rate[e][c]);
+                }
+            }
+        }
+        let correction = scaled(1.0 / step.norm, &defect);
+        let of_links =
+            pair_vectors(|e, c| step.links.change * correction[e][c] + step.correction * change[e][c]);
+        (correction, of_links)
+    }
+}
+
+impl PairStage {
+    /// Derivative of the rate zeta_i by x_j.
+    fn rate_derivative(&self, a_ij: f64, is_own: bool) -> PairVectors {
+        let own = if is_own { 2.0 } else { 0.0 };
+        pair_vectors(|e, c| own * self.spread[e][c] + a_ij * self.second_rate[e][c])
+    }
+}
+
+impl Step {
+    /// Factors of `2 w ell_i r_i` and of the links in a stage force.
+    fn factors(&self, stage: &PairStage, k: usize) -> (f64, f64) {
+        if k == 1 {
+            (0.0, self.quotient)
+        } else {
+            (stage.slope + self.correction * stage.rate, self.correction * self.links.change)
+        }
+    }
+}
+
+/// Vectors without that of the first entity.
+fn relative(v: &PairVectors) -> PairVectors {
+    v.map(|vector| minus(vector, v[0]))
+}
+
+/// Largest component.
+fn largest(v: &PairVectors) -> f64 {
+    v.as_flattened().iter().fold(0.0, |size: f64, component| size.max(component.abs()))
+}
