@@ -167,6 +167,12 @@ pub struct RunStatistics {
     /// Largest |V| \[energy\].
     #[serde(default)]
     pub largest_strain_energy: f64,
+    /// Largest energy of the layers of contact \[energy\]; `None` without contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_contact_energy: Option<f64>,
+    /// Smallest gap over the thickness of its layer; `None` without contact, or where nothing was near.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest_gap: Option<Extreme>,
     /// Sum of the estimated errors of the steps, relative to the scales of [`super::Adaptivity`]; 0 without adaptive
     /// steps.
     #[serde(default)]
@@ -225,7 +231,16 @@ impl RunStatistics {
     }
 
     fn add_scales(&mut self, body: &Body, record: &Record) {
-        self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
+        let stored = record.strain_energy.abs() + record.contact_energy;
+        self.largest_energy = self.largest_energy.max(record.kinetic_energy + stored);
+        if body.contacts().next().is_some() {
+            let largest = self.largest_contact_energy.unwrap_or(0.0);
+            self.largest_contact_energy = Some(largest.max(record.contact_energy));
+        }
+        let is_smaller = |gap: &f64| self.smallest_gap.is_none_or(|own| *gap < own.value);
+        if let Some(gap) = record.smallest_gap.filter(is_smaller) {
+            self.smallest_gap = Some(Extreme { value: gap, step: record.step });
+        }
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
         self.largest_strain_energy = self.largest_strain_energy.max(record.strain_energy.abs());
         self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));

@@ -131,6 +131,7 @@ impl Report {
         problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
         self.ties(body);
+        self.contacts(body);
         problem.couplings.iter().for_each(|coupling| self.coupling(coupling, body));
         self.mechanism(problem);
         self.damping(body);
@@ -141,6 +142,24 @@ impl Report {
         let nodes = counted(body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()), "node", "nodes");
         let point = self.units.vector(*point, "length");
         self.line("coupling", &format!("{name}: the point {point} follows the mean of {nodes} of `{group}`"));
+    }
+
+    /// Contacts, with their layers and the smallest gap at the start.
+    fn contacts(&mut self, body: &Body) {
+        for contact in body.contacts() {
+            let facets = counted(contact.n_facets, "facet", "facets");
+            let points = counted(contact.n_points, "point", "points");
+            let units = self.units;
+            let area = units.number(contact.area, "length²");
+            let distance = units.number(contact.distance, "length");
+            let stiffness = units.number(contact.stiffness, "stress");
+            let gap = units.number(contact.smallest_gap, "length");
+            self.line(
+                "contact",
+                &format!("{}: {facets}, {points}, area {area}, smallest gap {gap}", contact.name),
+            );
+            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}"));
+        }
     }
 
     /// Ties, with the largest shift of their followers.

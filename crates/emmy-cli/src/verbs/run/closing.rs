@@ -143,6 +143,12 @@ impl Closing<'_> {
         let relative = Some((part(angular_momentum, size), of));
         residual("angular momentum", angular_momentum, "mass·length²/time", relative);
         self.constraints();
+        if let Some(energy) = statistics.largest_contact_energy {
+            let gap = statistics.smallest_gap.map_or("nothing was near".to_string(), |gap| {
+                format!("smallest gap {:.3} of the thickness of the layer (step {})", gap.value, gap.step)
+            });
+            message!(self.host, "contact: {gap}, largest energy {}", units.number(energy, "energy"));
+        }
     }
 
     /// How well the constraints of joints and rigid bodies were kept.

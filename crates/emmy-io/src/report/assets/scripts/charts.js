@@ -37,7 +37,8 @@ function chartsOfRun(run, clock) {
   const specs = [
     ofRun(run, { title: "Energies", unit: inUnit("", unitOf(run, "total_energy")), note: run.loadNote, height: 190, lines: [
       line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
-      line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
+      ...(column("contact_energy") ? [line("V contact", column("contact_energy"), "--c4", [4, 2])] : []),
+      line(column("contact_energy") ? "H, their sum" : "H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
       ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
     ...constraints(run),

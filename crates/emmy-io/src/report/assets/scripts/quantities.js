@@ -2,7 +2,7 @@
 
 // Columns with charts of their own, or without one.
 const STANDARD = new Set(["step", "time", "step_size", "kinetic_energy", "strain_energy", "external_work", "total_energy", "energy_residual",
-  "linear_momentum_residual", "angular_momentum_residual", "newton_iterations", "wall_seconds", "smallest_determinant", "local_error", "limited_by", "dissipated_energy", "degree", "constraint_residual", "hidden_constraint",
+  "linear_momentum_residual", "angular_momentum_residual", "newton_iterations", "wall_seconds", "smallest_determinant", "local_error", "limited_by", "dissipated_energy", "degree", "contact_energy", "smallest_gap", "contact_points", "constraint_residual", "hidden_constraint",
   ...["linear", "angular"].flatMap((kind) => ["x", "y", "z"].map((axis) => `${kind}_momentum_${axis}`))]);
 
 const COMPONENTS = { x: ["--c1", []], y: ["--c2", [6, 3]], z: ["--c0", [2, 3]],
