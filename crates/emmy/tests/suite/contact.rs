@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use emmy::body::{Contact, Obstacle};
+use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
+use emmy::body::{Contact, Formulation, Obstacle};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::MeshBuilder;
 use emmy::motion::NewtonSettings;
@@ -178,4 +179,191 @@ fn a_block_rests_on_a_plane() {
         }
         assert!((motion.reactions()[2].force[1] - gravity).abs() < 1e-8 * gravity);
     }
+}
+
+/// A block thrown at a plane, with a formulation and a scheme.
+fn thrown(region: Region, scheme: Scheme) -> (Body, Scheme, State) {
+    let body = Body::builder(block_above(0.06)).region(region).contact(contact(PLANE).named("floor"));
+    let body = body.build().unwrap();
+    let thrown = InitialVelocity {
+        velocity: [0.3, -2.0, 0.1],
+        angular_velocity: [0.5, 0.0, 3.0],
+        about: [0.5, 0.56, 0.5],
+        ..InitialVelocity::default()
+    };
+    let start = State::initial(&body, 0.0, &[thrown]).unwrap();
+    (body, scheme, start)
+}
+
+/// Flies, hits and flies again; the largest energy of the contact.
+fn largest_contact_energy(motion: &mut Motion<'_>, h: f64, n: usize) -> f64 {
+    (0..n).fold(0.0, |most: f64, _| most.max(motion.step(h).unwrap().contact_energy))
+}
+
+#[test]
+fn time_elements_of_every_degree_keep_all_energy() {
+    let projected = || rubber().with_formulation(Formulation::ProjectedVolume(None));
+    let incompatible = || rubber().with_formulation(Formulation::IncompatibleModes);
+    let cases = (1..=8).map(|k| (rubber(), at(DGM, k), 0.0025 * (k + 1) as f64)).chain([
+        (rubber(), at(assumed_strain(4), 1), 0.005),
+        (projected(), at(DGM, 1), 0.005),
+        (projected(), at(DGM, 2), 0.01),
+        (incompatible(), at(DGM, 1), 0.005),
+        (incompatible(), at(DGM, 3), 0.01),
+    ]);
+    for (region, scheme, h) in cases {
+        let name = format!("{scheme:?} {h}");
+        let (body, scheme, start) = thrown(region, scheme);
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        let energy = motion.record().total_energy;
+        let n = (0.15 / h).ceil() as usize;
+        let largest = largest_contact_energy(&mut motion, h, n);
+        let record = motion.record();
+        assert!(largest > 0.1 && record.linear_momentum[1] > 1.0, "{name}: {largest} {record:?}");
+        assert!(
+            (record.total_energy - energy).abs() < 1e-10 * energy,
+            "{name}: {}",
+            record.total_energy - energy
+        );
+        // The plane exerts no force along itself.
+        assert!(
+            (record.linear_momentum[0] - 0.3).abs() < 1e-12
+                && (record.linear_momentum[2] - 0.1).abs() < 1e-12
+        );
+    }
+}
+
+/// The impulse of the plane in fine steps of the DGM; the others approach it.
+#[test]
+fn other_schemes_rebound_alike() {
+    let rebound = |scheme: Scheme, h: f64| {
+        let (body, scheme, start) = thrown(rubber(), scheme);
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        let largest = largest_contact_energy(&mut motion, h, (0.16 / h).round() as usize);
+        (motion.record().linear_momentum[1], largest, motion.record().clone())
+    };
+    let (exact, largest, _) = rebound(at(DGM, 3), 0.001);
+    for (scheme, h) in [
+        (at(fe(2), 1), 0.0005),
+        (at(fe(4), 2), 0.001),
+        (at(lobatto(4), 3), 0.001),
+        (Scheme::from_name("HHT(0)").unwrap(), 0.0005),
+        (Scheme::from_name("Bathe").unwrap(), 0.0005),
+        (Scheme::CentralDifferences, 0.0002),
+        (at(dgm(0.8), 2), 0.001),
+    ] {
+        let (own, most, record) = rebound(scheme, h);
+        // Of the momentum before.
+        assert!((own - exact).abs() < 0.02 * 2.0, "{scheme:?}: {own} {exact}");
+        // At the ends of steps.
+        assert!((most - largest).abs() < 0.05 * largest, "{scheme:?}: {most} {largest}");
+        assert!(record.linear_momentum_residual < 1e-12, "{scheme:?}");
+    }
+}
+
+/// A dissipative scheme books what it takes.
+#[test]
+fn dissipation_is_booked() {
+    let (body, scheme, start) = thrown(rubber(), at(dgm(0.5), 2));
+    let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+    let energy = motion.record().total_energy;
+    largest_contact_energy(&mut motion, 0.005, 30);
+    let record = motion.record();
+    let sum = record.total_energy + record.dissipated_energy;
+    assert!(record.dissipated_energy > 1e-6 && (sum - energy).abs() < 1e-11 * energy, "{record:?}");
+}
+
+#[test]
+fn a_motion_resumed_in_an_impact_has_the_same_bits() {
+    for scheme in [at(DGM, 1), at(DGM, 2), Scheme::from_name("HHT(0)").unwrap()] {
+        let (body, scheme, start) = thrown(rubber(), scheme);
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        largest_contact_energy(&mut motion, 0.002, 12);
+        assert!(motion.record().contact_energy > 0.0);
+        let snapshot = motion.snapshot();
+        let settings = NewtonSettings::default();
+        let mut resumed = Motion::resumed(&body, scheme, settings, snapshot).unwrap();
+        for _ in 0..20 {
+            assert_eq!(motion.step(0.002).unwrap(), resumed.step(0.002).unwrap());
+        }
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let record = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let obstacle = Obstacle::Sphere { centre: [0.5, -0.6, 0.4], radius: 0.5, inside: false };
+            let body = Body::builder(mesh::block([1.0; 3], [8; 3]).unwrap())
+                .region(rubber())
+                .contact(Contact::of_all_with_obstacle(obstacle))
+                .build()
+                .unwrap();
+            let falls = InitialVelocity { velocity: [0.0, -2.0, 0.0], ..InitialVelocity::default() };
+            let start = State::initial(&body, 0.0, &[falls]).unwrap();
+            let mut motion = Motion::new(&body, at(DGM, 1)).unwrap().from(start).unwrap();
+            assert!(largest_contact_energy(&mut motion, 0.005, 15) > 0.0);
+            motion.record().clone()
+        })
+    };
+    assert_eq!(record(1), record(4));
+}
+
+/// A body inside of a cylinder keeps the angular momentum about its axis.
+#[test]
+fn a_round_wall_exerts_no_moment() {
+    let wall =
+        Obstacle::Cylinder { point: [0.5, 0.0, 0.5], axis: [0.0, 3.0, 0.0], radius: 0.8, inside: true };
+    let body = Body::builder(block_above(0.1)).region(rubber()).contact(contact(wall)).build().unwrap();
+    let thrown = InitialVelocity {
+        velocity: [2.0, 0.5, 0.3],
+        angular_velocity: [0.0, 3.0, 0.0],
+        about: [0.5, 0.6, 0.5],
+        ..InitialVelocity::default()
+    };
+    for k in [1, 2] {
+        let start = State::initial(&body, 0.0, &[thrown.clone()]).unwrap();
+        let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start).unwrap();
+        // About the axis, which leads through (0.5, 0, 0.5).
+        let about_axis = |record: &Record| {
+            let [x, _, z] = record.linear_momentum;
+            record.angular_momentum[1] - (0.5 * x - 0.5 * z)
+        };
+        let before = (about_axis(motion.record()), motion.record().total_energy);
+        assert!(largest_contact_energy(&mut motion, 0.005, 60) > 0.01);
+        let record = motion.record();
+        assert!((about_axis(record) - before.0).abs() < 1e-11, "{}", about_axis(record) - before.0);
+        assert!((record.total_energy - before.1).abs() < 1e-10 * before.1);
+        assert!((record.linear_momentum[1] - 0.5).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn impossible_contacts_have_a_reason() {
+    let reason = |contact: Contact| {
+        let built = Body::builder(block_above(0.1)).region(rubber()).contact(contact).build();
+        built.unwrap_err().to_string()
+    };
+    for (contact, words) in [
+        (contact(PLANE).with_stiffness(-1.0), "its stiffness must be a positive number, not -1"),
+        (contact(PLANE).with_distance(f64::NAN), "its distance must be a positive number, not NaN"),
+        (contact(Obstacle::Plane { point: [0.0; 3], normal: [0.0; 3] }), "has no direction"),
+        (
+            contact(Obstacle::Sphere { centre: [0.0; 3], radius: 0.0, inside: false }),
+            "the radius of its obstacle must be",
+        ),
+        (
+            contact(Obstacle::Sphere { centre: [0.0; 3], radius: 1.0, inside: false }),
+            "is not outside of the obstacle",
+        ),
+        (Contact::with_obstacle("sole", PLANE), "sole"),
+    ] {
+        let own = reason(contact);
+        assert!(own.contains(words), "{own}");
+    }
+    let (body, scheme, start) = thrown(rubber(), at(DGM, 1));
+    let motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+    let error = emmy::adjoint::Trajectory::new(&motion).unwrap_err().to_string();
+    assert!(error.contains("contact is not covered"), "{error}");
 }
