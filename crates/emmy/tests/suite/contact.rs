@@ -253,8 +253,9 @@ fn other_schemes_rebound_alike() {
         (at(dgm(0.8), 2), 0.001),
     ] {
         let (own, most, record) = rebound(scheme, h);
-        // Of the momentum before.
-        assert!((own - exact).abs() < 0.02 * 2.0, "{scheme:?}: {own} {exact}");
+        // Of the momentum before; central differences have another mass.
+        let part = if scheme == Scheme::CentralDifferences { 0.04 } else { 0.02 };
+        assert!((own - exact).abs() < part * 2.0, "{scheme:?}: {own} {exact}");
         // At the ends of steps.
         assert!((most - largest).abs() < 0.05 * largest, "{scheme:?}: {most} {largest}");
         assert!(record.linear_momentum_residual < 1e-12, "{scheme:?}");
