@@ -396,7 +396,7 @@ impl Iteration {
         let mut sizes = [f64::INFINITY; 2];
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
             self.carry(carry, system, step_size);
-            system.equations.drive(self.rates_mut());
+            self.make_admissible(system);
             system.begin_iteration(self.rates());
             if let Ok(sizes) = system.residual(&self.unknowns, &mut self.residual) {
                 *size = sizes.residual;
@@ -405,6 +405,15 @@ impl Iteration {
         if sizes[0] <= sizes[1] {
             self.carry(Carry::Repeated, system, step_size);
         }
+    }
+
+    /// Shortens a starting point beyond the bound of a force, and inserts the given motions.
+    fn make_admissible(&mut self, system: &mut StageSystem<'_>) {
+        let part = system.largest_part_from_rest(self.rates());
+        if part < 1.0 {
+            self.rates_mut().iter_mut().for_each(|x| *x *= SHORTENED * part);
+        }
+        system.equations.drive(self.rates_mut());
     }
 
     /// Predicts the rates by a carry of the last deviation.
@@ -439,11 +448,14 @@ impl Iteration {
             Guess::Velocity => self.set_straight(state, step_size),
             Guess::Rest => self.rates_mut().fill(0.0),
         }
-        system.equations.drive(self.rates_mut());
+        self.make_admissible(system);
         system.begin_iteration(self.rates());
         true
     }
 }
+
+/// Part of a starting point at the bound of a force from which the iteration starts.
+const SHORTENED: f64 = 0.5;
 
 /// Largest number of balances of the energy, and the part of the imbalance that each leaves.
 const BALANCES: usize = 4;

@@ -2,8 +2,8 @@
 
 use allocation_counter::measure;
 use emmy::body::{
-    Body, Field, Formulation, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction,
-    Viscosity,
+    Body, Contact, Field, Formulation, InitialVelocity, Load, LoadKind, Obstacle, Region, Rotation, Support,
+    TimeFunction, Viscosity,
 };
 use emmy::internals::time::LocalError;
 use emmy::material::NeoHooke;
@@ -95,6 +95,37 @@ fn the_next_step_of_a_plan_allocates_nothing() {
             assert_eq!((1..100).map(&mut step).last(), Some(Some(99)));
             let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(Some(119))));
             assert_eq!(counts.count_total, 0, "{scheme}");
+        }
+    });
+}
+
+/// A block that bounces on a plane under its weight.
+#[test]
+fn a_step_with_contact_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let floor = Obstacle::Plane { point: [0.0, -0.02, 0.0], normal: [0.0, 1.0, 0.0] };
+    let mesh = emmy::mesh::block([1.0; 3], [2; 3]).unwrap();
+    let weight = Load::acceleration([0.0, -10.0, 0.0]);
+    let contact = Contact::with_obstacle("y-min", floor);
+    let builder = Body::builder(mesh).region(rubber).contact(contact).load(weight);
+    let body = pool.install(|| builder.build().unwrap());
+    pool.install(|| {
+        for degree in 1..=2 {
+            let state = State::initial(&body, 0.0, &[]).unwrap();
+            // Not the factorisation, which its crate allocates, and which the impacts renew.
+            let settings = NewtonSettings { solver: Solver::Iterative, ..NewtonSettings::default() };
+            let mut motion = Motion::starting(&body, at(DGM, degree), settings, state).unwrap();
+            let mut touched = 0;
+            let mut step = |_: usize| {
+                let record = motion.step(0.005).unwrap();
+                touched += usize::from(record.contact_energy > 0.0);
+                record.step
+            };
+            assert_eq!((1..1000).map(&mut step).last(), Some(999));
+            let counts = measure(|| assert_eq!((1000..1060).map(&mut step).last(), Some(1059)));
+            assert!(touched > 500, "{touched}");
+            assert_eq!(counts.count_total, 0, "degree {degree}");
         }
     });
 }

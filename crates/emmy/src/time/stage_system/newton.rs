@@ -181,6 +181,15 @@ impl StageSystem<'_> {
     }
 }
 
+impl StageSystem<'_> {
+    /// Largest part, up to 1, of some rates that the forces admit.
+    pub(in crate::time) fn largest_part_from_rest(&mut self, rates: &[f64]) -> f64 {
+        let zero = &mut self.negative[..rates.len()];
+        zero.fill(0.0);
+        self.equations.body.largest_part(&self.equations.step_at(zero), &self.equations.assembly, rates)
+    }
+}
+
 fn missed(tolerance: f64) -> Error {
     Error::Linear { reason: format!("conjugate gradients did not reach {tolerance:e}") }
 }
