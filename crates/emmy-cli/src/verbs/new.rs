@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 22] = [
+pub(super) const TEMPLATES: [Template; 23] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -47,6 +47,7 @@ pub(super) const TEMPLATES: [Template; 22] = [
     template!("two-body"),
     template!("comet"),
     template!("struck-block"),
+    template!("bar-on-a-wall"),
     template!("spring-network"),
     template!("driven-beam"),
     template!("balloon"),

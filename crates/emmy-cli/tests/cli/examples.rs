@@ -711,3 +711,30 @@ fn engine_mount() {
         close(row.split(',').nth(2).unwrap().parse().unwrap(), frequency, 0.01);
     }
 }
+
+/// The exact answer of a bar that strikes a wall: it pushes with rho c v A for 2 L/c and rebounds with v.
+#[test]
+fn bar_on_a_wall() {
+    let place = Place::new();
+    let file = format!("{}/../../examples/bar-on-a-wall.toml", env!("CARGO_MANIFEST_DIR"));
+    place.succeed(&["run", &file, "--quiet", "--output", "bar"]);
+    let history = place.history("bar");
+    let (times, forces) = (&history["time"], &history["wall_force_z"]);
+    let (force, duration) = (1270.827, 3.8545e-4);
+    let touches: Vec<f64> = (1..times.len()).filter(|i| forces[*i] > 0.5 * force).map(|i| times[i]).collect();
+    let (first, n) = (touches[0], touches.len() as f64);
+    assert!((first - 5e-4).abs() < 0.03 * duration, "{first}");
+    assert!((n * 1.25e-6 / duration - 1.0).abs() < 0.02, "{n}");
+    let plateau: Vec<f64> =
+        (1..times.len()).filter(|i| (5.5e-4..8.35e-4).contains(&times[*i])).map(|i| forces[i]).collect();
+    let mean = plateau.iter().sum::<f64>() / plateau.len() as f64;
+    assert!((mean / force - 1.0).abs() < 0.01, "{mean}");
+    let rebound = last(&history["linear_momentum_z"]) / (7800.0 * 3.14e-4);
+    assert!((rebound / 0.1 - 1.0).abs() < 0.01, "{rebound}");
+    // The impulse of the wall is the change of the momentum, and no energy is lost.
+    let impulse = forces[1..].iter().sum::<f64>() * 1.25e-6 / (7800.0 * 3.14e-4);
+    assert!((impulse - rebound - 0.1).abs() < 1e-12, "{impulse}");
+    let energy = &history["total_energy"];
+    assert!((last(energy) / energy[0] - 1.0).abs() < 1e-11);
+    assert!(history["smallest_gap"].iter().all(|gap| !(*gap <= 0.0)));
+}

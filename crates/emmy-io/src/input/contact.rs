@@ -56,7 +56,7 @@ static PLANE: Described =
             .must("normal", vector(), "", "Direction out of it, towards the body, of any length")
     });
 
-/// What `inside` says.
+/// The meaning of `inside`.
 const INSIDE: &str = "The body is inside";
 
 static SPHERE: Described = Described::new(|| {

@@ -180,7 +180,8 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`],
     /// [`crate::Error::NotFinite`] for a load, [`crate::Error::PressureInside`], [`crate::Error::Support`],
-    /// [`crate::Error::Tie`], [`crate::Error::Contact`], [`crate::Error::Coupling`], [`crate::Error::Inertia`], [`crate::Error::Rigid`],
+    /// [`crate::Error::Tie`], [`crate::Error::Contact`], [`crate::Error::Coupling`], [`crate::Error::Inertia`],
+    /// [`crate::Error::Rigid`],
     /// [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::Rotation`],
     /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node
     /// without mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not

@@ -8,7 +8,7 @@ pub type PairVectors = [[f64; 3]; 4];
 /// A derivative of pair vectors by pair vectors, `[a][b][i][j]`.
 pub type PairTangent = [[Mat3<f64>; 4]; 4];
 
-/// What a pair consists of. Its *entities* are points in space, in this order.
+/// The kind of a pair. Its *entities* are points in space, in this order.
 ///
 /// ```
 /// use emmy::internals::contact::PairKind;

@@ -233,8 +233,8 @@ impl ObstacleLayer {
     /// D = [psi] - sum_i b_i psi'_i gamma_i,   gamma_i = grad g_i . x_i,   N = sum_i b_i gamma_i^2 + [g]^2
     /// ```
     ///
-    /// with the gaps g_i at the stages, changes `[.]` over the step and the discrete gradient Dg. Returns whether one is
-    /// not zero. `derivatives`: those of f_i by x_j, `[i k + j]`; empty if they are not wanted.
+    /// with the gaps g_i at the stages, changes `[.]` over the step and the discrete gradient Dg. Returns whether one
+    /// is not zero. `derivatives`: those of f_i by x_j, `[i k + j]`; empty if they are not wanted.
     pub fn conserving_forces(
         &self,
         path: &Path<'_>,

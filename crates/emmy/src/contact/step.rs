@@ -28,7 +28,7 @@ pub struct PairStage {
     second_rate: PairVectors,
 }
 
-/// What all stages of a step share.
+/// Numbers that all stages of a step share.
 struct Step {
     end: PairState,
     links: Links,

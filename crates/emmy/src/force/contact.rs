@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::contact_summary::ContactSummary;
 use super::facets::{FacetOfTable, FacetTable};
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, Side};
@@ -29,40 +30,6 @@ const PART_OF_GAP: f64 = 0.5;
 
 /// Part of the gap that a correction may leave.
 const LEFT: f64 = 0.2;
-
-/// A contact of a body.
-///
-/// ```
-/// use emmy::prelude::*;
-/// use emmy::body::{Contact, Obstacle};
-/// let floor = Obstacle::Plane { point: [0.0, 0.0, -0.1], normal: [0.0, 0.0, 1.0] };
-/// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?)
-///     .region(Region::new(NeoHooke::from_engineering(1000.0, 0.3)?, 1.0))
-///     .contact(Contact::with_obstacle("z-min", floor))
-///     .build()?;
-/// let contact = body.contacts().next().unwrap();
-/// assert_eq!((contact.name.as_str(), contact.n_facets, contact.n_points), ("contact-1", 4, 16));
-/// assert!((contact.area - 1.0).abs() < 1e-15 && (contact.stiffness - 1000.0).abs() < 1e-9);
-/// assert!((contact.smallest_gap - 0.1).abs() < 1e-15 && (contact.distance - 0.05).abs() < 1e-15);
-/// # Ok::<(), emmy::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactSummary {
-    /// Name of its forces.
-    pub name: String,
-    /// Number of facets of its surface.
-    pub n_facets: usize,
-    /// Number of quadrature points on them.
-    pub n_points: usize,
-    /// Reference area of the surface \[length^2\].
-    pub area: f64,
-    /// Modulus of the layer \[force/length^2\].
-    pub stiffness: f64,
-    /// Thickness of the layer \[length\].
-    pub distance: f64,
-    /// Smallest gap between a node and the obstacle in the reference configuration \[length\].
-    pub smallest_gap: f64,
-}
 
 /// A layer on a surface that stores energy where an obstacle is near: at the quadrature points of its facets, and in a
 /// thinner layer at its nodes, the guards.
@@ -180,7 +147,8 @@ fn smallest_modulus(facets: &[Facet], site: &Site<'_>) -> Option<f64> {
     moduli.reduce(f64::min)
 }
 
-/// Nodes of some facets, each with an equal part of the area of its facets and its place on the diagonal of the pattern.
+/// Nodes of some facets, each with an equal part of the area of its facets and its place on the diagonal of the
+/// pattern.
 fn nodes_with_areas(tables: &[FacetTable], areas: &[Vec<f64>], site: &Site<'_>) -> Vec<(u32, f64, u32)> {
     let mut all: Vec<(u32, f64)> = Vec::new();
     for (table, areas) in tables.iter().zip(areas) {

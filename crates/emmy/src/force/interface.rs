@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-use super::contact::ContactSummary;
+use super::contact_summary::ContactSummary;
 use super::integral::Scratch;
 use super::pressures::PressureCells;
 use super::signal::Signal;

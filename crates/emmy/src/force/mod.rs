@@ -7,6 +7,7 @@ mod batches;
 pub(crate) mod cells;
 mod centrifugal;
 mod contact;
+mod contact_summary;
 pub(crate) mod dead;
 mod drag;
 mod facets;
@@ -26,7 +27,7 @@ pub(crate) mod step;
 mod strain_state;
 mod surface_pressure;
 
-pub use contact::ContactSummary;
+pub use contact_summary::ContactSummary;
 pub(crate) use drag::Drag;
 pub(crate) use integral::Scratch;
 pub(crate) use interface::{Book, Force, ForceMemory, OverTime, Side};

@@ -34,7 +34,7 @@ const ORDER: [&str; 26] = [
 ];
 
 /// The same for the files and folders inside a module.
-const INSIDE: [(&str, &[&str]); 9] = [
+const INSIDE: [(&str, &[&str]); 10] = [
     (
         "sparse",
         &[
@@ -88,6 +88,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "support",
             "tie",
             "coupling",
+            "contact",
             "models",
         ],
     ),
@@ -105,11 +106,13 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "reactions",
         ],
     ),
+    ("contact", &["layer", "obstacle", "closest", "links", "pair", "step", "path"]),
     ("mass", &["regions", "points", "spread"]),
     (
         "force",
         &[
             "strain_state",
+            "contact_summary",
             "batches",
             "projection",
             "facets",
@@ -128,6 +131,7 @@ const INSIDE: [(&str, &[&str]); 9] = [
             "centrifugal",
             "dead",
             "surface_pressure",
+            "contact",
             "frame_load",
             "field_load",
             "load",

@@ -371,3 +371,60 @@ fn impossible_contacts_have_a_reason() {
     let error = emmy::adjoint::Trajectory::new(&motion).unwrap_err().to_string();
     assert!(error.contains("contact is not covered"), "{error}");
 }
+
+/// Rigid parts and ties follow other nodes, to which the forces of the layer move.
+#[test]
+fn rigid_parts_and_tied_meshes_bounce_without_loss() {
+    let group = |mesh: Mesh| {
+        let n = mesh.n_nodes() as u32;
+        mesh.with_node_group("block", 0..n).unwrap()
+    };
+    let rigid = Body::builder(group(block_above(0.06)))
+        .region(rubber())
+        .rigid(RigidBody::group("stone", "block"))
+        .contact(contact(PLANE));
+    // Two layers of cells that share no nodes.
+    let mut builder = MeshBuilder::new();
+    for (height, n) in [(0.06, 2), (0.56, 3)] {
+        let layer = mesh::block([1.0, 0.5, 1.0], [n, 1, n]).unwrap();
+        let first =
+            layer.points().iter().map(|X| builder.point([X[0], X[1] + height, X[2]])).collect::<Vec<_>>()[0];
+        for cell in layer.cells() {
+            let nodes: Vec<u32> = cell.nodes.iter().map(|node| first + node).collect();
+            builder.cell(cell.kind, &nodes).unwrap();
+        }
+    }
+    builder.cell_group("below", 0..4);
+    let mesh = builder.build().unwrap();
+    let faces = |mesh: &Mesh, from: usize, to: usize| -> Vec<u32> {
+        (from..to)
+            .filter(|node| (mesh.points()[*node][1] - 0.56).abs() < 1e-12)
+            .map(|node| node as u32)
+            .collect()
+    };
+    let upper = faces(&mesh, 18, 50);
+    let mesh = mesh.with_node_group("upper", upper).unwrap();
+    let tied = Body::builder(mesh).region(rubber()).tie(Tie::nodes("upper", "below"));
+    let tied = tied.contact(contact(PLANE));
+    for (what, builder) in [("rigid", rigid), ("tied", tied)] {
+        let body = match builder.build() {
+            Ok(body) => body,
+            Err(error) => panic!("{what}: {error}"),
+        };
+        let falls = InitialVelocity { velocity: [0.2, -1.0, 0.1], ..InitialVelocity::default() };
+        for k in [1, 2] {
+            let start = State::initial(&body, 0.0, &[falls.clone()]).unwrap();
+            let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start).unwrap();
+            let energy = motion.record().total_energy;
+            let largest = largest_contact_energy(&mut motion, 0.004, 60);
+            let record = motion.record();
+            assert!(largest > 0.05 && record.linear_momentum[1] > 0.5, "{what}: {largest} {record:?}");
+            assert!((record.total_energy - energy).abs() < 1e-10 * energy, "{what}");
+            assert!((record.linear_momentum[0] - 0.2).abs() < 1e-11, "{what}");
+            if what == "rigid" {
+                // Nothing takes up energy: it leaves with the velocity that it had.
+                assert!((record.linear_momentum[1] - 1.0).abs() < 1e-9, "{}", record.linear_momentum[1]);
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The summary of a contact.
+
+/// A contact of a body.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::body::{Contact, Obstacle};
+/// let floor = Obstacle::Plane { point: [0.0, 0.0, -0.1], normal: [0.0, 0.0, 1.0] };
+/// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?)
+///     .region(Region::new(NeoHooke::from_engineering(1000.0, 0.3)?, 1.0))
+///     .contact(Contact::with_obstacle("z-min", floor))
+///     .build()?;
+/// let contact = body.contacts().next().unwrap();
+/// assert_eq!((contact.name.as_str(), contact.n_facets, contact.n_points), ("contact-1", 4, 16));
+/// assert!((contact.area - 1.0).abs() < 1e-15 && (contact.stiffness - 1000.0).abs() < 1e-9);
+/// assert!((contact.smallest_gap - 0.1).abs() < 1e-15 && (contact.distance - 0.05).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSummary {
+    /// Name of its forces.
+    pub name: String,
+    /// Number of facets of its surface.
+    pub n_facets: usize,
+    /// Number of quadrature points on them.
+    pub n_points: usize,
+    /// Reference area of the surface \[length^2\].
+    pub area: f64,
+    /// Modulus of the layer \[force/length^2\].
+    pub stiffness: f64,
+    /// Thickness of the layer \[length\].
+    pub distance: f64,
+    /// Smallest gap between a node and the obstacle in the reference configuration \[length\].
+    pub smallest_gap: f64,
+}
