@@ -20,6 +20,7 @@ except ImportError as _error:
 
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body, Mobility, Prescribed
+from ._contact import Contact, Cylinder, Plane, Sphere
 from ._emmy import Step
 from ._errors import (
     ConvergenceError,
@@ -64,13 +65,13 @@ from ._sweep import Sweep, sweep
 __version__ = _emmy.version()
 
 __all__ = [
-    "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
-    "ConvergenceError", "Coupling", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent",
-    "Goal", "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError", "Joint",
-    "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin", "Motion",
-    "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Prescribed", "Problem",
-    "Region", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot", "Spring", "State", "Step", "Support",
-    "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check", "compare", "converge", "elements",
-    "equilibrium", "examples", "fields", "load", "materials", "meshes", "modes", "new", "report", "resume", "run",
-    "schema", "schemes", "set_threads", "solvers", "sweep", "threads",
+    "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Contact", "Convergence",
+    "ConvergenceError", "Coupling", "Cylinder", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames",
+    "Gent", "Goal", "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError",
+    "Joint", "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin",
+    "Motion", "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Plane",
+    "Prescribed", "Problem", "Region", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot", "Sphere",
+    "Spring", "State", "Step", "Support", "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh", "__version__",
+    "check", "compare", "converge", "elements", "equilibrium", "examples", "fields", "load", "materials", "meshes",
+    "modes", "new", "report", "resume", "run", "schema", "schemes", "set_threads", "solvers", "sweep", "threads",
 ]  # fmt: skip

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _emmy
 from . import _words as words
+from ._contact import Contact
 from ._errors import fault, missing, of_whole_input, warn
 from ._joints import Joint
 from ._mesh import Mesh
@@ -83,7 +84,9 @@ class Mobility(NamedTuple):
 
 
 class Body:
-    """A mesh with materials, supports, loads, further masses and ties; rigid bodies and joints. It cannot be changed.
+    """A mesh with materials, supports, loads, further masses, ties and contacts; rigid bodies and joints.
+
+    It cannot be changed.
 
     Arrays of all nodes have those of the mesh first. Then come those of the rigid bodies: the centre of each, and the
     ends of its three axes unless it is a point mass.
@@ -108,6 +111,8 @@ class Body:
         Joints between rigid bodies, nodes and the ground.
     couplings : Coupling or list of Coupling, optional
         Points that move with groups of the mesh.
+    contacts : Contact or list of Contact, optional
+        Surfaces that meet obstacles.
 
     Raises
     ------
@@ -141,6 +146,7 @@ class Body:
         rigid: Rigid | Iterable[Rigid] = (),
         joints: Joint | Iterable[Joint] = (),
         couplings: Coupling | Iterable[Coupling] = (),
+        contacts: Contact | Iterable[Contact] = (),
     ) -> None:
         if mesh is not None and not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
@@ -153,6 +159,7 @@ class Body:
         self._rigid = words.each(rigid, Rigid, "rigid")
         self._joints = words.each(joints, Joint, "joints")
         self._couplings = words.each(couplings, Coupling, "couplings")
+        self._contacts = words.each(contacts, Contact, "contacts")
         if self._mesh.n_cells == 0 and not self._rigid:
             raise fault("mesh", "a body needs a mesh or a rigid body")
         self._try_histories()
@@ -162,6 +169,7 @@ class Body:
             "load": self._loads,
             "mass": self._masses,
             "tie": self._ties,
+            "contact": self._contacts,
             "rigid": self._rigid,
             "coupling": self._couplings,
             "joint": self._joints,
@@ -226,6 +234,11 @@ class Body:
     def couplings(self) -> tuple[Coupling, ...]:
         """Points that move with groups of the mesh."""
         return self._couplings
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Surfaces that meet obstacles."""
+        return self._contacts
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -318,7 +331,7 @@ class Body:
         return sparse(self._native.stiffness(None if u is None else self._nodal(u, "u")))
 
     def internal_force(self, u: ArrayLike) -> NDArray[np.float64]:
-        """Internal forces, with those of springs and attractions to the ground, without loads.
+        """Internal forces, with those of contacts, and of springs and attractions to the ground, without loads.
 
         Parameters
         ----------
@@ -487,11 +500,12 @@ class Body:
         counts = [f"{self.mesh.n_cells} cells"] if self.mesh.n_cells or not self._rigid else []
         counts += [_counted(len(self._rigid), "rigid body", "rigid bodies")] if self._rigid else []
         counts += [_counted(len(self._joints), "joint", "joints")] if self._joints else []
+        counts += [_counted(len(self._contacts), "contact", "contacts")] if self._contacts else []
         return f"<emmy.Body: {', '.join(counts)}, {self.n_dofs} degrees of freedom, {fixed} fixed{of_ties}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = (self._regions, self._supports, self._loads, self._masses, self._ties, self._rigid, self._joints)
-        return Body, (self._mesh, *parts, self._couplings)
+        return Body, (self._mesh, *parts, self._couplings, self._contacts)
 
 
 def _counted(n: int, one: str, many: str) -> str:

@@ -178,6 +178,9 @@ class Step:
     limited_by: str
     dissipated_energy: float
     degree: int
+    contact_energy: float
+    smallest_gap: float
+    contact_points: int
     cuts: int
     rejections: int
     releases: int

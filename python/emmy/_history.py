@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ._errors import fault
 
 #: Columns of whole numbers in the files of a run.
-WHOLE = {"step", "newton_iterations", "degree", "cuts", "iteration", "run", "mode"}
+WHOLE = {"step", "newton_iterations", "degree", "contact_points", "cuts", "iteration", "run", "mode"}
 
 
 class Event(NamedTuple):

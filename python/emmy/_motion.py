@@ -62,7 +62,8 @@ class Motion(MotionView):
     probes : dict, optional
         Nodes whose path goes into the history: points by name, or dicts of ``point`` and ``quantities``.
     reactions, joints, extremes, values : optional
-        Groups of supports, names of joints, fields and means of fields for the history, as in the input.
+        Groups of supports and names of contacts, names of joints, fields and means of fields for the history, as in the
+        input.
     equilibrium : bool, int or dict, optional
         Whether to start from the static equilibrium; or the number of load steps.
     limits : dict, optional

@@ -16,7 +16,7 @@ from ._history import record_array
 from ._results import read_rows
 
 #: Columns of a motion with whole numbers.
-WHOLE = {"step", "newton_iterations", "degree"}
+WHOLE = {"step", "newton_iterations", "degree", "contact_points"}
 
 #: The results of a run, and the message if it failed.
 Row = tuple[dict[str, Any], str | None]

@@ -24,10 +24,10 @@ from ._motion import Motion
 from ._results import read_table, stamp
 from ._run import StrPath, call, directory_of, flags
 from ._state import Snapshot, State
-from ._tables import couplings, joints, loads, masses, regions, rigid, supports, ties
+from ._tables import contacts, couplings, joints, loads, masses, regions, rigid, supports, ties
 
 #: Tables of the input that describe the body.
-BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie", "rigid", "joint", "coupling")
+BODY_KEYS = ("mesh", "region", "support", "load", "mass", "tie", "rigid", "joint", "coupling", "contact")
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,6 +312,7 @@ class Problem:
             rigid(tree),
             joints(tree),
             couplings(tree),
+            contacts(tree),
         )
         self._tree = {key: table for key, table in tree.items() if key not in BODY_KEYS}
 

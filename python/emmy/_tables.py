@@ -1,9 +1,10 @@
-"""Regions, supports, loads, masses, ties, rigid bodies, couplings and joints from the tables of an input file."""
+"""Regions, supports, loads, masses, ties, contacts and the parts of mechanisms from the tables of an input file."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from ._contact import OBSTACLES, Contact
 from ._joints import KINDS, Joint
 from ._materials import Material
 from ._parts import Coupling, Load, Mass, Region, Rigid, Support, Tie, Viscosity
@@ -41,6 +42,11 @@ def ties(tree: dict[str, Any]) -> tuple[Tie, ...]:
     return tuple(Tie(**table) for table in _tables(tree, "tie"))
 
 
+def contacts(tree: dict[str, Any]) -> tuple[Contact, ...]:
+    """The contacts of an input."""
+    return tuple(map(_contact, _tables(tree, "contact")))
+
+
 def rigid(tree: dict[str, Any]) -> tuple[Rigid, ...]:
     """The rigid bodies of an input."""
     return tuple(Rigid(**table) for table in _tables(tree, "rigid"))
@@ -54,6 +60,12 @@ def couplings(tree: dict[str, Any]) -> tuple[Coupling, ...]:
 def joints(tree: dict[str, Any]) -> tuple[Joint, ...]:
     """The joints of an input."""
     return tuple(map(_joint, _tables(tree, "joint")))
+
+
+def _contact(table: dict[str, Any]) -> Contact:
+    ((shape, own),) = table["obstacle"].items()
+    (obstacle,) = (kind for kind in OBSTACLES if kind._section == shape)
+    return Contact(**table | {"obstacle": obstacle(**own)})
 
 
 def _joint(table: dict[str, Any]) -> Joint:

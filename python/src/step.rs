@@ -74,7 +74,7 @@ impl Step {
 
 /// Columns of whole numbers.
 pub(crate) fn is_whole(name: &str) -> bool {
-    matches!(name, "step" | "newton_iterations" | "degree")
+    matches!(name, "step" | "newton_iterations" | "degree" | "contact_points")
 }
 
 #[pymethods]
@@ -173,7 +173,10 @@ impl Step {
     }
 
     fn __eq__(&self, other: &Step) -> bool {
-        self.names == other.names && self.row == other.row && self.counts == other.counts
+        // Missing numbers are equal.
+        let is_same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+        let have_rows = self.row.len() == other.row.len() && self.row.iter().zip(&other.row).all(is_same);
+        self.names == other.names && have_rows && self.counts == other.counts
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

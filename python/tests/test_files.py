@@ -75,8 +75,8 @@ def test_inputs_as_objects(path):
     assert len(there) > 1
     assert_equal(problem.motion().run(), there)
     own = problem.body
-    parts = (own.regions, own.supports, own.loads, own.masses, own.ties, own.rigid, own.joints)
-    body = emmy.Body(own.mesh, *parts)
+    parts = (own.regions, own.supports, own.loads, own.masses, own.ties, own.rigid, own.joints, own.couplings)
+    body = emmy.Body(own.mesh, *parts, own.contacts)
     assert_equal(motion(body, tree).run(), there)
 
 
@@ -199,9 +199,11 @@ def test_lists():
 def test_keys_of_tables_are_fields():
     tables = emmy.schema()["properties"]
     tables |= {"viscosity": tables["region"]["properties"]["viscosity"]}
+    tables |= tables["contact"]["properties"]["obstacle"]["properties"]
     tables |= {"adaptive": tables["time"]["properties"]["adaptive"]}
     for own in (
-        emmy.Adaptive, emmy.Initial, emmy.Load, emmy.Mass, emmy.Region, emmy.Rigid, emmy.Support, emmy.Tie, emmy.Viscosity,
+        emmy.Adaptive, emmy.Contact, emmy.Cylinder, emmy.Initial, emmy.Load, emmy.Mass, emmy.Plane, emmy.Region,
+        emmy.Rigid, emmy.Sphere, emmy.Support, emmy.Tie, emmy.Viscosity,
     ):  # fmt: skip
         assert {field.name for field in dataclasses.fields(own)} == set(tables[own._section]["properties"])
 

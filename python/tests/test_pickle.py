@@ -31,6 +31,7 @@ def test_parts():
         load,
         emmy.Mass("y-max", 2.0),
         emmy.Tie("y-max", "y-min"),
+        emmy.Contact("all", emmy.Sphere((0, 0, 0), 2.0, inside=True), stiffness=800, law="linear"),
         emmy.Rigid("hub", mass=5.0, centre=(0, 0, 0), inertia=(1.2, 1.0, 1.5)),
         emmy.Joint.revolute("hinge", between=("hub", "ground"), at=(0, 0, 0), axis=(0, 0, 1), angle="t^2"),
         emmy.Initial(velocity=(1, 2, 3)),

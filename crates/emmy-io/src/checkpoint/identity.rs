@@ -8,13 +8,14 @@ use crate::input::Problem;
 use crate::team::other_than_first;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
-const FIXED: [&str; 11] = [
+const FIXED: [&str; 12] = [
     "mesh",
     "region",
     "mass",
     "load",
     "support",
     "tie",
+    "contact",
     "rigid",
     "coupling",
     "joint",
@@ -276,6 +277,7 @@ mod tests {
             ("[1, 2, 3]", "[1, 2, 4]", "`load.0.traction.2` is 4, but 3"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[support]]\ngroup = 'a'", "`support` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[tie]]\nfollower = 'a'", "`tie` is [{"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[contact]]\nname = 'a'", "`contact` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[rigid]]\nname = 'a'", "`rigid` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[coupling]]\nname = 'a'", "`coupling` is [{"),
             ("[1, 2, 3]", "[1, 2, 3]\n[[joint]]\nname = 'a'", "`joint` is [{"),
@@ -296,7 +298,7 @@ mod tests {
         // A stepper may remember accelerations, which depend on the loads, and none of where a mesh comes from.
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("[1, 2, 3]", "[1, 2, 4]"))));
         assert!(identity(old).has_same_stepper(&identity(&old.replace("/a/m.msh", "/b/n.msh"))));
-        for section in ["tie", "rigid", "coupling", "joint"] {
+        for section in ["tie", "contact", "rigid", "coupling", "joint"] {
             assert!(!identity(old).has_same_stepper(&identity(&format!("{old}[[{section}]]\nname = 'a'\n"))));
         }
         let pushed =

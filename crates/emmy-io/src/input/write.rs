@@ -27,12 +27,13 @@ pub(super) fn toml(root: &Node) -> String {
 }
 
 /// Headers of the sections that describe a body.
-const OF_BODY: [&str; 9] = [
+const OF_BODY: [&str; 10] = [
     "[mesh]",
     "[[region]]",
     "[[mass]]",
     "[[support]]",
     "[[tie]]",
+    "[[contact]]",
     "[[rigid]]",
     "[[coupling]]",
     "[[joint]]",

@@ -1,0 +1,163 @@
+"""Contact of surfaces with obstacles."""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Any, TypeAlias
+
+from ._words import Table, Vector
+
+
+class Plane(Table):
+    """An obstacle at rest that fills a half-space.
+
+    Parameters
+    ----------
+    point : vector
+        A point of its surface.
+    normal : vector
+        Direction out of it, towards the body, of any length.
+
+    Raises
+    ------
+    InputError
+        If a value is not three finite numbers; in `Body`, if `normal` has no direction.
+
+    Examples
+    --------
+    >>> emmy.Plane((0, 0, 0), (0, 0, 1))
+    Plane(point=(0, 0, 0), normal=(0, 0, 1))
+    """
+
+    _section = "plane"
+    point: Vector = field(kw_only=False)
+    normal: Vector = field(kw_only=False)
+
+
+class Sphere(Table):
+    """A sphere at rest as an obstacle, with the body outside or inside.
+
+    Parameters
+    ----------
+    centre : vector
+        Its centre.
+    radius : float
+        Its radius.
+    inside : bool, optional
+        Whether the body is inside.
+
+    Raises
+    ------
+    InputError
+        If `centre` is not three finite numbers, or `radius` is not positive.
+
+    Examples
+    --------
+    >>> emmy.Sphere((0, 0, 0), 2.0, inside=True)
+    Sphere(centre=(0, 0, 0), radius=2.0, inside=True)
+    """
+
+    _section = "sphere"
+    centre: Vector = field(kw_only=False)
+    radius: float = field(kw_only=False)
+    inside: bool = field(default=False, kw_only=False)
+
+
+class Cylinder(Table):
+    """A cylinder without ends, at rest, as an obstacle, with the body outside or inside.
+
+    Parameters
+    ----------
+    point : vector
+        A point of its axis.
+    axis : vector
+        Direction of its axis, of any length.
+    radius : float
+        Its radius.
+    inside : bool, optional
+        Whether the body is inside.
+
+    Raises
+    ------
+    InputError
+        If a vector is not three finite numbers, or `radius` is not positive; in `Body`, if `axis` has no direction.
+
+    Examples
+    --------
+    >>> emmy.Cylinder((0, 0, 0), (0, 0, 1), 0.5)
+    Cylinder(point=(0, 0, 0), axis=(0, 0, 1), radius=0.5)
+    """
+
+    _section = "cylinder"
+    point: Vector = field(kw_only=False)
+    axis: Vector = field(kw_only=False)
+    radius: float = field(kw_only=False)
+    inside: bool = field(default=False, kw_only=False)
+
+
+Obstacle: TypeAlias = Plane | Sphere | Cylinder
+OBSTACLES = (Plane, Sphere, Cylinder)
+
+
+class Contact(Table):
+    """A surface that meets an obstacle, without friction: a thin layer on it stores energy where the obstacle is near.
+
+    The energy-momentum schemes conserve the sum of all energies, the ``contact_energy`` of the layer included. The
+    history also has ``smallest_gap``, relative to the thickness of the layer and NaN where nothing is near,
+    ``contact_points``, and the mean force and moment on the body in each step, ``NAME_force_x`` to ``NAME_moment_z``.
+
+    Parameters
+    ----------
+    surfaces : str
+        Group of facets, or of cells, whose facets on the boundary are meant; "all": the whole boundary.
+    obstacle : Plane, Sphere or Cylinder
+        The obstacle. The surface begins outside of it.
+    name : str, optional
+        Name of its forces in the history; ``contact-1``, ``contact-2``, ... by its place if not given.
+    stiffness : float, optional
+        Modulus of the layer; the smallest Young's modulus of the cells at the surface if not given.
+    distance : float, optional
+        Thickness of the layer: nearer than this, it pushes. A tenth of the median edge of the facets if not given, at
+        most half of the smallest gap at the start.
+    law : str, optional
+        "smooth" (default): the pressure sets in softly, with few corrections; "linear": it sets in as that of an
+        elastic layer, for slow impacts.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range; in `Body`, if there is no such group, or the surface is not outside of the
+        obstacle.
+    TypeError
+        If `obstacle` is not an obstacle.
+
+    Examples
+    --------
+    >>> floor = emmy.Contact("all", emmy.Plane((0, 0, -0.1), (0, 0, 1)), name="floor")
+    >>> floor
+    Contact(surfaces='all', obstacle=Plane(point=(0, 0, -0.1), normal=(0, 0, 1)), name='floor')
+    >>> cube = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> body = emmy.Body(cube, emmy.Region(emmy.NeoHooke(lambda_=1000, mu=500), density=1), contacts=floor)
+    >>> falls = emmy.Initial(velocity=(0, 0, -1))
+    >>> history = emmy.Motion(body, steps=(0.4, 0.02), initial=falls).run()
+    >>> float(history["linear_momentum_z"][-1].round(1))                   # it bounces, from -1.0
+    0.8
+    >>> bool(np.ptp(history["total_energy"]) < 1e-13)
+    True
+    """
+
+    _section = "contact"
+    surfaces: str = field(kw_only=False)
+    obstacle: Obstacle = field(kw_only=False)
+    name: str | None = None
+    stiffness: float | None = None
+    distance: float | None = None
+    law: str = "smooth"
+
+    def _check(self) -> None:
+        if not isinstance(self.obstacle, OBSTACLES):
+            raise TypeError(f"obstacle: {type(self.obstacle).__name__} is not an obstacle, such as emmy.Plane")
+        super()._check()
+
+    def _tree(self) -> dict[str, Any]:
+        return super()._tree() | {"obstacle": {self.obstacle._section: self.obstacle._tree()}}
