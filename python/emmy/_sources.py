@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Self
 
@@ -110,7 +111,7 @@ class Sources:
         if shells not in (None, "plane-strain"):
             raise fault("shells", f'expected "plane-strain" or None, not {shells!r}')
         native = _emmy.Mesh.read(os.fspath(path), list(links), shells is not None)
-        names = list(cls._of(native).entries)
+        names = [tomllib.loads(entry)["name"] for entry in native.entries]
         for name in leave_out:
             if name not in names:
                 known = f"there is {', '.join(names)}" if names else "the file has a mesh alone"
