@@ -736,5 +736,5 @@ fn bar_on_a_wall() {
     assert!((impulse - rebound - 0.1).abs() < 1e-12, "{impulse}");
     let energy = &history["total_energy"];
     assert!((last(energy) / energy[0] - 1.0).abs() < 1e-11);
-    assert!(history["smallest_gap"].iter().all(|gap| !(*gap <= 0.0)));
+    assert!(history["smallest_gap"].iter().all(|gap| *gap > 0.0 || gap.is_nan()));
 }

@@ -10,7 +10,7 @@ pub enum ContactRule {
     /// By the force in the middle, for a stiffness that is kept: symmetric derivatives of the mean force of a step.
     Kept,
     /// By the gradient of the energy at the points of a standard rule.
-    Points(FollowerRule),
+    Points(Box<FollowerRule>),
 }
 
 impl ContactRule {
@@ -24,7 +24,7 @@ impl ContactRule {
         match rule.kind {
             Kind::EnergyMomentum(StressKind::StrainingRates) => ContactRule::Kept,
             Kind::EnergyMomentum(_) => ContactRule::Conserving,
-            Kind::Standard => ContactRule::Points(FollowerRule::new(rule)),
+            Kind::Standard => ContactRule::Points(Box::new(FollowerRule::new(rule))),
         }
     }
 }

@@ -249,7 +249,7 @@ impl ObstacleContact {
         match rule {
             ContactRule::Conserving => layer.conserving_forces(path, forces, derivatives),
             ContactRule::Kept => layer.kept_force(path, forces, derivatives),
-            ContactRule::Points(points) => add_point_forces(layer, (path, points), forces, derivatives),
+            ContactRule::Points(points) => add_point_forces(layer, (path, &**points), forces, derivatives),
         }
     }
 
