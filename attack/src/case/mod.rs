@@ -48,7 +48,7 @@ pub struct Case {
 /// Increments of an equilibrium.
 pub const INCREMENTS: usize = 4;
 
-/// A tolerance of which stresses, too, show nothing: they are larger than loads by the modulus.
+/// The tolerance: errors of displacements appear in stresses multiplied by the modulus.
 const NEWTON: &str = "[newton]\ntolerance = 1e-12\n\n";
 
 /// Numbers of a drawn case.

@@ -393,7 +393,7 @@ pub enum Error {
     },
     /// A body that is to be in equilibrium, and is free to move as a rigid body.
     #[error(
-        "nothing holds {part} against {motions}; an equilibrium needs supports or springs to the ground there"
+        "nothing holds {part} against {motions}; an equilibrium needs supports or springs to the ground there, or a contact that touches"
     )]
     NotHeld {
         /// The body, or a part of it.

@@ -61,6 +61,15 @@ pub(super) static ROOT: Described = Described::new(|| {
 /// The kind of the whole input.
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
+/// Keys that a table does not have yet.
+const PLANNED: [(&str, &[&str]); 2] =
+    [("[[contact]]", &["friction", "slip_velocity", "damping"]), ("obstacle", &["move"])];
+
+/// Whether a word is such a key.
+pub(super) fn is_planned(section: &Section, word: &str) -> bool {
+    PLANNED.iter().any(|(table, keys)| *table == section.name && keys.contains(&word))
+}
+
 /// Largest number of materials in a message about the tables of a key.
 const MAX_MODELS: usize = 3;
 

@@ -255,6 +255,9 @@ fn mismatch(item: Item<'_>) -> Fault {
                 "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
             )
         }
+        (Kind::Text, _) if item.key == "surfaces" && matches!(item.value(), Value::Array(_)) => {
+            fault.help("contact of two surfaces is not there yet: name one, and an `obstacle`")
+        }
         _ if is_entry(item) => fault.help("put square brackets around it"),
         (Kind::TimeFunction(_), _) => match item.value() {
             Value::Float(number) => fault.help(of_number(item.key, *number)),
@@ -443,6 +446,7 @@ fn meaning(section: &Section, word: &str) -> (Option<&'static str>, Option<Strin
     let here = synonyms.find(|key| section.key_of(key).is_some());
     match here.or_else(|| nearest(word, section.names())) {
         Some(key) => (section.key_of(key).map(|key| key.name), Some(format!("did you mean `{key}`?"))),
+        None if catalogue::is_planned(section, word) => (None, Some("not there yet".to_string())),
         None => {
             let elsewhere = |word| catalogue::elsewhere(section, word);
             (None, elsewhere(word).or_else(|| first.and_then(elsewhere)))

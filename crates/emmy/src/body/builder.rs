@@ -1,9 +1,9 @@
 //! Builder of a body: the mesh first, then regions, supports and loads.
 
 mod added_nodes;
+mod contacts;
 
 use std::borrow::Borrow;
-use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use super::couplings;
@@ -181,8 +181,7 @@ impl BodyBuilder {
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`],
     /// [`crate::Error::NotFinite`] for a load, [`crate::Error::PressureInside`], [`crate::Error::Support`],
     /// [`crate::Error::Tie`], [`crate::Error::Contact`], [`crate::Error::Coupling`], [`crate::Error::Inertia`],
-    /// [`crate::Error::Rigid`],
-    /// [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::Rotation`],
+    /// [`crate::Error::Rigid`], [`crate::Error::Joint`], [`crate::Error::Moment`], [`crate::Error::Rotation`],
     /// [`crate::Error::GroupExists`] for a rigid body named as a group, [`crate::Error::NoMass`] for a node
     /// without mass that is free to move, [`crate::Error::Viscosity`] unless the drag is finite and not
     /// negative; on a team [`crate::Error::NotOnTeam`], and [`crate::Error::OnRank`] for an error of one
@@ -198,7 +197,7 @@ impl BodyBuilder {
         if ranks.size() > 1 && !self.contacts.is_empty() {
             return Err(Error::NotOnTeam { what: "a body with contact".to_string() });
         }
-        self.check_names_of_contacts()?;
+        contacts::check_names(&self.contacts, &self.supports, &self.point_terms.springs)?;
         let points = self.points()?;
         let frames = self.frames()?;
         if !(points.is_empty() && frames.is_empty()) {
@@ -224,23 +223,6 @@ impl BodyBuilder {
             }
         };
         Ok(ranks.agree(own.and_then(|()| Body::from_parts(self, &sizes, ties, frames)))?.with_sums_of_ranks())
-    }
-}
-
-impl BodyBuilder {
-    /// Checks that no name of a contact is that of a supported group or of another contact.
-    fn check_names_of_contacts(&self) -> Result<()> {
-        let supports = self.supports.iter().map(|support| support.group.clone());
-        let springs = self.point_terms.springs.iter().map(|spring| spring.group.clone());
-        let mut taken: HashSet<String> = supports.chain(springs).collect();
-        for (number, contact) in self.contacts.iter().enumerate() {
-            let name = contact.name(number);
-            if !taken.insert(name.clone()) {
-                let reason = "its forces need a name that no supported group and no other contact has".into();
-                return Err(Error::Contact { contact: name, reason });
-            }
-        }
-        Ok(())
     }
 }
 
@@ -426,10 +408,7 @@ impl Body {
         let on_lumped_mass =
             (acts_on_mass && has_quadratic_cells).then(|| acting_on(MassKind::Lumped)).transpose()?;
         let guests = n_own..mesh.n_nodes();
-        // In the order of their forces.
-        let springs = nodal.springs.iter().map(|spring| spring.group.clone());
-        let names = contacts.iter().enumerate().map(|(number, contact)| contact.name(number));
-        let of_groups: Vec<(String, usize)> = springs.chain(names).zip(0..).collect();
+        let of_groups = contacts::groups_of_forces(&nodal.springs, &contacts);
         let held = Supports::new(&mesh, (&internal, guests, &ties), (&supports, &of_groups), |_| true)?;
         ties.fold_lumped(&mut lumped_mass);
         points::check_masses(&mesh, &lumped_mass, &held.inactive, n_before(&mechanism.frames, &mesh))?;

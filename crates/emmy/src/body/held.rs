@@ -20,8 +20,9 @@ pub(super) const MOTIONS: usize = 6;
 /// Rotations, angles and distances below this part of the size of a part count as zero.
 const ROUNDING: f64 = 1e-6;
 
-/// Angle, or distance over the radius of a part, of a motion that tests the force of the ground.
-const DIFFERENCE_STEP: f64 = 1e-4;
+/// Angle, or distance over the radius of a part, of a motion that tests the force of the ground; the smaller ones are
+/// for surfaces so near to an obstacle that they would pass.
+const DIFFERENCE_STEPS: [f64; 3] = [1e-4, 1e-6, 1e-8];
 
 /// A rigid motion, by its components; rotations are distances at the radius of the part.
 pub(super) type Twist = [f64; MOTIONS];
@@ -224,21 +225,28 @@ impl<'a> Part<'a> {
     /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are
     /// seen from the body: a motion around a centre of attraction does not change them.
     fn ground(&self, body: &Body, assembly: &mut Assembly) -> Result<Gram> {
+        let [first, smaller @ ..] = DIFFERENCE_STEPS;
+        let found = self.ground_by(body, assembly, first);
+        smaller.into_iter().fold(found, |found, step| found.or_else(|_| self.ground_by(body, assembly, step)))
+    }
+
+    /// The same by differences of a step.
+    fn ground_by(&self, body: &Body, assembly: &mut Assembly, step: f64) -> Result<Gram> {
         let mut gram = Gram::default();
         let mut displacement = vec![0.0; body.n_dofs()];
         let mut force = displacement.clone();
         for (motion, sign) in (0..MOTIONS).flat_map(|motion| [(motion, 1.0), (motion, -1.0)]) {
-            let angle = if motion < 3 { sign * DIFFERENCE_STEP } else { 0.0 };
+            let angle = if motion < 3 { sign * step } else { 0.0 };
             for &node in &self.nodes {
                 let X = self.mesh.points()[node as usize];
                 let r = [0, 1, 2].map(|d| X[d] - self.centre[d]);
                 let turned = turned(r, motion % 3, angle);
                 *nodal::at_mut(&mut displacement, node as usize) = [0, 1, 2].map(|d| turned[d] - r[d]);
                 if motion >= 3 {
-                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] =
-                        sign * DIFFERENCE_STEP * self.radius;
+                    nodal::at_mut(&mut displacement, node as usize)[motion - 3] = sign * step * self.radius;
                 }
             }
+            body.space.follow(&mut displacement);
             body.ground_force_at(&displacement, assembly, &mut force)?;
             for &node in &self.nodes {
                 let own = nodal::at(&force, node as usize).map(|f| sign * f);

@@ -5,6 +5,7 @@
 //! through it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
 mod closest;
+mod correction;
 mod layer;
 mod links;
 mod obstacle;
@@ -17,7 +18,7 @@ mod tests;
 pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
 pub use layer::{Layer, LayerLaw};
 pub use links::PairState;
-pub use obstacle::{Obstacle, ObstacleLayer, Path};
+pub use obstacle::{MAX_STAGES, ObstacleLayer, ObstacleSurface, PointPath};
 pub use pair::Pair;
 pub use path::paths_meet;
 pub use step::PairStage;

@@ -3,6 +3,7 @@
 use super::closest::{
     PairTangent, PairVectors, add_product, combination, minus, pair_vectors, scale, scaled,
 };
+use super::correction::{Correction, GaussPoint};
 use super::links::{Links, PairState};
 use super::pair::Pair;
 use crate::average::Rule;
@@ -34,15 +35,8 @@ struct Step {
     links: Links,
     /// `G = (psi_2 - psi_1)/(z_2 - z_1)`.
     quotient: f64,
-    /// N, see [`Pair::forces`].
-    norm: f64,
-    /// `D/N`, or zero where D is rounding.
-    correction: f64,
+    correction: Correction,
 }
-
-/// A defect D is rounding below this, relative to products of forces with positions and rates. In random sliding steps,
-/// 8 epsilon left correcting forces of the size of the gradient.
-const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl Pair {
     /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
@@ -61,8 +55,8 @@ impl Pair {
     /// correct their work by forces along the rates `zeta_i = dz/dalpha` and along the links:
     ///
     /// ```math
-    /// f_i = 2 w (psi'(z_i) + D zeta_i/N) ell_i r_i + 2 w D (z_2-z_1)/N [(1-s) ell_1 r_1 + s ell_2 r_2]
-    /// D = psi_2 - psi_1 - sum_i b_i psi'(z_i) zeta_i,    N = sum_i b_i zeta_i^2 + (z_2 - z_1)^2
+    /// f_i = 2 w (psi'(z_i) + c zeta_i) ell_i r_i + 2 w c (z_2-z_1) [(1-s) ell_1 r_1 + s ell_2 r_2]
+    /// c = D/N,    D = psi_2 - psi_1 - sum_i b_i psi'(z_i) zeta_i,    N = sum_i b_i zeta_i^2 + (z_2 - z_1)^2
     /// ```
     ///
     /// No factor of `2 w ell r` exceeds `1 + sqrt(2/b_i)` times the largest of `|G|` and `|psi'(z_i)|`.
@@ -115,7 +109,7 @@ impl Pair {
                     let rate = stage.rate_derivative(a_ij, i == j);
                     let of_factor = pair_vectors(|a, c| {
                         let slope = 2.0 * stage.curvature * a_ij * stage.spread[a][c];
-                        slope + step.correction * rate[a][c] + stage.rate * correction[a][c]
+                        slope + step.correction.factor * rate[a][c] + stage.rate * correction[a][c]
                     });
                     *tangent = stage.second;
                     scale(tangent, 0.5 * a_ij * of_gradient);
@@ -140,33 +134,27 @@ impl Pair {
         let end = PairState::new(self.kind, moved(&displacement));
         let links = Links::new(start, &end, &displacement);
         let quotient = self.quotient(start, &end);
-        let mut step = Step { end, links, quotient, norm: 0.0, correction: 0.0 };
         if k == 1 {
             stages[0].state.positions = moved(&sum(a));
             (stages[0].spread, stages[0].slope) = Default::default();
-            return step;
+            return Step { end, links, quotient, correction: Correction { factor: 0.0, norm: 0.0 } };
         }
         let extent = largest(&start.positions).max(largest(&end.positions));
-        let (mut defect, mut rounding) = (quotient * links.change, 0.0);
-        step.norm = links.change * links.change;
         for (i, stage) in stages.iter_mut().enumerate() {
             stage.state = PairState::new(self.kind, moved(&sum(&a[i * k..(i + 1) * k])));
             let closest = &stage.state.closest;
-            let link_rate = combination(&closest.weights, &rates[i]);
             stage.spread = closest.spread_link();
             stage.slope = self.slope(closest);
-            stage.rate = 2.0 * dot3(closest.link, link_rate);
-            defect -= b[i] * stage.slope * stage.rate;
-            step.norm += b[i] * stage.rate * stage.rate;
-            let length = closest.squared_distance.sqrt();
-            let sizes = extent * dot3(link_rate, link_rate).sqrt() + length * largest(&relative(&rates[i]));
-            rounding += ROUNDING * b[i] * quotient.abs().max(stage.slope.abs()) * sizes;
+            stage.rate = 2.0 * dot3(closest.link, combination(&closest.weights, &rates[i]));
         }
-        // N of a pair that moves along its surface is small, and D all rounding: forces of any size up to their bound.
-        if defect.abs() > rounding {
-            step.correction = defect / step.norm;
-        }
-        step
+        let points = stages.iter().zip(rates).zip(b).map(|((stage, x), &weight)| {
+            let closest = &stage.state.closest;
+            let (link_rate, length) = (combination(&closest.weights, x), closest.squared_distance.sqrt());
+            let size = extent * dot3(link_rate, link_rate).sqrt() + length * largest(&relative(x));
+            GaussPoint { weight, slope: stage.slope, rate: stage.rate, size }
+        });
+        let correction = Correction::new(quotient, links.change, points);
+        Step { end, links, quotient, correction }
     }
 
     /// Second derivatives at the stages.
@@ -180,7 +168,7 @@ impl Pair {
         }
     }
 
-    /// Derivatives of `D/N` and of the factor of the links by x_j.
+    /// Derivatives of c and of the factor of the links by x_j.
     fn factor_derivatives(
         &self,
         rule: &Rule,
@@ -195,26 +183,25 @@ impl Pair {
         if k == 1 {
             return (PairVectors::default(), scaled(self.quotient_slope(start, &step.end), &change));
         }
-        if step.correction == 0.0 {
+        let Correction { factor: c, norm } = step.correction;
+        if c == 0.0 {
             return Default::default();
         }
-        // dD - (D/N) dN
-        let mut defect =
-            scaled(self.slope(&step.end.closest) - 2.0 * step.correction * step.links.change, &change);
+        // dD - c dN
+        let mut defect = scaled(self.slope(&step.end.closest) - 2.0 * c * step.links.change, &change);
         for (i, stage) in stages.iter().enumerate() {
             let a_ij = a[i * k + j];
             let rate = stage.rate_derivative(a_ij, i == j);
-            let of_rate = stage.slope + 2.0 * step.correction * stage.rate;
+            let of_rate = stage.slope + 2.0 * c * stage.rate;
             let of_gradient = 2.0 * stage.curvature * a_ij * stage.rate;
             for e in 0..4 {
-                for c in 0..3 {
-                    defect[e][c] -= b[i] * (of_gradient * stage.spread[e][c] + of_rate * rate[e][c]);
+                for d in 0..3 {
+                    defect[e][d] -= b[i] * (of_gradient * stage.spread[e][d] + of_rate * rate[e][d]);
                 }
             }
         }
-        let correction = scaled(1.0 / step.norm, &defect);
-        let of_links =
-            pair_vectors(|e, c| step.links.change * correction[e][c] + step.correction * change[e][c]);
+        let correction = scaled(1.0 / norm, &defect);
+        let of_links = pair_vectors(|e, d| step.links.change * correction[e][d] + c * change[e][d]);
         (correction, of_links)
     }
 }
@@ -233,7 +220,7 @@ impl Step {
         if k == 1 {
             (0.0, self.quotient)
         } else {
-            (stage.slope + self.correction * stage.rate, self.correction * self.links.change)
+            (stage.slope + self.correction.factor * stage.rate, self.correction.factor * self.links.change)
         }
     }
 }

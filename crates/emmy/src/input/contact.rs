@@ -1,6 +1,82 @@
 //! Contacts of surfaces.
 
-use crate::contact::{LayerLaw, Obstacle};
+use crate::contact::{LayerLaw, ObstacleSurface};
+use crate::tensor::dot3;
+
+/// An obstacle at rest.
+///
+/// ```
+/// use emmy::body::Obstacle;
+/// let bowl = Obstacle::Sphere { centre: [0.0; 3], radius: 2.0, inside: true };
+/// assert_ne!(bowl, Obstacle::Plane { point: [0.0; 3], normal: [0.0, 0.0, 2.0] });
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacle {
+    /// A half-space.
+    Plane {
+        /// A point of its surface \[length\].
+        point: [f64; 3],
+        /// Direction out of it, towards the body, of any length.
+        normal: [f64; 3],
+    },
+    /// A sphere.
+    Sphere {
+        /// Centre \[length\].
+        centre: [f64; 3],
+        /// Radius \[length\].
+        radius: f64,
+        /// Whether the body is inside.
+        inside: bool,
+    },
+    /// A cylinder without ends.
+    Cylinder {
+        /// A point of its axis \[length\].
+        point: [f64; 3],
+        /// Direction of its axis, of any length.
+        axis: [f64; 3],
+        /// Radius \[length\].
+        radius: f64,
+        /// Whether the body is inside.
+        inside: bool,
+    },
+}
+
+impl Obstacle {
+    /// Its surface; the error is the reason why there is none.
+    pub(crate) fn surface(&self) -> Result<ObstacleSurface, String> {
+        let round = |centre, axis, radius: f64, inside| {
+            if !(radius > 0.0 && radius.is_finite()) {
+                return Err(format!("the radius of its obstacle must be a positive number, not {radius}"));
+            }
+            let (origin, sign) = (finite(centre)?, if inside { -1.0 } else { 1.0 });
+            Ok(ObstacleSurface::Round { origin, axis, radius, sign })
+        };
+        match *self {
+            Obstacle::Plane { point, normal } => {
+                Ok(ObstacleSurface::Plane { origin: finite(point)?, normal: unit("normal", normal)? })
+            }
+            Obstacle::Sphere { centre, radius, inside } => round(centre, [0.0; 3], radius, inside),
+            Obstacle::Cylinder { point, axis, radius, inside } => {
+                round(point, unit("axis", axis)?, radius, inside)
+            }
+        }
+    }
+}
+
+fn finite(place: [f64; 3]) -> Result<[f64; 3], String> {
+    match place.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(format!("the place of its obstacle must be finite numbers, not {value}")),
+        None => Ok(place),
+    }
+}
+
+fn unit(what: &str, direction: [f64; 3]) -> Result<[f64; 3], String> {
+    let size = dot3(direction, direction).sqrt();
+    match size > 0.0 && size.is_finite() {
+        true => Ok(direction.map(|x| x / size)),
+        false => Err(format!("the {what} of its obstacle has no direction")),
+    }
+}
 
 /// Contact between a surface of a body and an obstacle.
 ///

@@ -106,7 +106,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "reactions",
         ],
     ),
-    ("contact", &["layer", "obstacle", "closest", "links", "pair", "step", "path"]),
+    ("contact", &["layer", "correction", "obstacle", "closest", "links", "pair", "step", "path"]),
     ("mass", &["regions", "points", "spread"]),
     (
         "force",

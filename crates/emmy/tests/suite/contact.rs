@@ -3,10 +3,10 @@
 #![allow(non_snake_case)]
 
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
-use emmy::body::{Contact, Formulation, Obstacle};
+use emmy::body::{Contact, Formulation, LayerLaw, Obstacle, Viscosity};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::MeshBuilder;
-use emmy::motion::NewtonSettings;
+use emmy::motion::{Adaptivity, NewtonSettings};
 use emmy::prelude::*;
 
 /// A block of cells with the edge 1/2 above the plane y = 0, by a gap.
@@ -265,9 +265,9 @@ fn other_schemes_rebound_alike() {
     }
 }
 
-/// A dissipative scheme books what it takes.
+/// The energy that a dissipative scheme takes is in the balance.
 #[test]
-fn dissipation_is_booked() {
+fn dissipated_energy_is_in_the_balance() {
     let (body, scheme, start) = thrown(rubber(), at(dgm(0.5), 2));
     let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
     let energy = motion.record().total_energy;
@@ -427,4 +427,105 @@ fn rigid_parts_and_tied_meshes_bounce_without_loss() {
             }
         }
     }
+}
+
+/// A rigid block rests on a layer and bobs with `omega^2 = A psi''(g)/m`, where `A psi'(g)` is its weight.
+#[test]
+fn modes_have_the_stiffness_of_the_layer() {
+    let mesh = block_above(0.045);
+    let n = mesh.n_nodes() as u32;
+    let builder = Body::builder(mesh.with_node_group("block", 0..n).unwrap())
+        .region(rubber())
+        .rigid(RigidBody::group("stone", "block"))
+        .contact(contact(PLANE).with_law(LayerLaw::Linear))
+        .load(Load::acceleration([0.0, -60.0, 0.0]));
+    // The plane does not hold it along itself, and not against a turn about the normal.
+    let slide = Joint::new(
+        "slide",
+        JointKind::Prismatic { axis: [0.0, 1.0, 0.0] },
+        [JointEnd::Rigid("stone".into()), JointEnd::Ground],
+        [0.5, 0.0, 0.5],
+    );
+    let body = builder.joint(slide).build().unwrap();
+    let found = Equilibrium::new(&body, 0.0, 1).unwrap().start(NewtonSettings::default(), &[], &mut []);
+    let state = found.unwrap_or_else(|error| panic!("{error}"));
+    let gap = 0.045 + state.displacement[1];
+    let (c, d) = (1333.0 * 0.05 / 8.0, 0.05f64);
+    let (y, by_gap) = (gap * gap / (d * d), 2.0 * gap / (d * d));
+    let slope = -c * (1.0 / (y * y) - 1.0) * by_gap;
+    assert!((slope + 60.0).abs() < 1e-8 * 60.0, "{slope}");
+    let stiffness = 2.0 * c / (y * y * y) * by_gap * by_gap + slope / gap;
+    let modes = emmy::modes::modes_about(&body, &state, 1).unwrap();
+    let omega = 2.0 * std::f64::consts::PI * modes[0].frequency();
+    assert!((omega * omega / stiffness - 1.0).abs() < 1e-8, "{} {stiffness}", omega * omega);
+}
+
+/// A rigid block on a hinge swings against a wall; viscosity, a follower pressure and plane cells.
+#[test]
+fn contact_goes_with_joints_loads_and_damping() {
+    let mesh = block_above(0.0);
+    let n = mesh.n_nodes() as u32;
+    let wall = Obstacle::Plane { point: [0.0, -0.1, 0.0], normal: [0.0, 1.0, 0.0] };
+    let hinge = Joint::new(
+        "hinge",
+        JointKind::Revolute { axis: [0.0, 0.0, 1.0] },
+        [JointEnd::Rigid("door".into()), JointEnd::Ground],
+        [0.0, 0.5, 0.5],
+    );
+    let door = Body::builder(mesh.with_node_group("block", 0..n).unwrap())
+        .region(rubber())
+        .rigid(RigidBody::group("door", "block"))
+        .joint(hinge)
+        .contact(contact(wall));
+    let swings = InitialVelocity {
+        angular_velocity: [0.0, 0.0, -1.0],
+        about: [0.0, 0.5, 0.5],
+        ..InitialVelocity::default()
+    };
+    let falls = InitialVelocity { velocity: [0.0, -1.0, 0.0], ..InitialVelocity::default() };
+    let viscous = rubber().with_viscosity(Viscosity { time: 0.002, ..Viscosity::default() });
+    let pressed = Load::pressure("y-max", 5.0);
+    let block = mesh::block([1.0; 3], [2; 3]).unwrap();
+    let damped = Body::builder(block).region(viscous).contact(contact(wall)).load(pressed);
+    let flat = mesh::rectangle([1.0, 1.0], [3, 3]).unwrap();
+    let plane = Body::builder(flat).region(rubber()).contact(contact(wall));
+    for (what, builder, start) in
+        [("door", door, swings), ("damped", damped, falls.clone()), ("plane", plane, falls)]
+    {
+        let body = builder.build().unwrap_or_else(|error| panic!("{what}: {error}"));
+        for k in [1, 2] {
+            let start = State::initial(&body, 0.0, std::slice::from_ref(&start)).unwrap();
+            let mut motion = Motion::new(&body, at(DGM, k)).unwrap().from(start).unwrap();
+            let before = motion.record().total_energy;
+            let largest = largest_contact_energy(&mut motion, 0.004, 100);
+            let record = motion.record();
+            assert!(largest > 0.02, "{what}: {largest}");
+            let sum = record.total_energy + record.dissipated_energy - record.external_work;
+            assert!((sum - before).abs() < 1e-10 * before, "{what} {k}: {}", sum - before);
+            assert_eq!(record.dissipated_energy > 0.0, what == "damped");
+        }
+    }
+}
+
+/// Adaptive steps find the impact, and the error that they promise is kept.
+#[test]
+fn adaptive_steps_find_the_impact() {
+    let (body, scheme, start) = thrown(rubber(), at(DGM, 2));
+    let exact = {
+        let mut motion = Motion::new(&body, at(DGM, 3)).unwrap().from(start.clone()).unwrap();
+        largest_contact_energy(&mut motion, 0.0005, 120);
+        motion.state().displacement.clone()
+    };
+    let mut errors = Vec::new();
+    for tolerance in [1e-3, 1e-4] {
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start.clone()).unwrap();
+        let plan = StepPlan::adaptive(0.0, 0.06, Adaptivity::new(tolerance)).unwrap();
+        let energy = motion.record().total_energy;
+        motion.march(&plan, &mut []).unwrap();
+        assert!((motion.record().total_energy - energy).abs() < 1e-10 * energy);
+        let difference = motion.state().displacement.iter().zip(&exact).map(|(u, exact)| (u - exact).abs());
+        errors.push((motion.record().step, difference.fold(0.0, f64::max)));
+    }
+    let [(coarse, error), (fine, smaller)] = errors[..] else { panic!("{errors:?}") };
+    assert!(coarse < fine && smaller < 0.3 * error && error < 0.02, "{errors:?}");
 }

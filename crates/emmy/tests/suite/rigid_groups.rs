@@ -4,7 +4,8 @@
 
 use crate::shared::joints::{hinge, rigid};
 use crate::shared::schemes::{DGM, at, dgm};
-use emmy::body::{Formulation, PointTerms, RegionSummary};
+use emmy::body::{Formulation, GroundSpring, PointTerms, RegionSummary};
+use emmy::equilibrium::Equilibrium;
 use emmy::mesh::MeshBuilder;
 use emmy::motion::{Adaptivity, NewtonSettings, Record};
 use emmy::prelude::*;
@@ -665,4 +666,22 @@ fn a_driven_centre_of_mass_leaves_the_spin() {
         assert!((0..3).all(|d| (of(&motion)[d] - spin[d]).abs() < 1e-12), "{:?}", of(&motion));
         assert!((motion.record().rigid_bodies[0].position[2] - 1.0).abs() < 1e-14);
     }
+}
+
+/// A rigid block on a bed of springs sinks by its weight over their stiffness.
+#[test]
+fn springs_hold_a_rigid_group() {
+    let stone = || RigidBody::group("stone", "body");
+    let springs = vec![GroundSpring { group: "z-min".into(), stiffness: 50.0 }];
+    let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [2, 2, 1]).unwrap())
+        .region(rubber(3.0))
+        .rigid(stone())
+        .point_terms(PointTerms { springs, ..PointTerms::default() })
+        .load(Load::acceleration([0.0, 0.0, -10.0]))
+        .build()
+        .unwrap();
+    let found = Equilibrium::new(&body, 0.0, 1).unwrap().start(NewtonSettings::default(), &[], &mut []);
+    let state = found.unwrap_or_else(|error| panic!("{error}"));
+    let sinks = 6.0 * 10.0 / (50.0 * 2.0);
+    assert!((state.displacement[2] + sinks).abs() < 1e-9, "{}", state.displacement[2]);
 }

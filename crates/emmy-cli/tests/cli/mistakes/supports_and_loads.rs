@@ -3,7 +3,10 @@
 use super::{FIX, HISTORY, MESH, Mistake, TRACTION, changed};
 
 pub(super) fn all() -> Vec<Mistake> {
-    [loads(), histories(), measurements(), supports(), motions(), ties()].into_iter().flatten().collect()
+    [loads(), histories(), measurements(), supports(), motions(), ties(), contacts()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn load(name: &str, to: &str) -> Mistake {
@@ -30,6 +33,43 @@ fn ties() -> Vec<Mistake> {
         )
         .unseen(),
         changed("tie-misspelt", "[[support]]", "[[ties]]\nfollower = \"y-max\"\n\n[[support]]"),
+    ]
+}
+
+/// A contact beside the support.
+fn contact(name: &str, keys: &str) -> Mistake {
+    changed(name, "[[support]]", &format!("[[contact]]\n{keys}\n\n[[support]]"))
+}
+
+fn contacts() -> Vec<Mistake> {
+    let below = "obstacle.plane = { point = [0, -1, 0], normal = [0, 1, 0] }";
+    vec![
+        contact("contact-with-friction", &format!("surfaces = \"y-max\"\n{below}\nfriction = 0.3")),
+        contact(
+            "contact-with-a-moving-obstacle",
+            "surfaces = \"y-max\"\nobstacle = { plane = { point = [0, -1, 0], normal = [0, 1, 0] }, move = { y = \"t\" } }",
+        ),
+        contact("contact-of-two-surfaces", "surfaces = [\"y-max\", \"x-min\"]"),
+        contact("contact-without-an-obstacle", "surfaces = \"y-max\""),
+        contact(
+            "contact-with-two-obstacles",
+            "surfaces = \"y-max\"\nobstacle.sphere = { centre = [0, 5, 0], radius = 1 }\n\
+             obstacle.plane = { point = [0, -1, 0], normal = [0, 1, 0] }",
+        ),
+        contact("contact-of-a-negative-distance", &format!("surfaces = \"all\"\n{below}\ndistance = -0.1")),
+        contact("contact-of-a-group-misspelt", &format!("surfaces = \"y-mx\"\n{below}")).unseen(),
+        contact(
+            "contact-inside-the-obstacle",
+            "surfaces = \"all\"\nobstacle.plane = { point = [0, 1, 0], normal = [0, 1, 0] }",
+        )
+        .unseen(),
+        contact(
+            "contact-without-a-normal",
+            "surfaces = \"all\"\nobstacle.plane = { point = [0, -1, 0], normal = [0, 0, 0] }",
+        )
+        .unseen(),
+        contact("contact-named-as-a-support", &format!("surfaces = \"all\"\nname = \"y-min\"\n{below}"))
+            .unseen(),
     ]
 }
 
