@@ -346,9 +346,14 @@ impl Body {
         Ok(())
     }
 
+    /// Whether some force bounds corrections.
+    pub(crate) fn has_bounds(&self) -> bool {
+        self.others().any(|force| force.bounds())
+    }
+
     /// Largest part, up to 1, of a correction of the rates that the forces admit, on all ranks.
     pub(crate) fn largest_part(&self, step: &StepInput<'_>, assembly: &Assembly, correction: &[f64]) -> f64 {
-        if !self.others().any(|force| force.bounds()) {
+        if !self.has_bounds() {
             return 1.0;
         }
         let forces = self.others().zip(&assembly.acting.memories);

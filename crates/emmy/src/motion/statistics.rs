@@ -130,7 +130,7 @@ pub struct RunStatistics {
     pub accumulated_energy_residual: f64,
     /// Sum of the angular momentum residuals, without round-off.
     pub accumulated_angular_momentum_residual: f64,
-    /// Largest T + |V| \[energy\]: the total energy, except where an attraction makes V negative.
+    /// Largest T + |V| + V_c \[energy\]: the total energy, except where an attraction makes V negative.
     pub largest_energy: f64,
     /// Largest kinetic energy \[energy\].
     pub largest_kinetic_energy: f64,
@@ -280,7 +280,7 @@ impl RunStatistics {
         ratio(self.accumulated_energy_residual.abs(), self.energy_size().0)
     }
 
-    /// The scale of energy residuals, and its name: the largest T + |V|, or a possible one where a mechanism is at rest
+    /// The scale of energy residuals, and its name: the largest T + |V| + V_c, or a possible one where a mechanism is at rest
     /// and T + |V| is round-off.
     ///
     /// ```
@@ -293,6 +293,7 @@ impl RunStatistics {
     pub fn energy_size(&self) -> (f64, &'static str) {
         match self.largest_energy < ENERGY_AT_REST * self.energy_scale {
             true => (self.energy_scale, "possible T + V"),
+            false if self.largest_contact_energy.is_some() => (self.largest_energy, "T + V + V_c"),
             false => (self.largest_energy, "T + V"),
         }
     }

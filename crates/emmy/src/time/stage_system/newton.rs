@@ -184,6 +184,9 @@ impl StageSystem<'_> {
 impl StageSystem<'_> {
     /// Largest part, up to 1, of some rates that the forces admit.
     pub(in crate::time) fn largest_part_from_rest(&mut self, rates: &[f64]) -> f64 {
+        if !self.equations.body.has_bounds() {
+            return 1.0;
+        }
         let zero = &mut self.negative[..rates.len()];
         zero.fill(0.0);
         self.equations.body.largest_part(&self.equations.step_at(zero), &self.equations.assembly, rates)
