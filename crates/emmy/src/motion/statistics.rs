@@ -280,8 +280,8 @@ impl RunStatistics {
         ratio(self.accumulated_energy_residual.abs(), self.energy_size().0)
     }
 
-    /// The scale of energy residuals, and its name: the largest T + |V| + V_c, or a possible one where a mechanism is at rest
-    /// and T + |V| is round-off.
+    /// The scale of energy residuals, and its name: the largest T + |V| + V_c, or a possible one where a mechanism is
+    /// at rest and T + |V| is round-off.
     ///
     /// ```
     /// use emmy::motion::RunStatistics;
