@@ -129,6 +129,41 @@ pub enum Error {
         /// The cell size.
         value: f64,
     },
+    /// A ring whose inner radius is not the smaller one.
+    #[error("the inner radius {} must be smaller than the outer radius {}", short(.inner), short(.outer))]
+    InnerRadius {
+        /// The inner radius.
+        inner: f64,
+        /// The outer radius.
+        outer: f64,
+    },
+    /// A ring with too few cells around its axis.
+    #[error("a ring needs at least {least} cells around its axis, not {count}")]
+    CellsAround {
+        /// Number of cells.
+        count: usize,
+        /// Fewest cells.
+        least: usize,
+    },
+    /// A part of a mesh with the name of a group, or with a group, that is there already.
+    #[error("part \"{part}\": there is a group \"{group}\" already; give the part another name")]
+    GroupOfPartExists {
+        /// Name of the part.
+        part: String,
+        /// The group.
+        group: String,
+    },
+    /// A rotation that takes cells in plane strain out of their plane.
+    #[error("cells in plane strain turn about the z axis only")]
+    TurnedPlane,
+    /// A rotation without an axis or an angle.
+    #[error("a rotation needs a finite angle, not {}, and an axis of a finite length that is not 0, not {}", short(.angle), short_vector(.axis))]
+    Turn {
+        /// The axis.
+        axis: [f64; 3],
+        /// The angle.
+        angle: f64,
+    },
     /// A value that must be a finite number.
     #[error("{what} must be a finite number, not {}", short(.value))]
     NotFinite {
