@@ -153,11 +153,21 @@ pub enum Error {
         /// The group.
         group: String,
     },
+    /// A part in plane strain beside solid ones, or a solid one beside those in plane strain.
+    #[error("part \"{part}\": cells in plane strain and solid cells cannot be parts of one mesh")]
+    MixedParts {
+        /// Name of the part.
+        part: String,
+    },
     /// A rotation that takes cells in plane strain out of their plane.
     #[error("cells in plane strain turn about the z axis only")]
     TurnedPlane,
     /// A rotation without an axis or an angle.
-    #[error("a rotation needs a finite angle, not {}, and an axis of a finite length that is not 0, not {}", short(.angle), short_vector(.axis))]
+    #[error(
+        "a rotation needs a finite angle, not {}, and an axis that is finite and not 0, not {}",
+        short(.angle),
+        short_vector(.axis)
+    )]
     Turn {
         /// The axis.
         axis: [f64; 3],

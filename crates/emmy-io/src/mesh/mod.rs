@@ -6,6 +6,7 @@ mod entry;
 mod error;
 mod gmsh;
 mod includes;
+mod joined;
 mod nastran;
 mod other;
 mod plane;
@@ -23,6 +24,7 @@ use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
 pub use entry::{DeckEntry, acting_entries};
 pub use error::{MeshError, Place, Position};
+pub use joined::joined;
 pub use vtu::{Grid, GridArray, Numbers};
 
 /// Kinds of cells in files, for messages.

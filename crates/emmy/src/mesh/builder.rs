@@ -95,13 +95,21 @@ impl MeshBuilder {
     /// ```
     ///
     /// # Errors
-    /// [`Error::GroupOfPartExists`] if a group with one of these names is there already; nothing is added then.
+    /// [`Error::GroupOfPartExists`] if a group with one of these names is there already, [`Error::MixedParts`] for cells
+    /// in plane strain beside solid ones; nothing is added then.
     pub fn part(&mut self, name: &str, mesh: &Mesh) -> Result<()> {
         let groups = mesh.groups();
         let own = |group: &str| groups.name_in_part(name, mesh.n_cells(), group);
         let mut names = groups.names().into_iter().map(own).chain([name.to_string()]);
         if let Some(group) = names.find(|group| self.has_group(group)) {
             return Err(Error::GroupOfPartExists { part: name.to_string(), group });
+        }
+        let has = |dimension: usize| {
+            let is_of = |kind: CellKind| kind.dimension() == dimension;
+            self.kinds.iter().any(|kind| is_of(*kind)) || mesh.cells().any(|cell| is_of(cell.kind))
+        };
+        if has(2) && has(3) {
+            return Err(Error::MixedParts { part: name.to_string() });
         }
         let (first_node, first_cell) = (self.points.len() as u32, self.kinds.len() as u32);
         self.points.extend(mesh.points());

@@ -346,7 +346,7 @@ impl Mesh {
     /// ```
     /// use emmy::mesh::{Placement, block};
     /// let beside = block([1.0; 3], [1; 3])?.placed(&Placement::default().shifted([2.0, 0.0, 0.0]))?;
-    /// assert_eq!(beside.points()[7], [3.0, 1.0, 1.0]);
+    /// assert_eq!(beside.points()[6], [3.0, 1.0, 1.0]);
     /// # Ok::<(), emmy::Error>(())
     /// ```
     ///

@@ -5,7 +5,7 @@ mod bricks;
 mod round;
 
 pub use bricks::{block, l_block, rectangle};
-pub use round::{ball, ball_count, cylinder, cylinder_count, ring};
+pub use round::{FEWEST_AROUND, ball, ball_count, cylinder, cylinder_count, ring};
 
 #[cfg(test)]
 use super::Mesh;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// Fewest cells around a ring: the chords of two would meet in one plane.
-const FEWEST_AROUND: usize = 3;
+pub const FEWEST_AROUND: usize = 3;
 
 /// Ring about the z axis with the base at z = 0, of hex8 cells; groups `body`, `inner`, `outer`, `z-min`, `z-max`.
 ///
@@ -268,9 +268,9 @@ mod tests {
         mesh.groups().facets(group).unwrap().iter().map(facet).sum()
     }
 
-    fn radii(mesh: &Mesh, group: &str, center: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
+    fn radii(mesh: &Mesh, group: &str, radial: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
         let nodes = mesh.group_nodes(group).unwrap().into_iter();
-        nodes.map(|node| length(center(mesh.points()[node as usize]))).collect()
+        nodes.map(|node| length(radial(mesh.points()[node as usize]))).collect()
     }
 
     fn from_axis([x, y, _]: [f64; 3]) -> [f64; 3] {
