@@ -60,6 +60,20 @@ pub enum Error {
         /// The distance.
         within: f64,
     },
+    /// Two cells that would have the same nodes if near nodes were one.
+    #[error(
+        "cell {repeated} would have the nodes of cell {first} if nodes within {within} of each other were one; do two \
+         bodies overlap?",
+        within = short(.within)
+    )]
+    MergedCells {
+        /// Index of the first cell.
+        first: u32,
+        /// Index of the second cell.
+        repeated: u32,
+        /// The distance.
+        within: f64,
+    },
     /// A node of a group that does not exist.
     #[error("group \"{group}\" names node {node}, but the mesh has {n_nodes} nodes")]
     GroupNodeOutOfRange {
@@ -144,6 +158,12 @@ pub enum Error {
         count: usize,
         /// Fewest cells.
         least: usize,
+    },
+    /// A part of a mesh whose name cannot be a word in other names.
+    #[error("a part may have only letters, digits, `_` and `-` in its name, not \"{part}\"")]
+    PartName {
+        /// Name of the part.
+        part: String,
     },
     /// A part of a mesh with the name of a group, or with a group, that is there already.
     #[error("part \"{part}\": there is a group \"{group}\" already; give the part another name")]

@@ -95,9 +95,13 @@ impl MeshBuilder {
     /// ```
     ///
     /// # Errors
-    /// [`Error::GroupOfPartExists`] if a group with one of these names is there already, [`Error::MixedParts`] for cells
-    /// in plane strain beside solid ones; nothing is added then.
+    /// [`Error::PartName`] for a name that is empty or has other characters than letters, digits, `_` and `-`,
+    /// [`Error::GroupOfPartExists`] if a group with one of its names is there already, [`Error::MixedParts`] for cells in
+    /// plane strain beside solid ones; nothing is added then.
     pub fn part(&mut self, name: &str, mesh: &Mesh) -> Result<()> {
+        if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
+            return Err(Error::PartName { part: name.to_string() });
+        }
         let groups = mesh.groups();
         let own = |group: &str| groups.name_in_part(name, mesh.n_cells(), group);
         let mut names = groups.names().into_iter().map(own).chain([name.to_string()]);

@@ -178,6 +178,11 @@ mod tests {
         // A name that a group of another part has.
         let error = builder.part("left-tip", &left).unwrap_err();
         assert_eq!(error, Error::GroupOfPartExists { part: "left-tip".into(), group: "left-tip".into() });
+        for name in ["", "a b", "nodes:a", "a.b"] {
+            assert_eq!(builder.part(name, &left), Err(Error::PartName { part: name.into() }));
+        }
+        let plane = rectangle([1.0, 1.0], [1, 1]).unwrap();
+        assert_eq!(builder.part("plane", &plane), Err(Error::MixedParts { part: "plane".into() }));
         let mesh = builder.build().unwrap();
         assert_eq!(mesh.n_cells(), 2 + 8);
         assert_eq!(mesh.groups().cells("right").unwrap(), [2, 3, 4, 5, 6, 7, 8, 9]);

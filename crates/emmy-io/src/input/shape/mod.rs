@@ -228,16 +228,7 @@ impl Shape {
             finite::check_extent(&file.mesh, &self.place)?;
         }
         let Some((within, place)) = &self.merge else { return Ok(file) };
-        let merged =
-            file.merged(*within).map_err(|error| Fault::at(place, error.to_string(), "this distance"))?;
-        match merged.mesh.repeated_cells().first() {
-            Some([first, repeated]) => {
-                let message =
-                    format!("cell {repeated} would have the nodes of cell {first}: do two bodies overlap?");
-                Err(Fault::at(place, message, "this distance"))
-            }
-            None => Ok(merged),
-        }
+        file.merged(*within).map_err(|error| Fault::at(place, error.to_string(), "this distance"))
     }
 
     /// Place of its source.

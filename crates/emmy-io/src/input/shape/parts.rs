@@ -15,7 +15,7 @@ use crate::mesh::{MeshFile, MeshOptions, joined};
 pub(in crate::input) static PARTS: Described = Described::new(|| {
     let section = Section::new("parts", "A part of the mesh: exactly one source").must(
         "name",
-        Kind::Column(&[]),
+        Kind::Text,
         "",
         "Its name, and that of the group of its cells: letters, digits, `_` and `-`",
     );
@@ -144,7 +144,9 @@ pub(super) fn mesh(parts: &[Part], options: &MeshOptions, place: &Place) -> Resu
     }
     joined(files).map_err(|error| {
         let name = match &error {
-            emmy::Error::GroupOfPartExists { part, .. } | emmy::Error::MixedParts { part } => part,
+            emmy::Error::PartName { part }
+            | emmy::Error::GroupOfPartExists { part, .. }
+            | emmy::Error::MixedParts { part } => part,
             _ => return Fault::at(place, error.to_string(), "these parts"),
         };
         let place = parts.iter().find(|part| part.name == *name).map_or(place, |part| &part.name_place);
