@@ -369,8 +369,8 @@ class Sources:
         >>> emmy.Mesh.cylinder(1.0, 3.0, (2, 5)).n_cells
         60
         """
-        sizes = [words.real(radius, "radius"), words.real(height, "height")]
-        return cls._of(_emmy.Mesh.cylinder(*sizes, words.counts(cells, 2, "cells")))
+        own, along = words.real(radius, "radius"), words.real(height, "height")
+        return cls._of(_emmy.Mesh.cylinder(own, along, words.counts(cells, 2, "cells")))
 
     @classmethod
     def ball(cls, radius: float, cells: int) -> Self:

@@ -63,8 +63,13 @@ fn parts_are_checked_run_and_resumed() {
     assert!(lost.code != 0 && lost.stderr.contains("tet.inp"), "{}", lost.stderr);
     let set = ["--set", "mesh.parts.1.file=../moved/tet.inp"];
     place.succeed(&[&["resume", "half", "--quiet", "--until", "0.5"], &set[..]].concat());
-    let rows = |name: &str| place.read(name).lines().map(String::from).collect::<Vec<_>>();
-    assert_eq!(rows("half/history.csv").last(), rows("out/history.csv").last());
+    // All columns but the time of computing and the last one.
+    let last = |name: &str| {
+        let numbers: Vec<String> =
+            place.read(name).lines().last().unwrap().split(',').map(String::from).collect();
+        numbers[..numbers.len() - 2].to_vec()
+    };
+    assert_eq!(last("half/history.csv"), last("out/history.csv"));
     // Another content of the file is another body.
     place.write("two.toml", &input.replace("tet.inp", "moved/tet.inp"));
     place.succeed(&["run", "two.toml", "--quiet", "--output", "again", "--until", "0.25"]);

@@ -96,8 +96,8 @@ impl MeshBuilder {
     ///
     /// # Errors
     /// [`Error::PartName`] for a name that is empty or has other characters than letters, digits, `_` and `-`,
-    /// [`Error::GroupOfPartExists`] if a group with one of its names is there already, [`Error::MixedParts`] for cells in
-    /// plane strain beside solid ones; nothing is added then.
+    /// [`Error::GroupOfPartExists`] if a group with one of its names is there already, [`Error::MixedParts`] for cells
+    /// in plane strain beside solid ones; nothing is added then.
     pub fn part(&mut self, name: &str, mesh: &Mesh) -> Result<()> {
         if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
             return Err(Error::PartName { part: name.to_string() });

@@ -92,9 +92,9 @@ pub fn cylinder_count([n_radial, n_along]: [usize; 2]) -> f64 {
 
 /// Ball about the origin, of hex8 cells; groups `body`, `surface`.
 ///
-/// `radius` \[length\]; `cells`: number of cells from the centre to the surface. Half of them, rounded up, lie in a cube
-/// with rounded sides, the others in layers around it. The nodes of the surface lie at the radius; the volume is smaller
-/// than that of the ball by a part of the order `1 / cells^2`.
+/// `radius` \[length\]; `cells`: number of cells from the centre to the surface. Half of them, rounded up, lie in a
+/// cube with rounded sides, the others in layers around it. The nodes of the surface lie at the radius; the volume is
+/// smaller than that of the ball by a part of the order `1 / cells^2`.
 ///
 /// # Errors
 /// [`Error::NotPositive`], [`Error::TooManyCells`].
@@ -324,6 +324,8 @@ mod tests {
             let volume = quality(&mesh).volume / (4.0 / 3.0 * PI * 8.0);
             [1.0 - volume, 1.0 - area(&mesh, "surface") / (16.0 * PI)]
         });
+        // The numbers of `book/src/input.md`.
+        assert!((errors[0][0] - 0.065).abs() < 5e-4 && (polygon(26) - 0.990).abs() < 5e-4);
         for i in [0, 1] {
             assert!(errors[2][i] > 0.0 && errors[0][i] < 0.1, "{errors:?}");
             for pair in errors.windows(2) {
