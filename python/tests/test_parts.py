@@ -49,7 +49,8 @@ def test_parts_are_bodies_of_one_mesh():
         own = np.stack([motion.history[f"{name}_{axis}"] for axis in "xyz"])
         assert np.ptp(own, axis=1) == pytest.approx(0, abs=1e-11)
     assert np.ptp(motion.history["total_energy"]) == pytest.approx(0, abs=1e-10)
-    assert motion.history["strain_energy"].max() > 0.01 * motion.history["total_energy"][0]
+    # A mean strain of a percent in the volume of 2.
+    assert motion.history["strain_energy"].max() > 0.1
 
 
 @pytest.mark.parametrize(
