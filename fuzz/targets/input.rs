@@ -37,12 +37,21 @@ fn is_large(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let Ok(input) = text.parse::<toml::Table>() else { return false };
     let Some(mesh) = input.get("mesh") else { return false };
+    let parts = mesh.get("parts").and_then(toml::Value::as_array);
+    [mesh].into_iter().chain(parts.into_iter().flatten()).any(is_large_shape)
+}
+
+fn is_large_shape(mesh: &toml::Value) -> bool {
     let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|value| value as f64));
     let product = |shape: &str| {
         let cells = mesh.get(shape)?.get("cells")?.as_array()?;
         Some(cells.iter().filter_map(number).product::<f64>())
     };
+    // About 2.5 r^2 cells in a layer of a cylinder, and 4 r^3 in a ball.
+    let around = |shape: &str| number(mesh.get(shape)?.get("cells")?.as_array()?.first()?);
+    let layers = product("cylinder").zip(around("cylinder")).map(|(product, radial)| 3.0 * product * radial);
+    let of_ball = mesh.get("ball").and_then(|shape| number(shape.get("cells")?)).map(|radial| 5.0 * radial.powi(3));
     let cell_size = mesh.get("l-block").and_then(|shape| number(shape.get("cell_size")?));
     cell_size.is_some_and(|size| size < 0.4)
-        || ["box", "rectangle"].iter().any(|shape| product(shape) > Some(2000.0))
+        || [layers, of_ball].into_iter().chain(["box", "rectangle", "ring"].map(product)).any(|n| n > Some(2000.0))
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -219,6 +219,47 @@ class Mesh(Sources):
         3
         """
         return self._of(self._native.merged(within))
+
+    def placed(self, at: Sequence[float] = (0.0, 0.0, 0.0), *, turn: Mapping[str, Any] | None = None) -> Self:
+        """The mesh at another place, with the points, axes and inertias of its `entries`.
+
+        Parameters
+        ----------
+        at : vector, optional
+            Shift: the place of the origin.
+        turn : dict, optional
+            Rotation before the shift: ``axis``, a vector of any length, ``angle`` in radians, counter-clockwise seen
+            from the tip of the axis, and ``about``, a point of the axis (the origin if not given).
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If the axis has no direction, or cells in plane strain are turned about another axis than z.
+
+        Examples
+        --------
+        >>> from math import pi
+        >>> box = emmy.Mesh.box((2, 1, 1), (1, 1, 1)).placed((5, 0, 0), turn={"axis": (0, 0, 1), "angle": pi / 2})
+        >>> box.points.min(axis=0).tolist(), box.points.max(axis=0).tolist()
+        ([4.0, 0.0, 0.0], [5.0, 2.0, 1.0])
+        """
+        shift = words.finite(at, (3,), "at").tolist()
+        if turn is None:
+            return self._of(self._native.placed(None, shift))
+        given = words.mapping(turn, "turn")
+        unknown = [key for key in given if key not in ("axis", "angle", "about")]
+        if unknown:
+            raise fault(f"turn.{unknown[0]}", "a rotation has the keys axis, angle and about")
+        missing = [key for key in ("axis", "angle") if key not in given]
+        if missing:
+            raise fault("turn", f"`{missing[0]}` is missing")
+        axis = words.finite(given["axis"], (3,), "turn.axis").tolist()
+        about = words.finite(given.get("about", (0.0, 0.0, 0.0)), (3,), "turn.about").tolist()
+        return self._of(self._native.placed((axis, words.real(given["angle"], "turn.angle"), about), shift))
 
     def to_meshio(self) -> Any:
         """The mesh as a `meshio.Mesh`, with groups as cell sets and point sets, and facets of groups as cells.

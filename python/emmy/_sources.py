@@ -310,6 +310,141 @@ class Sources:
         return cls._of(_emmy.Mesh.box(words.array(size, (3,), "size").tolist(), words.counts(cells, 3, "cells")))
 
     @classmethod
+    def ring(cls, inner: float, outer: float, height: float, cells: Sequence[int]) -> Self:
+        """A ring of hex8 cells about the z axis, base at z = 0; groups "body", "inner", "outer", "z-min", "z-max".
+
+        Parameters
+        ----------
+        inner, outer : float
+            Radii of its sides, where their nodes lie; the facets between them are plane.
+        height : float
+            Length along the axis.
+        cells : three int
+            Number of cells along the radius, around the axis (at least 3) and along it.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a size or a number is not positive, or the inner radius is not the smaller one.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.ring(1.0, 2.0, 0.5, (1, 6, 1))
+        >>> round(mesh.quality["volume"], 6)
+        3.897114
+        """
+        radii = [words.real(inner, "inner"), words.real(outer, "outer")]
+        return cls._of(_emmy.Mesh.ring(radii, words.real(height, "height"), words.counts(cells, 3, "cells")))
+
+    @classmethod
+    def cylinder(cls, radius: float, height: float, cells: Sequence[int]) -> Self:
+        """A cylinder of hex8 cells about the z axis, base at z = 0; groups "body", "side", "z-min", "z-max".
+
+        Half of the cells along the radius, rounded up, lie in a square core with rounded sides, the others in layers
+        around it.
+
+        Parameters
+        ----------
+        radius : float
+            Radius of its side, where the nodes lie; the facets between them are plane.
+        height : float
+            Length along the axis.
+        cells : two int
+            Number of cells from the axis to the side, and along the axis.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a size or a number is not positive.
+
+        Examples
+        --------
+        >>> emmy.Mesh.cylinder(1.0, 3.0, (2, 5)).n_cells
+        60
+        """
+        own, along = words.real(radius, "radius"), words.real(height, "height")
+        return cls._of(_emmy.Mesh.cylinder(own, along, words.counts(cells, 2, "cells")))
+
+    @classmethod
+    def ball(cls, radius: float, cells: int) -> Self:
+        """A ball of hex8 cells about the origin; groups "body", "surface".
+
+        Half of the cells from the centre to the surface, rounded up, lie in a cube with rounded sides, the others in
+        layers around it.
+
+        Parameters
+        ----------
+        radius : float
+            Radius of its surface, where the nodes lie.
+        cells : int
+            Number of cells from the centre to the surface.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a size or a number is not positive.
+
+        Examples
+        --------
+        >>> emmy.Mesh.ball(0.5, 4).n_cells
+        256
+        """
+        return cls._of(_emmy.Mesh.ball(words.real(radius, "radius"), words.count(cells, 1, "cells")))
+
+    @classmethod
+    def joined(cls, parts: Mapping[str, Any]) -> Self:
+        """One mesh of several, each a part with a name.
+
+        The cells of a part form the group of its name, and its groups get the name before theirs: ``left``,
+        ``left-x-min``. A group ``body`` of all cells is the part itself. `notes` and `entries` get the name as well.
+        Parts that touch are separate bodies; `merged` joins them where nodes meet.
+
+        Parameters
+        ----------
+        parts : dict of str to Mesh
+            Parts by their names, of letters, digits, ``_`` and ``-``; `placed` puts each at its place.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a name has other characters, or two parts have one name of a group, or if one part is in plane strain and
+            another one is solid.
+        TypeError
+            If a part is no mesh.
+
+        Examples
+        --------
+        >>> box, ball = emmy.Mesh.box((1, 1, 1), (2, 2, 2)), emmy.Mesh.ball(0.5, 2)
+        >>> mesh = emmy.Mesh.joined({"base": box, "ball": ball.placed((0.5, 0.5, 2.0))})
+        >>> list(mesh.groups)[:3]
+        ['ball', 'ball-surface', 'base']
+        """
+        given = words.mapping(parts, "parts")
+        if not given:
+            raise fault("parts", "there are no parts")
+        own = [(name, words.one(part, cls, f"parts.{name}")._native) for name, part in given.items()]
+        mesh = cls._of(_emmy.Mesh.joined(own))
+        known = {f"{name}: {note}" for name, part in own for note in part.notes}
+        warn([note for note in mesh._native.notes if note not in known])
+        return mesh
+
+    @classmethod
     def rectangle(cls, size: Sequence[float], cells: Sequence[int]) -> Self:
         """A body in plane strain of quad4 cells with a corner at the origin; groups "body", "x-min", ... "y-max".
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::mesh::{self, CellKind};
+use emmy::mesh::{self, CellKind, Placement};
 use emmy_io::mesh::{DeckEntry, Grid, GridArray, MeshFile, MeshOptions, Numbers, acting_entries};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -163,6 +163,29 @@ impl Mesh {
     }
 
     #[staticmethod]
+    fn ring(py: Python<'_>, radii: [f64; 2], height: f64, cells: [usize; 3]) -> PyResult<Self> {
+        Mesh::made(py, move || mesh::ring(radii, height, cells))
+    }
+
+    #[staticmethod]
+    fn cylinder(py: Python<'_>, radius: f64, height: f64, cells: [usize; 2]) -> PyResult<Self> {
+        Mesh::made(py, move || mesh::cylinder(radius, height, cells))
+    }
+
+    #[staticmethod]
+    fn ball(py: Python<'_>, radius: f64, cells: usize) -> PyResult<Self> {
+        Mesh::made(py, move || mesh::ball(radius, cells))
+    }
+
+    /// One mesh of parts with names.
+    #[staticmethod]
+    fn joined(py: Python<'_>, parts: Vec<(String, PyRef<'_, Mesh>)>) -> PyResult<Self> {
+        let parts = parts.into_iter().map(|(name, part)| (name, part.file())).collect();
+        let file = pool::work(py, || emmy_io::mesh::joined(parts))?;
+        Ok(Mesh::of_file(file.map_err(|error| errors::argument(py, "parts", &error.to_string()))?))
+    }
+
+    #[staticmethod]
     fn rectangle(py: Python<'_>, size: [f64; 2], cells: [usize; 2]) -> PyResult<Self> {
         Mesh::made(py, move || mesh::rectangle(size, cells))
     }
@@ -295,6 +318,20 @@ impl Mesh {
     fn scaled(&self, py: Python<'_>, factor: f64) -> PyResult<Self> {
         let file = pool::work(py, || self.file().scaled(factor))?;
         Ok(Mesh::of_file(file.map_err(|error| errors::library(py, &error))?))
+    }
+
+    /// The mesh at another place: a rotation by an angle about an axis through a point, and then a shift.
+    fn placed(
+        &self,
+        py: Python<'_>,
+        turn: Option<([f64; 3], f64, [f64; 3])>,
+        at: [f64; 3],
+    ) -> PyResult<Self> {
+        let turned = |(axis, angle, about)| Placement::default().turned(axis, angle, about);
+        let placement = turn.map_or(Ok(Placement::default()), turned);
+        let placement = placement.map_err(|error| errors::argument(py, "turn", &error.to_string()))?;
+        let file = pool::work(py, || self.file().placed(&placement.shifted(at)))?;
+        Ok(Mesh::of_file(file.map_err(|error| errors::argument(py, "turn", &error.to_string()))?))
     }
 
     fn merged(&self, py: Python<'_>, within: f64) -> PyResult<Self> {

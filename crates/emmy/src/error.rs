@@ -60,6 +60,20 @@ pub enum Error {
         /// The distance.
         within: f64,
     },
+    /// Two cells that would have the same nodes if near nodes were one.
+    #[error(
+        "cell {repeated} would have the nodes of cell {first} if nodes within {within} of each other were one; do two \
+         bodies overlap?",
+        within = short(.within)
+    )]
+    MergedCells {
+        /// Index of the first cell.
+        first: u32,
+        /// Index of the second cell.
+        repeated: u32,
+        /// The distance.
+        within: f64,
+    },
     /// A node of a group that does not exist.
     #[error("group \"{group}\" names node {node}, but the mesh has {n_nodes} nodes")]
     GroupNodeOutOfRange {
@@ -128,6 +142,57 @@ pub enum Error {
     CellSize {
         /// The cell size.
         value: f64,
+    },
+    /// A ring whose inner radius is not the smaller one.
+    #[error("the inner radius {} must be smaller than the outer radius {}", short(.inner), short(.outer))]
+    InnerRadius {
+        /// The inner radius.
+        inner: f64,
+        /// The outer radius.
+        outer: f64,
+    },
+    /// A ring with too few cells around its axis.
+    #[error("a ring needs at least {least} cells around its axis, not {count}")]
+    CellsAround {
+        /// Number of cells.
+        count: usize,
+        /// Fewest cells.
+        least: usize,
+    },
+    /// A part of a mesh whose name cannot be a word in other names.
+    #[error("a part may have only letters, digits, `_` and `-` in its name, not \"{part}\"")]
+    PartName {
+        /// Name of the part.
+        part: String,
+    },
+    /// A part of a mesh with the name of a group, or with a group, that is there already.
+    #[error("part \"{part}\": there is a group \"{group}\" already; give the part another name")]
+    GroupOfPartExists {
+        /// Name of the part.
+        part: String,
+        /// The group.
+        group: String,
+    },
+    /// A part in plane strain beside solid ones, or a solid one beside those in plane strain.
+    #[error("part \"{part}\": cells in plane strain and solid cells cannot be parts of one mesh")]
+    MixedParts {
+        /// Name of the part.
+        part: String,
+    },
+    /// A rotation that takes cells in plane strain out of their plane.
+    #[error("cells in plane strain turn about the z axis only")]
+    TurnedPlane,
+    /// A rotation without an axis or an angle.
+    #[error(
+        "a rotation needs a finite angle, not {}, and an axis that is finite and not 0, not {}",
+        short(.angle),
+        short_vector(.axis)
+    )]
+    Turn {
+        /// The axis.
+        axis: [f64; 3],
+        /// The angle.
+        angle: f64,
     },
     /// A value that must be a finite number.
     #[error("{what} must be a finite number, not {}", short(.value))]

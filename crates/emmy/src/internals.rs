@@ -40,7 +40,7 @@ pub mod material {
 /// Quality of some of the cells, and the limit of built-in shapes.
 pub mod mesh {
     pub use crate::mesh::quality::quality_of;
-    pub use crate::mesh::shapes::check_count;
+    pub use crate::mesh::shapes::{FEWEST_AROUND, ball_count, check_count, cylinder_count};
 }
 
 /// Resolution of time functions by the steps.

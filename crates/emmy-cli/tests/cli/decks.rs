@@ -4,7 +4,7 @@
 use super::Place;
 
 /// The decks with their frequencies.
-fn decks() -> Vec<(String, Vec<f64>)> {
+pub(super) fn decks() -> Vec<(String, Vec<f64>)> {
     let table: toml::Table = include_str!("../decks/calculix.toml").parse().unwrap();
     let row = |(name, values): (String, toml::Value)| {
         let values = values.as_array().unwrap().iter().map(|value| value.as_float().unwrap()).collect();
@@ -14,7 +14,7 @@ fn decks() -> Vec<(String, Vec<f64>)> {
 }
 
 /// An input for a deck, and what holds it.
-fn input(name: &str, extension: &str, group: &str) -> String {
+pub(super) fn input(name: &str, extension: &str, group: &str) -> String {
     let file = format!("{}/tests/decks/{name}.{extension}", env!("CARGO_MANIFEST_DIR"));
     format!(
         "mesh.file = '{file}'\n\n[[region]]\ndensity = 1.5\n\

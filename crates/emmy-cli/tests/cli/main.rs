@@ -22,6 +22,7 @@ mod materials;
 mod mistakes;
 mod modes;
 mod pages;
+mod parts;
 mod quantities;
 mod reference;
 mod report;

@@ -93,7 +93,7 @@ impl Identity {
         let (mut before_input, mut now_input) = (table(&self.input), table(&now.input));
         // Files may have moved; their content is in the digests.
         [&mut before_input, &mut now_input].into_iter().for_each(remove_history_files);
-        let (old_file, new_file) = (take_file(&mut before_input), take_file(&mut now_input));
+        let (old_files, new_files) = (take_mesh_files(&mut before_input), take_mesh_files(&mut now_input));
         let of = |table: &toml::Table, key: &str| table.get(key).cloned();
         for key in FIXED {
             let found = difference(key, of(&before_input, key).as_ref(), of(&now_input, key).as_ref());
@@ -110,7 +110,7 @@ impl Identity {
                 now: text(&now_input),
             });
         }
-        if old_file.is_some() != new_file.is_some() || self.mesh != now.mesh {
+        if old_files != new_files || self.mesh != now.mesh {
             return Err(Mismatch::Mesh { before: self.mesh.clone(), now: now.mesh.clone() });
         }
         // Checkpoints of earlier versions have no digest.
@@ -142,7 +142,7 @@ pub(crate) fn other_input(team: &dyn Team, resolved: &str) -> Option<String> {
     let table = |text: &str| {
         let mut table = text.parse::<toml::Table>().unwrap_or_default();
         remove_history_files(&mut table);
-        take_file(&mut table);
+        take_mesh_files(&mut table);
         table
     };
     let own = table(resolved).to_string();
@@ -166,7 +166,7 @@ fn body_of(input: &toml::Table) -> toml::Table {
         .filter(|(key, _)| FIXED.contains(&key.as_str()) && !is_start(key))
         .collect();
     remove_history_files(&mut body);
-    take_file(&mut body);
+    take_mesh_files(&mut body);
     body.iter_mut().for_each(|(_, value)| forget_numbers(value));
     body
 }
@@ -183,8 +183,23 @@ fn forget_numbers(value: &mut toml::Value) {
     }
 }
 
-fn take_file(input: &mut toml::Table) -> Option<toml::Value> {
-    input.get_mut("mesh")?.as_table_mut()?.remove("file")
+/// Removes the paths of mesh files, and returns how many there are.
+fn take_mesh_files(input: &mut toml::Table) -> usize {
+    let mut count = 0;
+    if let Some(toml::Value::Table(mesh)) = input.get_mut("mesh") {
+        for_each_mesh_file(mesh, &mut |own| count += usize::from(own.remove("file").is_some()));
+    }
+    count
+}
+
+/// Calls a function with every table of `[mesh]` that names a file: itself, and its parts.
+pub(crate) fn for_each_mesh_file(mesh: &mut toml::Table, visit: &mut dyn FnMut(&mut toml::Table)) {
+    if mesh.contains_key("file") {
+        visit(mesh);
+    }
+    let Some(toml::Value::Array(parts)) = mesh.get_mut("parts") else { return };
+    let parts = parts.iter_mut().filter_map(toml::Value::as_table_mut);
+    parts.filter(|part| part.contains_key("file")).for_each(visit);
 }
 
 /// Removes the paths of the files of histories from a resolved input.

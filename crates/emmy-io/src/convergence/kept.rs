@@ -65,12 +65,22 @@ fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
         ["scheme", "degree", "steps"].into_iter().for_each(|key| drop(time.remove(key)));
     }
     identity::remove_history_files(&mut input);
-    if let Some(file) = input.get_mut("mesh").and_then(|mesh| mesh.get_mut("file")) {
-        let path = mesh.unwrap_or(Path::new(file.as_str().unwrap_or_default()));
-        let content = whole_file::read(path)?;
-        *file = toml::Value::String(format!("{} bytes, sum {:016x}", content.len(), checksum(&content)));
+    let mut result = Ok(());
+    if let Some(toml::Value::Table(section)) = input.get_mut("mesh") {
+        let is_one = section.contains_key("file");
+        identity::for_each_mesh_file(section, &mut |own| {
+            let Some(file) = own.get_mut("file") else { return };
+            let named = Path::new(file.as_str().unwrap_or_default());
+            match whole_file::read(mesh.filter(|_| is_one).unwrap_or(named)) {
+                Ok(content) => {
+                    let sum = checksum(&content);
+                    *file = toml::Value::String(format!("{} bytes, sum {sum:016x}", content.len()));
+                }
+                Err(error) => result = Err(error),
+            }
+        });
     }
-    Ok(input.to_string())
+    result.map(|()| input.to_string())
 }
 
 pub(crate) fn state_sum(state: &State) -> u64 {

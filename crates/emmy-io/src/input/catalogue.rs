@@ -78,8 +78,9 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     let mut tables = all().into_iter().filter(|table| table.key_of(word).is_some());
     let around = tables.clone().find(|table| table.key_of(section.name).is_some());
     let models: Vec<&Section> = material::sections().filter(|table| table.key_of(word).is_some()).collect();
-    // A tolerance or a kind alone is seldom that of a tie, and a name seldom that of a rigid body.
-    let seldom = [&*tie::TIE, &*rigid::RIGID, &*coupling::COUPLING, &*joint::JOINT];
+    // A tolerance or a kind alone is seldom that of a tie, and a name seldom that of a rigid body or of a part.
+    let seldom =
+        [&*shape::PARTS, &*shape::TURN, &*tie::TIE, &*rigid::RIGID, &*coupling::COUPLING, &*joint::JOINT];
     let other = tables.clone().find(|table| !seldom.iter().any(|own| std::ptr::eq(*own, *table)));
     let table = around.or(other).or_else(|| tables.next())?;
     let name = match models.len() {

@@ -10,6 +10,7 @@ use super::catalogue::ROOT;
 use super::description::Section;
 use super::fault::{InputError, Place};
 use super::measured::MEASURED;
+use super::shape::MeshPath;
 use super::tree::{self, Node, Value};
 use crate::{link, message};
 
@@ -150,10 +151,10 @@ fn string(text: &str, place: &Place) -> Node {
     Node { value: Value::String(text.to_string()), place: place.clone() }
 }
 
-/// Puts the results of the reading back into the tree: the paths of the mesh and of another run, the plan.
+/// Puts the results of the reading back into the tree: the paths of meshes and of another run, the plan.
 pub(super) fn resolve(
     tree: &mut Node,
-    mesh_file: Option<PathBuf>,
+    mesh_files: &[MeshPath],
     start: &Start,
     plan: &StepPlan,
 ) -> Result<(), InputError> {
@@ -162,8 +163,16 @@ pub(super) fn resolve(
         let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.clone());
         initial.put_in_first("state", string(&absolute.to_string_lossy(), &place));
     }
-    if let (Some(file), Some(mesh)) = (mesh_file, tree.get_mut("mesh")) {
-        mesh.put("file", string(&file.to_string_lossy(), &place));
+    for MeshPath { part, file } in mesh_files {
+        let Some(mesh) = tree.get_mut("mesh") else { continue };
+        let text = string(&file.to_string_lossy(), &place);
+        match part {
+            None => mesh.put("file", text),
+            Some(part) => {
+                let Some(Node { value: Value::Array(parts), .. }) = mesh.get_mut("parts") else { continue };
+                parts.iter_mut().skip(*part).take(1).for_each(|own| own.put("file", text.clone()));
+            }
+        }
     }
     if plan.adaptivity().is_some() {
         let end = tree::parse("until", &format!("until = {:?}", plan.end()))?;

@@ -8,6 +8,7 @@ use emmy::team::Team;
 use super::fault::InputError;
 use super::problem::{Overrides, Problem};
 use super::sections::Sections;
+use super::shape::MeshPath;
 use super::source::{self, Source};
 use super::tree::{self, Node};
 use super::{complete, deck, set, write};
@@ -89,20 +90,27 @@ impl Prepared {
         let mut sections = Sections::read(&tree, directory, overrides)?;
         // The text may have lost characters that are not UTF-8.
         sections.output.directory = output.unwrap_or(sections.output.directory);
-        let mesh_file =
-            sections.shape.absolute_file().map(|file| complete::spellable(file, &sections.output.directory));
+        let spellable = |own: MeshPath| MeshPath {
+            file: complete::spellable(own.file, &sections.output.directory),
+            ..own
+        };
+        let mesh_files: Vec<MeshPath> = sections.shape.files().into_iter().map(spellable).collect();
         let histories = complete::resolve_histories(&mut tree, directory, &sections.output.directory);
-        let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
-        complete::resolve(&mut tree, mesh_file, &sections.start, &sections.time.plan)?;
+        let lost = mesh_files.iter().find(|own| own.file.to_str().is_none()).map(lost_mesh);
+        complete::resolve(&mut tree, &mesh_files, &sections.start, &sections.time.plan)?;
         complete::spell(&mut tree);
         file.iter().for_each(|file| deck::leave_out_all(&mut tree, file));
         sections.mesh_file.set(file);
-        let lost = is_lost.then(|| LOST_MESH.to_string());
         let notes = lost.into_iter().chain(note).collect();
         Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })
     }
 }
 
-/// A path of the mesh that no TOML file can hold.
-const LOST_MESH: &str = "the mesh path is not UTF-8, so `input.toml` cannot record it; to resume, give \
-                         `--set mesh.file=PATH` with a UTF-8 path";
+/// The remark on a path of the mesh that no TOML file can hold.
+fn lost_mesh(path: &MeshPath) -> String {
+    let key = path.part.map_or("mesh.file".to_string(), |part| format!("mesh.parts.{part}.file"));
+    format!(
+        "the mesh path is not UTF-8, so `input.toml` cannot record it; to resume, give `--set {key}=PATH` with a UTF-8 \
+         path"
+    )
+}

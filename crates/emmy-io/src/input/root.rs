@@ -3,6 +3,7 @@
 use emmy::internals::material::ModelCells;
 
 use super::fault::Faults;
+use super::shape::LINKS;
 use super::table::Table;
 use super::{material, nodal, walk};
 
@@ -97,6 +98,3 @@ impl<'a> Root<'a> {
         names.flat_map(with_own).collect()
     }
 }
-
-/// Group of all links of a mesh in memory.
-const LINKS: &str = "links";

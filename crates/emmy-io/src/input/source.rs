@@ -11,6 +11,7 @@ use emmy::team::{self, Team};
 use super::fault::{Fault, InputError};
 use super::formulation::Formulations;
 use super::problem::Problem;
+use crate::checkpoint::identity::for_each_mesh_file;
 use crate::checkpoint::{digest, other_input};
 use crate::mesh::MeshFile;
 use crate::shares::{self, MeshSource};
@@ -125,46 +126,56 @@ impl<'a> Source<'a> {
 /// file, which need not be there.
 fn digest_of_parts(folder: &Path, resolved: &str, compares_file: bool) -> Result<String, InputError> {
     let index = shares::read_index(folder).map_err(|error| Fault::new(error.to_string()))?;
-    let (section, file) = mesh_section(resolved);
+    let (section, files) = mesh_section(resolved);
     let rejected = |message: String| Err(Fault::new(message).help("`emmy split` writes them again").into());
     let shares = format!("the shares in {}", folder.display());
     if index.source.section != section {
         return rejected(format!("{shares} are of another `[mesh]` than that of the input"));
     }
-    if let Some(file) = file.filter(|file| compares_file && file.exists())
-        && index.source.checksum != Some(checksum(&file)?)
+    if compares_file
+        && !files.is_empty()
+        && files.iter().all(|file| file.exists())
+        && index.source.checksum != Some(checksum(&files)?)
     {
-        return rejected(format!("{shares} are of another content of {}", file.display()));
+        let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        return rejected(format!("{shares} are of another content of {}", names.join(", ")));
     }
     Ok(index.digest)
 }
 
 /// The source of the mesh in a resolved input.
 pub(super) fn mesh_source(resolved: &str) -> Result<MeshSource, InputError> {
-    let (section, file) = mesh_section(resolved);
-    let checksum = file.map(|file| checksum(&file)).transpose()?;
+    let (section, files) = mesh_section(resolved);
+    let checksum = if files.is_empty() { None } else { Some(checksum(&files)?) };
     Ok(MeshSource { section, checksum })
 }
 
-/// The section `[mesh]` of a resolved input, without the folder of a file, which may move; and the file.
-fn mesh_section(resolved: &str) -> (String, Option<PathBuf>) {
+/// The section `[mesh]` of a resolved input, without the folders of files, which may move; and the files.
+fn mesh_section(resolved: &str) -> (String, Vec<PathBuf>) {
     let table = resolved.parse::<toml::Table>().unwrap_or_default();
-    let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return (String::new(), None) };
-    let Some(toml::Value::String(file)) = mesh.get_mut("file") else { return (mesh.to_string(), None) };
-    let path = PathBuf::from(&*file);
-    *file = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    (mesh.to_string(), Some(path))
+    let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return Default::default() };
+    let mut files = Vec::new();
+    for_each_mesh_file(&mut mesh, &mut |own| {
+        let Some(toml::Value::String(file)) = own.get_mut("file") else { return };
+        let path = PathBuf::from(&*file);
+        *file = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        files.push(path);
+    });
+    (mesh.to_string(), files)
 }
 
-/// CRC-32 of a file of any size.
-fn checksum(path: &Path) -> Result<u32, InputError> {
-    let unreadable = |error| Fault::new(named(path)(error).to_string());
-    let mut file = whole_file::open(path).map_err(unreadable)?;
+/// CRC-32 of files of any size, one after the other.
+fn checksum(paths: &[PathBuf]) -> Result<u32, InputError> {
     let (mut hasher, mut bytes) = (crc32fast::Hasher::new(), vec![0; 1 << 20]);
-    loop {
-        match file.read(&mut bytes).map_err(unreadable)? {
-            0 => return Ok(hasher.finalize()),
-            n => hasher.update(&bytes[..n]),
+    for path in paths {
+        let unreadable = |error| Fault::new(named(path)(error).to_string());
+        let mut file = whole_file::open(path).map_err(unreadable)?;
+        loop {
+            match file.read(&mut bytes).map_err(unreadable)? {
+                0 => break,
+                n => hasher.update(&bytes[..n]),
+            }
         }
     }
+    Ok(hasher.finalize())
 }

@@ -6,6 +6,7 @@ mod entry;
 mod error;
 mod gmsh;
 mod includes;
+mod joined;
 mod nastran;
 mod other;
 mod plane;
@@ -23,6 +24,7 @@ use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
 pub use entry::{DeckEntry, acting_entries};
 pub use error::{MeshError, Place, Position};
+pub use joined::joined;
 pub use vtu::{Grid, GridArray, Numbers};
 
 /// Kinds of cells in files, for messages.
@@ -81,9 +83,13 @@ impl MeshFile {
     /// The mesh in which nodes at most a distance apart are one, with a note on their number.
     ///
     /// # Errors
-    /// As [`Mesh::merged`].
+    /// As [`Mesh::merged`]; [`emmy::Error::MergedCells`] if two cells, which are no links, would have the same nodes.
     pub fn merged(self, within: f64) -> emmy::Result<Self> {
         let (mesh, n) = self.mesh.merged(within)?;
+        let is_link = |cell: u32| mesh.cell(cell as usize).kind.dimension() == 1;
+        if let Some([first, repeated]) = mesh.repeated_cells().into_iter().find(|pair| !is_link(pair[0])) {
+            return Err(emmy::Error::MergedCells { first, repeated, within });
+        }
         let mut file = MeshFile { mesh, ..self };
         file.leave_out_joined(|_| false);
         file.notes.push(match n {

@@ -35,4 +35,5 @@ mod mesh_vtk_arrays;
 mod mesh_vtu;
 mod meshes;
 mod own_schemes;
+mod parts;
 mod report_vendor;

@@ -79,6 +79,69 @@ impl MeshBuilder {
         self.groups.nodes.entry(name.to_string()).or_default().extend(nodes);
     }
 
+    /// Adds a mesh as a part with a name: its nodes and cells after those that are there, a cell group of the name, and
+    /// each of its groups with the name and a hyphen before its own. A cell group `body` of all its cells is not
+    /// repeated. Parts share no nodes; [`Mesh::merged`] joins those that meet.
+    ///
+    /// ```
+    /// use emmy::mesh::{MeshBuilder, Placement, ball, block};
+    /// let mut builder = MeshBuilder::new();
+    /// builder.part("base", &block([2.0, 2.0, 1.0], [2, 2, 1])?)?;
+    /// builder.part("top", &ball(1.0, 2)?.placed(&Placement::default().shifted([1.0, 1.0, 2.5]))?)?;
+    /// let mesh = builder.build()?;
+    /// assert_eq!((mesh.groups().cells("base")?.len(), mesh.groups().cells("top")?.len()), (4, 32));
+    /// assert_eq!(mesh.groups().facets("top-surface")?.len(), 24);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::PartName`] for a name that is empty or has other characters than letters, digits, `_` and `-`,
+    /// [`Error::GroupOfPartExists`] if a group with one of its names is there already, [`Error::MixedParts`] for cells
+    /// in plane strain beside solid ones; nothing is added then.
+    pub fn part(&mut self, name: &str, mesh: &Mesh) -> Result<()> {
+        if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
+            return Err(Error::PartName { part: name.to_string() });
+        }
+        let groups = mesh.groups();
+        let own = |group: &str| groups.name_in_part(name, mesh.n_cells(), group);
+        let mut names = groups.names().into_iter().map(own).chain([name.to_string()]);
+        if let Some(group) = names.find(|group| self.has_group(group)) {
+            return Err(Error::GroupOfPartExists { part: name.to_string(), group });
+        }
+        let has = |dimension: usize| {
+            let is_of = |kind: CellKind| kind.dimension() == dimension;
+            self.kinds.iter().any(|kind| is_of(*kind)) || mesh.cells().any(|cell| is_of(cell.kind))
+        };
+        if has(2) && has(3) {
+            return Err(Error::MixedParts { part: name.to_string() });
+        }
+        let (first_node, first_cell) = (self.points.len() as u32, self.kinds.len() as u32);
+        self.points.extend(mesh.points());
+        for cell in mesh.cells() {
+            self.kinds.push(cell.kind);
+            self.connectivity.extend(cell.nodes.iter().map(|node| first_node + node));
+            self.offsets.push(self.connectivity.len() as u32);
+        }
+        self.cell_group(name, first_cell..self.kinds.len() as u32);
+        for (group, cells) in &groups.cells {
+            self.cell_group(&own(group), cells.iter().map(|cell| first_cell + cell));
+        }
+        for (group, facets) in &groups.facets {
+            let moved = |facet: &Facet| Facet { cell: first_cell + facet.cell, ..*facet };
+            self.facet_group(&own(group), facets.iter().map(moved));
+        }
+        for (group, nodes) in &groups.nodes {
+            self.node_group(&own(group), nodes.iter().map(|node| first_node + node));
+        }
+        Ok(())
+    }
+
+    fn has_group(&self, name: &str) -> bool {
+        let Groups { cells, facets, nodes } = &self.groups;
+        let is_by_nodes = self.facets_by_nodes.iter().any(|(own, _)| own == name);
+        is_by_nodes || cells.contains_key(name) || facets.contains_key(name) || nodes.contains_key(name)
+    }
+
     /// Leaves out the facets given by nodes that are no face of a cell, such as shells beside solids, and returns their
     /// numbers by group: their nodes form the group of nodes of the same name.
     ///

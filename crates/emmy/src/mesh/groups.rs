@@ -96,6 +96,20 @@ impl Groups {
         }
     }
 
+    /// The name of a group once the mesh with these groups is a part of another one ([`super::MeshBuilder::part`]).
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([1.0; 3], [1; 3])?;
+    /// let name = |group| mesh.groups().name_in_part("left", mesh.n_cells(), group);
+    /// assert_eq!([name("x-min"), name("body")], ["left-x-min", "left"]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn name_in_part(&self, part: &str, n_cells: usize, group: &str) -> String {
+        let is_whole = || self.cells.get(group).is_some_and(|cells| cells.len() == n_cells);
+        let is_alone = || !self.facets.contains_key(group) && !self.nodes.contains_key(group);
+        if group == WHOLE && is_whole() && is_alone() { part.to_string() } else { format!("{part}-{group}") }
+    }
+
     /// Names of all groups, sorted, without repetition.
     pub fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self
@@ -110,6 +124,9 @@ impl Groups {
         names
     }
 }
+
+/// Group of all cells of the built-in shapes.
+const WHOLE: &str = "body";
 
 /// Kinds of members.
 const KINDS: [&str; 3] = ["cells", "facets", "nodes"];

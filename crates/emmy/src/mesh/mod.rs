@@ -6,6 +6,7 @@ mod connectivity;
 mod groups;
 mod mortar;
 mod nearest;
+mod placement;
 pub(crate) mod quality;
 pub(crate) mod shapes;
 mod share;
@@ -15,8 +16,9 @@ pub(crate) use connectivity::roots;
 pub use groups::{Facet, Groups};
 pub(crate) use mortar::mortar;
 pub(crate) use nearest::{Nearest, Patch, distance};
+pub use placement::Placement;
 pub use quality::{Quality, Worst, check, quality};
-pub use shapes::{MAX_CELLS, block, l_block, rectangle};
+pub use shapes::{MAX_CELLS, ball, block, cylinder, l_block, rectangle, ring};
 pub use share::{Share, Shares, owners};
 
 pub use crate::element::{CellKind, FacetKind};
@@ -336,6 +338,33 @@ impl Mesh {
         let of_whole =
             self.whole.iter_mut().flat_map(|whole| whole.facet_groups.values_mut().chain([&mut whole.mesh]));
         self.points.iter_mut().chain(of_whole.flatten()).flatten().for_each(|x| *x *= factor);
+        Ok(self)
+    }
+
+    /// The mesh at another place.
+    ///
+    /// ```
+    /// use emmy::mesh::{Placement, block};
+    /// let beside = block([1.0; 3], [1; 3])?.placed(&Placement::default().shifted([2.0, 0.0, 0.0]))?;
+    /// assert_eq!(beside.points()[6], [3.0, 1.0, 1.0]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::TurnedPlane`] if a cell in plane strain is turned about another axis than z.
+    pub fn placed(mut self, placement: &Placement) -> Result<Mesh> {
+        let is_plane = self.cells().any(|cell| cell.kind.dimension() == 2);
+        if is_plane && !placement.keeps_z() {
+            return Err(Error::TurnedPlane);
+        }
+        if let Some(whole) = &mut self.whole {
+            whole
+                .facet_groups
+                .values_mut()
+                .chain([&mut whole.mesh])
+                .for_each(|own| *own = placement.box_of(*own));
+        }
+        self.points.iter_mut().for_each(|point| *point = placement.point(*point));
         Ok(self)
     }
 }

@@ -41,7 +41,7 @@ fn vtu(name: &str, text: &str) -> Mistake {
 pub(super) const NETWORK: &str = "network = { points = [[0, 0, 0], [0, 1, 0]], links = [[0, 1]] }";
 
 pub(super) fn all() -> Vec<Mistake> {
-    [built_ins(), formats(), contents()].into_iter().flatten().collect()
+    [built_ins(), round_shapes(), parts(), formats(), contents()].into_iter().flatten().collect()
 }
 
 fn built_ins() -> Vec<Mistake> {
@@ -75,6 +75,96 @@ fn built_ins() -> Vec<Mistake> {
         network("group-of-points-that-are-not-there", "links =", "groups = { end = [7] }, links =").unseen(),
         built_in("links-of-a-solid-material", NETWORK)
             .with(&["--set", "region.0.group=links", "--set", "support=[]", "--set", "load=[]"])
+            .unseen(),
+    ]
+}
+
+fn round_shapes() -> Vec<Mistake> {
+    let ring = |name: &str, radii: &str, cells: &str| {
+        built_in(name, &format!("ring = {{ {radii}, height = 1, cells = {cells} }}"))
+    };
+    vec![
+        ring("ring-without-a-wall", "inner = 2, outer = 2", "[1, 8, 1]").unseen(),
+        ring("ring-with-a-negative-radius", "inner = -1, outer = 2", "[1, 8, 1]"),
+        ring("ring-of-two-cells-around", "inner = 1, outer = 2", "[1, 2, 1]").unseen(),
+        ring("ring-without-cells-around", "inner = 1, outer = 2", "[1, 0, 1]"),
+        ring("ring-of-more-cells-than-memory", "inner = 1, outer = 2", "[1000, 1000, 1000]").unseen(),
+        ring("ring-with-a-radius", "radius = 2", "[1, 8, 1]"),
+        built_in("cylinder-without-height", "cylinder = { radius = 1, cells = [2, 2] }"),
+        built_in("cylinder-of-height-zero", "cylinder = { radius = 1, height = 0, cells = [2, 2] }"),
+        built_in("cylinder-with-three-numbers", "cylinder = { radius = 1, height = 1, cells = [2, 8, 2] }"),
+        built_in("cylinder-of-many-cells", "cylinder = { radius = 1, height = 1, cells = [9999, 9] }")
+            .unseen(),
+        built_in("ball-with-a-list", "ball = { radius = 1, cells = [4, 4, 4] }"),
+        built_in("ball-without-cells", "ball = { radius = 1, cells = 0 }"),
+        built_in("ball-of-more-cells-than-memory", "ball = { radius = 1, cells = 1000 }").unseen(),
+        built_in("ball-called-sphere", "sphere = { radius = 1, cells = 4 }"),
+    ]
+}
+
+/// Two boxes as parts, with keys of the second.
+fn two_boxes(second: &str) -> String {
+    let cube = "box = { size = [1, 1, 1], cells = [1, 1, 1] }";
+    format!("parts = [\n    {{ name = \"left\", {cube} }},\n    {{ {second}, {cube} }},\n]")
+}
+
+fn parts() -> Vec<Mistake> {
+    let second = |name: &str, keys: &str| built_in(name, &two_boxes(keys));
+    let after = |name: &str, keys: &str, rest: &str| built_in(name, &format!("{}\n{rest}", two_boxes(keys)));
+    let parts = |name: &str, all: &str| built_in(name, &format!("parts = [{all}]"));
+    let plane = "rectangle = { size = [1, 1], cells = [1, 1] }";
+    vec![
+        parts("no-parts", ""),
+        built_in("part-without-brackets", "parts = { name = \"a\", ball = { radius = 1, cells = 1 } }"),
+        parts("part-without-a-source", "{ name = \"a\" }"),
+        parts("part-with-two-sources", &format!("{{ name = \"a\", {plane}, file = \"a.msh\" }}")),
+        parts("part-in-a-part", "{ name = \"a\", parts = [] }"),
+        parts("part-without-a-name", &format!("{{ {plane} }}")),
+        second("part-with-an-empty-name", "name = \"\""),
+        second("part-with-a-blank-in-its-name", "name = \"right arm\"").unseen(),
+        second("part-named-twice", "name = \"left\"").unseen(),
+        second("part-named-as-a-group", "name = \"left-x-max\"").unseen(),
+        second("part-turned-about-nothing", "name = \"a\", turn = { axis = [0, 0, 0], angle = 1 }").unseen(),
+        second("part-turned-without-an-angle", "name = \"a\", turn = { axis = [0, 0, 1] }"),
+        second("part-turned-by-a-number", "name = \"a\", turn = 90"),
+        second("part-shifted-in-the-plane", "name = \"a\", at = [1, 0]"),
+        second("part-shifted-by-a-wrong-key", "name = \"a\", shift = [1, 0, 0]"),
+        second("part-of-no-size", "name = \"a\", scale = 0"),
+        second("part-too-far", "name = \"a\", at = [1e60, 0, 0]").unseen(),
+        parts("part-whose-file-is-missing", "{ name = \"a\", file = \"prat.msh\" }").beside("part.msh", "").unseen(),
+        parts("part-whose-file-is-damaged", "{ name = \"a\", file = \"part.msh\" }")
+            .beside("part.msh", format!("{GMSH}$Nodes\n4\n1 0 0 0\n2 1 0"))
+            .unseen(),
+        parts(
+            "parts-of-more-cells-than-memory",
+            "\n    { name = \"a\", ball = { radius = 1, cells = 90 } },\n    { name = \"b\", ball = { radius = 1, cells \
+             = 140 } },\n    { name = \"c\", ball = { radius = 1, cells = 120 } },\n",
+        )
+        .unseen(),
+        parts(
+            "parts-in-plane-strain-and-solid",
+            &format!("{{ name = \"a\", ball = {{ radius = 1, cells = 1 }} }}, {{ name = \"b\", {plane} }}"),
+        )
+        .unseen(),
+        parts(
+            "parts-in-two-planes",
+            &format!("{{ name = \"a\", {plane} }}, {{ name = \"b\", {plane}, at = [0, 0, 1] }}"),
+        )
+        .unseen(),
+        parts(
+            "part-turned-out-of-its-plane",
+            &format!("{{ name = \"a\", {plane}, turn = {{ axis = [1, 0, 0], angle = 0.1 }} }}"),
+        )
+        .unseen(),
+        second("group-of-a-part-misspelt", "name = \"right\"")
+            .and("group = \"body\"", "group = \"rigth\"")
+            .and("group = \"y-max\"", "group = \"right-y-mx\"")
+            .and("group = \"y-min\"", "group = \"left-y-min\"")
+            .unseen(),
+        after("parts-on-top-of-each-other", "name = \"a\"", "merge = 1e-6").unseen(),
+        after("shells-of-built-in-parts", "name = \"a\"", "shells = \"plane-strain\"").unseen(),
+        after("entries-of-built-in-parts", "name = \"a\"", "leave_out = [\"a-rbe2_1\"]")
+            .and("group = \"body\"", "group = \"a\"")
             .unseen(),
     ]
 }
