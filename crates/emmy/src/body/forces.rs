@@ -320,6 +320,7 @@ impl Body {
     ) -> Result<()> {
         let Assembly { matrix, parts, acting } = assembly;
         let n_cells = self.cells().all.len();
+        self.prepare(&is_wanted, input, acting)?;
         let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
             sink.clear_force();
             if let Some(coefficients) = mass {
@@ -342,8 +343,32 @@ impl Body {
             rows.par_iter_mut().zip(&mut *parts).enumerate().for_each(work);
         }
         self.space.agree(parts.iter().try_for_each(|part| part.outcome.clone()))?;
+        if input.1 == Request::Tangent {
+            if mass.is_some() {
+                matrix.couplings.clear();
+            }
+            for ((force, memory), acts) in self.others().zip(&acting.memories).zip(&acting.acts) {
+                if *acts && is_wanted(force) {
+                    force.add_couplings(input.0, memory, &mut matrix.couplings);
+                }
+            }
+        }
         self.space.ties().fold(&self.pattern, matrix, input.1 == Request::Tangent);
         Ok(())
+    }
+
+    /// Lets forces evaluate what all rows share; those that do are refused on a team.
+    fn prepare(
+        &self,
+        is_wanted: impl Fn(&dyn Force) -> bool,
+        input: (&StepInput<'_>, Request),
+        acting: &mut Acting,
+    ) -> Result<()> {
+        let mut forces = self.others().zip(&mut acting.memories).zip(&acting.acts);
+        forces.try_for_each(|((force, memory), acts)| match *acts && is_wanted(force) {
+            true => force.prepare(input, memory),
+            false => Ok(()),
+        })
     }
 
     /// Whether some force bounds corrections.

@@ -26,8 +26,8 @@ pub use crate::element::{Formulation, PressureSpace};
 pub use crate::force::ContactSummary;
 pub use crate::input::{
     Contact, Coupling, Field, FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Joint, JointEnd,
-    JointKind, JointSpring, Load, LoadKind, Obstacle, PointMass, PointTerms, Region, RigidBody, Rotation,
-    SpreadMass, Support, Tie, TieKind, TimeFunction, Viscosity,
+    JointKind, JointSpring, Load, LoadKind, Obstacle, Opponent, PointMass, PointTerms, Region, RigidBody,
+    Rotation, SpreadMass, Support, Tie, TieKind, TimeFunction, Viscosity,
 };
 pub use crate::mass::RegionSummary;
 pub use crate::space::{CoupledPoint, Reaction, TieSummary};

@@ -40,7 +40,15 @@ pub struct Layer {
     pub law: LayerLaw,
 }
 
+/// Thickness of the layer of the guards over that of the points.
+pub const GUARD: f64 = 0.5;
+
 impl Layer {
+    /// The layer of the guards, which is thinner and as stiff.
+    pub fn of_guards(&self) -> Layer {
+        Layer { thickness: GUARD * self.thickness, ..*self }
+    }
+
     fn c(&self) -> f64 {
         0.125 * self.modulus * self.thickness
     }

@@ -4,6 +4,7 @@
 //! layer has an energy per area that is zero from a distance on and infinite at distance zero, so nothing passes
 //! through it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
+mod candidates;
 mod closest;
 mod correction;
 mod layer;
@@ -12,13 +13,20 @@ mod obstacle;
 mod pair;
 mod path;
 mod step;
+mod surface;
+mod surface_layer;
 #[cfg(test)]
 mod tests;
+mod tree;
 
+pub use candidates::{Candidate, Candidates};
 pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
-pub use layer::{Layer, LayerLaw};
+pub use layer::{GUARD, Layer, LayerLaw};
 pub use links::PairState;
 pub use obstacle::{MAX_STAGES, ObstacleLayer, ObstacleSurface, PointPath};
 pub use pair::Pair;
 pub use path::paths_meet;
 pub use step::PairStage;
+pub use surface::{SharpEdge, Surface, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
+pub use surface_layer::{ActingPair, SurfaceLayer, SurfaceMemory, SurfaceSearch, SurfaceState};
+pub use tree::{Bounds, BoxTree};

@@ -1,6 +1,7 @@
-//! Contact of surfaces with obstacles.
+//! Contact of surfaces with obstacles, and with each other.
 
 mod source;
+mod surfaces;
 
 use std::slice::from_ref;
 

@@ -24,12 +24,17 @@ pub struct ContactSummary {
     pub n_facets: usize,
     /// Number of quadrature points on them.
     pub n_points: usize,
+    /// Number of triangles into which they are divided; 0 with an obstacle.
+    pub n_triangles: usize,
+    /// Number of sharp edges; 0 with an obstacle.
+    pub n_sharp_edges: usize,
     /// Reference area of the surface \[length^2\].
     pub area: f64,
     /// Modulus of the layer \[force/length^2\].
     pub stiffness: f64,
     /// Thickness of the layer \[length\].
     pub distance: f64,
-    /// Smallest gap between a node and the obstacle in the reference configuration \[length\].
+    /// Smallest gap in the reference configuration \[length\]: between a node and the obstacle, or between two bodies,
+    /// where it is infinite beyond 128 default thicknesses.
     pub smallest_gap: f64,
 }

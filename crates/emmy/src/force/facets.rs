@@ -78,6 +78,16 @@ impl FacetTable {
         self.sections.push(section);
     }
 
+    /// Kind of the facets.
+    pub(super) fn kind(&self) -> FacetKind {
+        self.kind
+    }
+
+    /// Shape functions, `[point][node]`.
+    pub(super) fn shapes(&self) -> &[f64] {
+        self.reference.shapes()
+    }
+
     /// Number of nodes of a facet.
     pub(super) fn n_nodes(&self) -> usize {
         self.reference.n_nodes

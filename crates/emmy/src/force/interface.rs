@@ -13,7 +13,7 @@ use super::strain_state::StrainState;
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
 use crate::input::{NotFinite, SignalTarget, TimeFunction};
-use crate::sparse::RowPart;
+use crate::sparse::{Couplings, RowPart};
 use crate::team::Subdomain;
 
 /// The term of the energy balance in which a force counts.
@@ -82,6 +82,14 @@ pub trait Force: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Evaluates what all rows share, before they are assembled.
+    ///
+    /// # Errors
+    /// As [`Force::assemble`].
+    fn prepare(&self, _: (&StepInput<'_>, Request), _: &mut ForceMemory) -> Result<()> {
+        Ok(())
+    }
+
     /// Adds stage forces to the rows of a part, and with [`Request::Tangent`] their derivatives, those of forces on the
     /// right with the opposite sign.
     ///
@@ -97,6 +105,9 @@ pub trait Force: fmt::Debug + Send + Sync {
     ) -> Result<()> {
         Ok(())
     }
+
+    /// Adds the derivatives between nodes that the pattern of the body does not couple, as prepared.
+    fn add_couplings(&self, _: &StepInput<'_>, _: &ForceMemory, _: &mut Couplings) {}
 
     /// Rate r of a force `-r M v` \[1/time\], which the equations take into the inertia.
     fn momentum_rate(&self) -> f64 {

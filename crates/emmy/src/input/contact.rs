@@ -78,9 +78,25 @@ fn unit(what: &str, direction: [f64; 3]) -> Result<[f64; 3], String> {
     }
 }
 
-/// Contact between a surface of a body and an obstacle.
+/// What a surface may touch.
 ///
-/// The surface carries a thin layer, which stores energy where the obstacle is nearer than its thickness. Every
+/// ```
+/// use emmy::body::Opponent;
+/// assert_ne!(Opponent::Surface("floor".into()), Opponent::Bodies);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub enum Opponent {
+    /// An obstacle.
+    Obstacle(Obstacle),
+    /// Another surface: a group of facets, or of cells, whose facets on the boundary are meant.
+    Surface(String),
+    /// The bodies that the surface itself consists of: all that are not connected touch each other.
+    Bodies,
+}
+
+/// Contact between a surface of a body and an obstacle, another surface, or all bodies of the surface.
+///
+/// The surfaces carry a thin layer, which stores energy where something is nearer than its thickness. Every
 /// energy-momentum scheme keeps the sum of all energies, and nothing passes through the layer.
 ///
 /// ```
@@ -96,8 +112,8 @@ pub struct Contact {
     pub name: Option<String>,
     /// Group of facets, or of cells, whose facets on the boundary are meant; `None`: the whole boundary.
     pub surface: Option<String>,
-    /// The obstacle.
-    pub obstacle: Obstacle,
+    /// What it may touch.
+    pub opponent: Opponent,
     /// Modulus of the layer kappa \[force/length^2\]; `None`: the smallest Young's modulus at its facets.
     pub stiffness: Option<f64>,
     /// Thickness of the layer d \[length\]; `None`: a tenth of the median edge of its facets, at most half of the
@@ -115,14 +131,33 @@ impl Contact {
 
     /// The contact of the whole boundary with an obstacle.
     pub fn of_all_with_obstacle(obstacle: Obstacle) -> Self {
-        Contact {
-            name: None,
-            surface: None,
-            obstacle,
-            stiffness: None,
-            distance: None,
-            law: LayerLaw::Smooth,
-        }
+        Contact::new(None, Opponent::Obstacle(obstacle))
+    }
+
+    /// The contact between two groups.
+    ///
+    /// ```
+    /// use emmy::body::{Contact, Opponent};
+    /// let impact = Contact::between("ball", "plate");
+    /// assert_eq!(impact.opponent, Opponent::Surface("plate".into()));
+    /// ```
+    pub fn between(surface: impl Into<String>, other: impl Into<String>) -> Self {
+        Contact::new(Some(surface.into()), Opponent::Surface(other.into()))
+    }
+
+    /// The contact of all bodies with each other.
+    ///
+    /// ```
+    /// use emmy::body::{Contact, Opponent};
+    /// assert_eq!(Contact::of_all_bodies().opponent, Opponent::Bodies);
+    /// ```
+    pub fn of_all_bodies() -> Self {
+        Contact::new(None, Opponent::Bodies)
+    }
+
+    /// The contact of a surface, by default of the whole boundary, with an opponent.
+    pub fn new(surface: Option<String>, opponent: Opponent) -> Self {
+        Contact { name: None, surface, opponent, stiffness: None, distance: None, law: LayerLaw::Smooth }
     }
 
     /// The same contact with a name.

@@ -23,7 +23,7 @@ mod tie;
 pub(crate) mod time_function;
 mod viscosity;
 
-pub use contact::{Contact, Obstacle};
+pub use contact::{Contact, Obstacle, Opponent};
 pub use coupling::Coupling;
 pub use field::Field;
 pub use initial_velocity::InitialVelocity;

@@ -102,6 +102,10 @@ impl<const D: usize> ReferenceTable<D> {
         &self.gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
     }
 
+    pub(crate) fn shapes(&self) -> &[f64] {
+        &self.shapes
+    }
+
     pub(crate) fn shapes_at(&self, point: usize) -> &[f64] {
         &self.shapes[point * self.n_nodes..(point + 1) * self.n_nodes]
     }

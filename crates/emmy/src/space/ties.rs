@@ -250,6 +250,9 @@ impl Ties {
             }
         }
         if blocks {
+            if !self.is_empty() {
+                matrix.couplings.fold(|node| self.leaders_of(node));
+            }
             let coupled = self.iter().filter(|(node, _)| is_coupled(pattern, *node));
             coupled.for_each(|(node, leaders)| matrix.fold_column(pattern, node, leaders));
         }

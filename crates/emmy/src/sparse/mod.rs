@@ -7,6 +7,7 @@ mod block_cholesky;
 mod blocks;
 mod condensation;
 mod conjugate_gradients;
+mod couplings;
 mod dense;
 mod direct;
 mod eigen;
@@ -35,6 +36,7 @@ mod triangular;
 pub use block_cholesky::BlockCholesky;
 pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
+pub use couplings::Couplings;
 pub(crate) use dense::{DenseLu, antisymmetric_eigenpairs, eigenvalues, largest_eigenvalue};
 pub use dense::{
     Eigenpairs, accurate_inverse, accurate_sum, eigenpairs, eliminate, inverse, null_space,

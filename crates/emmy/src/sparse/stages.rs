@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Pattern;
+use super::{Couplings, Pattern};
 
 /// Rows of the stage system owned by one thread, which alone writes them.
 #[derive(Debug, Clone)]
@@ -118,6 +118,8 @@ pub struct StageMatrix {
     parts: Vec<RowPart>,
     degree: usize,
     n_rows: usize,
+    /// Blocks beyond the pattern.
+    pub couplings: Couplings,
     /// The blocks of rows that no part owns.
     zero: Vec<f64>,
     /// Memory for blocks that move.
@@ -130,7 +132,14 @@ impl StageMatrix {
     pub fn new(pattern: &Pattern, parts: &[Range<usize>], degree: usize) -> Self {
         let parts = parts.iter().map(|rows| RowPart::new(pattern, rows.clone(), degree)).collect();
         let zero = vec![0.0; 9 * degree * degree];
-        StageMatrix { parts, degree, n_rows: pattern.n_rows(), folded: Vec::with_capacity(zero.len()), zero }
+        StageMatrix {
+            parts,
+            degree,
+            n_rows: pattern.n_rows(),
+            couplings: Couplings::new(degree),
+            folded: Vec::with_capacity(zero.len()),
+            zero,
+        }
     }
 
     /// Parts by rows.
@@ -205,6 +214,7 @@ impl StageMatrix {
 
     /// Replaces the matrix by its transpose; the pattern is symmetric.
     pub fn transpose(&mut self, pattern: &Pattern) {
+        self.couplings.transpose();
         for row in 0..self.n_rows {
             for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
                 let Some(mirrored) = pattern.position(column as usize, row) else { continue };
@@ -221,6 +231,8 @@ impl StageMatrix {
     pub fn symmetrize(&mut self, pattern: &Pattern) {
         let matrix = self.clone();
         self.transpose(pattern);
+        self.couplings = matrix.couplings.clone();
+        self.couplings.symmetrize();
         for (part, other) in self.parts.iter_mut().zip(&matrix.parts) {
             part.blocks.iter_mut().zip(&other.blocks).for_each(|(own, other)| *own = 0.5 * (*own + other));
         }
@@ -307,6 +319,7 @@ impl StageMatrix {
             self.parts.par_iter_mut().for_each(|part| part.multiply(pattern, x));
         }
         self.scatter(y, |part| &part.product);
+        self.couplings.add_product(x, y);
     }
 
     fn scatter(&self, target: &mut [f64], source: impl Fn(&RowPart) -> &Vec<f64>) {

@@ -1,20 +1,22 @@
-//! Contacts with obstacles, from groups to points with their areas.
+//! Contacts, from groups to points with their areas.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
 
 use super::ObstacleContact;
-use crate::contact::{Layer, ObstacleLayer};
+use super::surfaces::SurfaceContact;
+use crate::contact::{Layer, ObstacleLayer, Surface, SurfaceFacet, SurfaceLayer};
 use crate::error::{Error, Result};
 use crate::force::contact_summary::ContactSummary;
 use crate::force::facets::FacetTable;
 use crate::force::interface::Force;
 use crate::force::source::{ForceSource, Site};
-use crate::input::Contact;
-use crate::mesh::{Facet, Mesh};
-use crate::number::short_vector;
+use crate::input::{Contact, Obstacle, Opponent};
+use crate::mesh::{Facet, Mesh, roots};
+use crate::number::{short, short_vector};
 
-/// Thickness of the layer of the guards over that of the points.
-const GUARD: f64 = 0.5;
+/// Least gap at the start over the thickness of the layer.
+const LEAST_GAP: f64 = 1e-6;
 
 /// Default thickness over the median edge of the facets, and over the smallest gap at the start.
 const PART_OF_EDGE: f64 = 0.1;
@@ -24,9 +26,8 @@ impl ForceSource for Contact {
     fn force(&self, number: usize, site: &Site<'_>) -> Result<Arc<dyn Force>> {
         let name = self.name(number);
         let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
-        let surface = self.obstacle.surface().map_err(fail)?;
-        let (mesh, facets) = (site.mesh, self.facets(site.mesh)?);
-        if facets.is_empty() {
+        let (mesh, own) = (site.mesh, facets_of(site.mesh, self.surface.as_deref())?);
+        if own.is_empty() {
             return Err(fail("its surface has no facets on the boundary".into()));
         }
         for (what, value) in [("stiffness", self.stiffness), ("distance", self.distance)] {
@@ -34,55 +35,185 @@ impl ForceSource for Contact {
                 return Err(fail(format!("its {what} must be a positive number, not {value}")));
             }
         }
+        let of_other = match &self.opponent {
+            Opponent::Surface(other) => facets_of(mesh, Some(other))?,
+            Opponent::Obstacle(_) | Opponent::Bodies => Vec::new(),
+        };
+        let all: Vec<Facet> = own.iter().chain(&of_other).copied().collect();
         let modulus = match self.stiffness {
             Some(stiffness) => stiffness,
-            None => smallest_modulus(&facets, site)
+            None => smallest_modulus(&all, site)
                 .ok_or_else(|| fail("its cells have no Young's modulus: give its stiffness".into()))?,
         };
-        let tables = FacetTable::of(mesh, site.pattern, &facets, site.section);
+        let distance = self.distance.unwrap_or_else(|| PART_OF_EDGE * median_edge(mesh, &all));
+        let layer = Layer { modulus, thickness: distance, law: self.law };
+        match &self.opponent {
+            Opponent::Obstacle(obstacle) => self.of_obstacle(obstacle, layer, &own, name.clone(), site),
+            Opponent::Surface(other) => {
+                if of_other.is_empty() {
+                    return Err(fail(format!("\"{other}\" has no facets on the boundary")));
+                }
+                self.of_surfaces([&own, &of_other], layer, name.clone(), site)
+            }
+            Opponent::Bodies => self.of_surfaces([&own, &[]], layer, name.clone(), site),
+        }
+    }
+}
+
+impl Contact {
+    /// The contact with an obstacle; `layer`: with the thickness before it is limited by the gap.
+    fn of_obstacle(
+        &self,
+        obstacle: &Obstacle,
+        layer: Layer,
+        facets: &[Facet],
+        name: String,
+        site: &Site<'_>,
+    ) -> Result<Arc<dyn Force>> {
+        let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
+        let surface = obstacle.surface().map_err(fail)?;
+        let tables = FacetTable::of(site.mesh, site.pattern, facets, site.section);
         let areas: Vec<Vec<f64>> = tables.iter().map(FacetTable::areas).collect();
         let nodes = nodes_with_areas(&tables, &areas, site);
-        let positions: Vec<[f64; 3]> = nodes.iter().map(|(node, ..)| mesh.points()[*node as usize]).collect();
+        let positions: Vec<[f64; 3]> =
+            nodes.iter().map(|(node, ..)| site.mesh.points()[*node as usize]).collect();
         let gaps = positions.iter().map(|X| surface.gap(*X));
         let (nearest, gap) =
             gaps.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
         if gap <= 0.0 {
             let at = short_vector(positions[nearest]);
-            return Err(fail(format!(
-                "its surface is not outside of the obstacle at {at}: move the body away"
-            )));
+            let reason = format!("its surface is not outside of the obstacle at {at}: move the body away");
+            return Err(Error::Contact { contact: name, reason });
         }
-        let thickness = self.distance.unwrap_or_else(|| {
-            let edge = median_edge(mesh, &facets);
-            (PART_OF_EDGE * edge).min(PART_OF_GAP * gap)
-        });
-        let layer =
-            |thickness: f64| ObstacleLayer { surface, layer: Layer { modulus, thickness, law: self.law } };
-        let (points, guards) = (layer(thickness), layer(GUARD * thickness));
+        let layer = self.limited(layer, gap);
+        let points = ObstacleLayer { surface, layer };
+        let guards = ObstacleLayer { surface, layer: layer.of_guards() };
         let summary = ContactSummary {
             name,
             n_facets: facets.len(),
             n_points: areas.iter().map(Vec::len).sum(),
+            n_triangles: 0,
+            n_sharp_edges: 0,
             area: areas.iter().flatten().sum(),
-            stiffness: modulus,
-            distance: thickness,
+            stiffness: layer.modulus,
+            distance: layer.thickness,
             smallest_gap: gap,
         };
         Ok(Arc::new(ObstacleContact { summary, points, guards, tables, areas, nodes, positions }))
     }
+
+    /// The contact between two surfaces, or between the bodies of the first if the second is empty.
+    fn of_surfaces(
+        &self,
+        facets: [&[Facet]; 2],
+        layer: Layer,
+        name: String,
+        site: &Site<'_>,
+    ) -> Result<Arc<dyn Force>> {
+        let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
+        let mesh = site.mesh;
+        let is_plane = |facet: &Facet| mesh.cell(facet.cell as usize).kind.dimension() < 3;
+        if facets.iter().copied().flatten().any(is_plane) {
+            return Err(fail("contact between plane bodies is not there yet; with an obstacle it is".into()));
+        }
+        let tables = facets.map(|facets| FacetTable::of(mesh, site.pattern, facets, site.section));
+        let areas: Vec<Vec<f64>> = tables.iter().flatten().map(FacetTable::areas).collect();
+        let body_of = self.bodies(&tables, site).map_err(fail)?;
+        let of_tables = tables.iter().flatten().zip(&areas).zip(&body_of);
+        let all = of_tables.flat_map(|((table, areas), bodies)| {
+            let areas = areas.chunks_exact(table.n_points());
+            table.facets().zip(areas).zip(bodies).map(|((facet, areas), &body)| SurfaceFacet {
+                kind: table.kind(),
+                nodes: facet.nodes,
+                positions: facet.points,
+                shapes: table.shapes(),
+                areas,
+                body,
+            })
+        });
+        let surface = Surface::new(&all.collect::<Vec<_>>());
+        let mut layer = SurfaceLayer { surface, layer };
+        if let Some([at, other]) = layer.intersection() {
+            return Err(fail(format!(
+                "its surfaces touch or intersect at {}, near the node at {}: move the bodies apart",
+                short_vector(at),
+                short_vector(other),
+            )));
+        }
+        let gap = layer.gap();
+        layer.layer = self.limited(layer.layer, gap);
+        if gap < LEAST_GAP * layer.layer.thickness {
+            return Err(fail(format!(
+                "its smallest gap is {}, and the energy of the layer is infinite at contact: move the bodies apart",
+                short(gap)
+            )));
+        }
+        let summary = ContactSummary {
+            name,
+            n_facets: facets.iter().map(|facets| facets.len()).sum(),
+            n_points: areas.iter().map(Vec::len).sum(),
+            n_triangles: layer.surface.triangles.len(),
+            n_sharp_edges: layer.surface.sharp_edges.len(),
+            area: areas.iter().flatten().sum(),
+            stiffness: layer.layer.modulus,
+            distance: layer.layer.thickness,
+            smallest_gap: gap,
+        };
+        let first_body = body_of.iter().flatten().copied().min().unwrap_or(0);
+        Ok(Arc::new(SurfaceContact { summary, layer, first_body, search: Mutex::default() }))
+    }
+
+    /// The body of each facet, `[table][facet]`: the two surfaces, or the connected parts of the first if there is no
+    /// second. The error is the reason why they cannot be in contact.
+    fn bodies(&self, [own, other]: &[Vec<FacetTable>; 2], site: &Site<'_>) -> Result<Vec<Vec<u32>>, String> {
+        if let Opponent::Surface(group) = &self.opponent {
+            let nodes = |tables: &[FacetTable]| -> BTreeSet<u32> {
+                tables.iter().flat_map(|table| table.nodes.iter().copied()).collect()
+            };
+            if let Some(node) = nodes(own).intersection(&nodes(other)).next() {
+                let at = short_vector(site.mesh.points()[*node as usize]);
+                return Err(format!(
+                    "its surfaces share a node at {at}: bodies that are to touch need nodes of their own, and contact \
+                     of \"{group}\" with itself is not there yet"
+                ));
+            }
+            let of = |tables: &[FacetTable], body: u32| -> Vec<Vec<u32>> {
+                tables.iter().map(|table| vec![body; table.facets().count()]).collect()
+            };
+            return Ok([of(own, 0), of(other, 1)].concat());
+        }
+        let pattern = site.pattern;
+        let roots = roots(pattern.n_rows(), (0..pattern.n_rows()).map(|row| pattern.row(row)));
+        let root = |nodes: &[u32]| roots[nodes[0] as usize];
+        let all: Vec<Vec<u32>> =
+            own.iter().map(|table| table.facets().map(|facet| root(facet.nodes)).collect()).collect();
+        let different: BTreeSet<u32> = all.iter().flatten().copied().collect();
+        match different.len() {
+            0 | 1 => Err(
+                "its surface is that of one body, and contact of a body with itself is not there yet: name \
+                          another surface or an obstacle"
+                    .to_string(),
+            ),
+            _ => Ok(all),
+        }
+    }
+
+    /// The layer with a default thickness of at most half of the smallest gap.
+    fn limited(&self, layer: Layer, gap: f64) -> Layer {
+        let thickness = self.distance.unwrap_or(layer.thickness.min(PART_OF_GAP * gap));
+        Layer { thickness, ..layer }
+    }
 }
 
-impl Contact {
-    /// The facets of its surface.
-    fn facets(&self, mesh: &Mesh) -> Result<Vec<Facet>> {
-        let Some(group) = &self.surface else { return Ok(mesh.boundary_facets()) };
-        if let Ok(facets) = mesh.groups().facets(group) {
-            return Ok(facets.to_vec());
-        }
-        let mut is_meant = vec![false; mesh.n_cells()];
-        mesh.groups().cells(group)?.iter().for_each(|cell| is_meant[*cell as usize] = true);
-        Ok(mesh.boundary_facets().into_iter().filter(|facet| is_meant[facet.cell as usize]).collect())
+/// The facets of a group, of the cells in it on the boundary, or of the whole boundary.
+fn facets_of(mesh: &Mesh, group: Option<&str>) -> Result<Vec<Facet>> {
+    let Some(group) = group else { return Ok(mesh.boundary_facets()) };
+    if let Ok(facets) = mesh.groups().facets(group) {
+        return Ok(facets.to_vec());
     }
+    let mut is_meant = vec![false; mesh.n_cells()];
+    mesh.groups().cells(group)?.iter().for_each(|cell| is_meant[*cell as usize] = true);
+    Ok(mesh.boundary_facets().into_iter().filter(|facet| is_meant[facet.cell as usize]).collect())
 }
 
 /// The smallest Young's modulus of the cells of some facets.

@@ -1,0 +1,194 @@
+//! The pairs that can touch on given paths.
+
+use super::closest::PairKind;
+use super::layer::GUARD;
+use super::surface::Surface;
+use super::tree::{Bounds, BoxTree};
+
+/// A pair of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Kind.
+    pub kind: PairKind,
+    /// Its entities; those beyond its kind repeat the last.
+    pub entities: [u32; 4],
+    /// Weight, with the factor of inclusion and exclusion \[length^2\].
+    pub weight: f64,
+    /// Whether it has the layer of the guards.
+    pub is_guard: bool,
+}
+
+impl Candidate {
+    fn new(kind: PairKind, entities: &[u32], weight: f64, is_guard: bool) -> Self {
+        let last = entities.last().copied().unwrap_or_default();
+        let entities = std::array::from_fn(|a| entities.get(a).copied().unwrap_or(last));
+        Candidate { kind, entities, weight, is_guard }
+    }
+
+    /// Whether its sides can pass each other on their paths.
+    #[inline]
+    pub(super) fn can_meet(&self) -> bool {
+        matches!(self.kind, PairKind::PointTriangle | PairKind::EdgeEdge)
+    }
+
+    /// The vectors of its entities.
+    #[inline]
+    pub(super) fn vectors(&self, of_entities: &[[f64; 3]]) -> [[f64; 3]; 4] {
+        self.entities.map(|entity| of_entities[entity as usize])
+    }
+
+    /// Whether its sides stay farther apart than a distance in all of some configurations, by their boxes.
+    #[inline]
+    pub(super) fn is_apart<'a>(
+        &self,
+        configurations: impl Iterator<Item = &'a [[f64; 3]]>,
+        distance: f64,
+    ) -> bool {
+        let mut sides = [Bounds::NONE; 2];
+        for x in configurations {
+            for (a, entity) in self.entities[..self.kind.n_entities()].iter().enumerate() {
+                let side = &mut sides[usize::from(!self.kind.is_first_side(a))];
+                *side = side.with(Bounds::of(x[*entity as usize]));
+            }
+        }
+        !sides[0].inflated(distance).meets(&sides[1])
+    }
+}
+
+/// The pairs of a surface that can come nearer than its layer, in an order that does not depend on the motion.
+///
+/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it have no force, so
+/// no result depends on when the list was made.
+#[derive(Debug, Clone, Default)]
+pub struct Candidates {
+    /// The pairs.
+    pub pairs: Vec<Candidate>,
+    /// Boxes of the entities; none before the first list.
+    boxes: Vec<Bounds>,
+    triangles: BoxTree,
+    sharp_edges: BoxTree,
+    boxes_of_triangles: Vec<Bounds>,
+    boxes_of_edges: Vec<Bounds>,
+    /// Memory for what is near a point.
+    near: [Vec<u32>; 3],
+}
+
+/// Margin over the thickness of the layer.
+const MARGIN: f64 = 0.5;
+
+/// Multiple of a step that the boxes cover ahead of its start.
+const AHEAD: f64 = 2.0;
+
+impl Candidates {
+    /// Makes the list hold for paths through some configurations, `[configuration][entity]`: the start of a step, its
+    /// end, and others. `thickness`: that of the layer. Returns whether it was made anew.
+    pub fn cover(&mut self, surface: &Surface, thickness: f64, configurations: &[&[[f64; 3]]]) -> bool {
+        let holds = self.boxes.len() == surface.n_entities()
+            && configurations
+                .iter()
+                .all(|x| self.boxes.iter().zip(*x).all(|(own, x)| own.contains(&Bounds::of(*x))));
+        if !holds {
+            self.set_boxes(surface.n_entities(), thickness, configurations);
+            self.find(surface, thickness);
+        }
+        !holds
+    }
+
+    fn set_boxes(&mut self, n_entities: usize, thickness: f64, configurations: &[&[[f64; 3]]]) {
+        self.boxes.clear();
+        self.boxes.extend((0..n_entities).map(|entity| {
+            let path = configurations.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(x[entity])));
+            let ahead = match configurations {
+                [start, end, ..] => {
+                    let (start, end) = (start[entity], end[entity]);
+                    Bounds::of([0, 1, 2].map(|d| start[d] + AHEAD * (end[d] - start[d])))
+                }
+                _ => Bounds::NONE,
+            };
+            path.with(ahead).inflated(0.5 * MARGIN * thickness)
+        }));
+    }
+
+    fn find(&mut self, surface: &Surface, thickness: f64) {
+        let Candidates { pairs, boxes, triangles, sharp_edges, boxes_of_triangles, boxes_of_edges, near } =
+            self;
+        let hull = |entities: &[u32]| {
+            entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(boxes[*entity as usize]))
+        };
+        boxes_of_triangles.clear();
+        boxes_of_triangles.extend(surface.triangles.iter().map(|triangle| hull(&triangle.corners)));
+        triangles.fit(boxes_of_triangles);
+        boxes_of_edges.clear();
+        boxes_of_edges.extend(surface.sharp_edges.iter().map(|edge| hull(&edge.ends)));
+        sharp_edges.fit(boxes_of_edges);
+        pairs.clear();
+        let body_of = |entity: u32| surface.body_of[entity as usize];
+        let [faces, edges, vertices] = near;
+        for point in &surface.points {
+            let reach = if point.is_guard { GUARD * thickness } else { thickness };
+            let query = boxes[point.entity as usize].inflated(reach);
+            near_clear([&mut *faces, &mut *edges, &mut *vertices]);
+            triangles.for_each_meeting(&query, &mut |number| {
+                let triangle = &surface.triangles[number as usize];
+                let is_other = body_of(triangle.corners[0]) != body_of(point.entity);
+                if is_other && boxes_of_triangles[number as usize].meets(&query) {
+                    faces.push(number);
+                    edges.extend(triangle.edges);
+                    vertices.extend(triangle.corners.map(|corner| surface.vertex_of[corner as usize]));
+                }
+            });
+            if faces.is_empty() {
+                continue;
+            }
+            for list in [&mut *faces, &mut *edges, &mut *vertices] {
+                list.sort_unstable();
+                list.dedup();
+            }
+            let mut add = |kind, entities: &[u32], factor: f64| {
+                if factor != 0.0 && hull(&entities[1..]).meets(&query) {
+                    pairs.push(Candidate::new(kind, entities, 0.5 * factor * point.area, point.is_guard));
+                }
+            };
+            for face in &*faces {
+                let [a, b, c] = surface.triangles[*face as usize].corners;
+                add(PairKind::PointTriangle, &[point.entity, a, b, c], 1.0);
+            }
+            for edge in &*edges {
+                let edge = &surface.edges[*edge as usize];
+                add(PairKind::PointEdge, &[point.entity, edge.ends[0], edge.ends[1]], edge.factor);
+            }
+            for vertex in &*vertices {
+                let (entity, factor) = surface.vertices[*vertex as usize];
+                add(PairKind::PointVertex, &[point.entity, entity], factor);
+            }
+        }
+        for (number, edge) in (0..).zip(&surface.sharp_edges) {
+            let query = boxes_of_edges[number as usize].inflated(GUARD * thickness);
+            faces.clear();
+            sharp_edges.for_each_meeting(&query, &mut |other| {
+                let ends = surface.sharp_edges[other as usize].ends;
+                if other > number
+                    && body_of(ends[0]) != body_of(edge.ends[0])
+                    && boxes_of_edges[other as usize].meets(&query)
+                {
+                    faces.push(other);
+                }
+            });
+            faces.sort_unstable();
+            for other in &*faces {
+                let other = &surface.sharp_edges[*other as usize];
+                let entities = [edge.ends[0], edge.ends[1], other.ends[0], other.ends[1]];
+                pairs.push(Candidate::new(PairKind::EdgeEdge, &entities, edge.area.min(other.area), true));
+            }
+        }
+    }
+
+    /// The box of all triangles, with their margins.
+    pub fn bounds(&self) -> Bounds {
+        self.triangles.bounds()
+    }
+}
+
+fn near_clear(lists: [&mut Vec<u32>; 3]) {
+    lists.into_iter().for_each(Vec::clear);
+}
