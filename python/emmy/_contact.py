@@ -1,4 +1,4 @@
-"""Contact of surfaces with obstacles."""
+"""Contact of surfaces with obstacles and with each other."""
 
 from __future__ import annotations
 
@@ -100,18 +100,22 @@ OBSTACLES = (Plane, Sphere, Cylinder)
 
 
 class Contact(Table):
-    """A surface that meets an obstacle, without friction: a thin layer on it stores energy where the obstacle is near.
+    """Surfaces that meet, without friction: a thin layer on them stores energy where something is near.
+
+    A surface meets an obstacle or another surface, or all bodies that are not connected meet each other.
 
     The energy-momentum schemes conserve the sum of all energies, the ``contact_energy`` of the layer included. The
     history also has ``smallest_gap``, relative to the thickness of the layer and NaN where nothing is near,
-    ``contact_points``, and the mean force and moment on the body in each step, ``NAME_force_x`` to ``NAME_moment_z``.
+    ``contact_points``, and the mean force and moment on the first surface in each step, ``NAME_force_x`` to
+    ``NAME_moment_z``; of all bodies together, on the first of them.
 
     Parameters
     ----------
-    surfaces : str
+    surface : str
         Group of facets, or of cells, whose facets on the boundary are meant; "all": the whole boundary.
-    obstacle : Plane, Sphere or Cylinder
-        The obstacle. The surface begins outside of it.
+    opponent : str, Plane, Sphere or Cylinder, optional
+        Group of another surface, or an obstacle, outside of which the surface begins. If not given, the bodies of which
+        the surface consists meet each other.
     name : str, optional
         Name of its forces in the history; ``contact-1``, ``contact-2``, ... by its place if not given.
     stiffness : float, optional
@@ -126,16 +130,16 @@ class Contact(Table):
     Raises
     ------
     InputError
-        If a value is out of its range; in `Body`, if there is no such group, or the surface is not outside of the
-        obstacle.
+        If a value is out of its range; in `Body`, if there is no such group, the surface is not outside of the
+        obstacle, or two surfaces intersect.
     TypeError
-        If `obstacle` is not an obstacle.
+        If `opponent` is neither the name of a surface nor an obstacle.
 
     Examples
     --------
     >>> floor = emmy.Contact("all", emmy.Plane((0, 0, -0.1), (0, 0, 1)), name="floor")
     >>> floor
-    Contact(surfaces='all', obstacle=Plane(point=(0, 0, -0.1), normal=(0, 0, 1)), name='floor')
+    Contact(surface='all', opponent=Plane(point=(0, 0, -0.1), normal=(0, 0, 1)), name='floor')
     >>> cube = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
     >>> body = emmy.Body(cube, emmy.Region(emmy.NeoHooke(lambda_=1000, mu=500), density=1), contacts=floor)
     >>> falls = emmy.Initial(velocity=(0, 0, -1))
@@ -147,17 +151,24 @@ class Contact(Table):
     """
 
     _section = "contact"
-    surfaces: str = field(kw_only=False)
-    obstacle: Obstacle = field(kw_only=False)
+    surface: str = field(kw_only=False)
+    opponent: str | Obstacle | None = field(default=None, kw_only=False)
     name: str | None = None
     stiffness: float | None = None
     distance: float | None = None
     law: str = "smooth"
 
     def _check(self) -> None:
-        if not isinstance(self.obstacle, OBSTACLES):
-            raise TypeError(f"obstacle: {type(self.obstacle).__name__} is not an obstacle, such as emmy.Plane")
+        if self.opponent is not None and not isinstance(self.opponent, (str, *OBSTACLES)):
+            kind = type(self.opponent).__name__
+            raise TypeError(f"opponent: {kind} is neither the name of a surface nor an obstacle, such as emmy.Plane")
         super()._check()
 
     def _tree(self) -> dict[str, Any]:
-        return super()._tree() | {"obstacle": {self.obstacle._section: self.obstacle._tree()}}
+        own = super()._tree()
+        surface, opponent = own.pop("surface"), own.pop("opponent", None)
+        if self.opponent is None:
+            return {"surfaces": surface} | own
+        if isinstance(self.opponent, str):
+            return {"surfaces": [surface, opponent]} | own
+        return {"surfaces": surface, "obstacle": {self.opponent._section: self.opponent._tree()}} | own

@@ -37,7 +37,12 @@ pub(super) static ROOT: Described = Described::new(|| {
         "Points that move with groups of the mesh, rigidly or with their mean; none, one or more",
     )
     .may("joint", tables(0, &joint::JOINT), "", "Joints between bodies; none, one or more")
-    .may("contact", tables(0, &contact::CONTACT), "", "Surfaces that meet obstacles; none, one or more")
+    .may(
+        "contact",
+        tables(0, &contact::CONTACT),
+        "",
+        "Surfaces that meet obstacles or each other; none, one or more",
+    )
     .may("initial", tables(0, &initial::INITIAL), "", "Velocities at the start; none, one or more")
     .absent("at rest")
     .may(

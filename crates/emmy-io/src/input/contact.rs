@@ -1,8 +1,8 @@
-//! `[[contact]]`: surfaces that meet obstacles.
+//! `[[contact]]`: surfaces that meet obstacles, or each other.
 
-use emmy::body::{Contact, LayerLaw, Obstacle};
+use emmy::body::{Contact, LayerLaw, Obstacle, Opponent};
 
-use super::description::{Described, Kind, POSITIVE, Section, TAKEN, vector, word};
+use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
 use super::fault::{Fault, Place};
 use super::table::{Item, Table};
 
@@ -11,14 +11,17 @@ const ALL: &str = "all";
 
 /// `[[contact]]`.
 pub(super) static CONTACT: Described = Described::new(|| {
-    Section::new("[[contact]]", "A surface that meets an obstacle: a thin layer on it stores energy where it comes near")
+    Section::new("[[contact]]", "Surfaces that meet: a thin layer on them stores energy where something comes near")
         .must(
             "surfaces",
-            Kind::Text,
+            either(Kind::Text, exactly(2, Kind::Text)),
             "",
-            "Group of facets, or of cells, whose facets on the boundary are meant; `\"all\"`: the whole boundary",
+            "With an `obstacle` one group of facets, or of cells, whose facets on the boundary are meant, or `\"all\"` for \
+             the whole boundary; two groups that meet each other; or `\"all\"` alone: all bodies that are not connected \
+             meet each other",
         )
-        .must("obstacle", Kind::Table(&OBSTACLE), "", "The obstacle, at rest")
+        .may("obstacle", Kind::Table(&OBSTACLE), "", "The obstacle, at rest")
+        .absent("two surfaces, or all bodies")
         .may(
             "name",
             Kind::Column(&TAKEN),
@@ -27,7 +30,7 @@ pub(super) static CONTACT: Described = Described::new(|| {
         )
         .absent("`contact-1`, `contact-2`, ... by its place")
         .may("stiffness", POSITIVE, "stress", "Modulus of the layer")
-        .absent("the smallest Young's modulus of the cells at the surface")
+        .absent("the smallest Young's modulus of the cells at the surfaces")
         .may("distance", POSITIVE, "length", "Thickness of the layer: nearer than this, it pushes")
         .absent("a tenth of the median edge of the facets, at most half of the smallest gap at the start")
         .may(
@@ -76,22 +79,46 @@ static CYLINDER: Described = Described::new(|| {
         .absent("outside")
 });
 
-/// A contact with the places of its table and of the name of its surface.
+/// A contact with the places of its table and of the names of its surfaces.
 #[derive(Debug)]
 pub(super) struct PlacedContact {
     pub(super) contact: Contact,
     place: Place,
-    surface: Place,
+    groups: Vec<(String, Place)>,
 }
 
 /// Reads one contact.
-pub(super) fn read(table: &Table<'_>) -> PlacedContact {
-    let surface: Item<'_> = table.must("surfaces");
-    let obstacle = obstacle(&table.must("obstacle"));
-    let contact = match surface.name() {
-        name if name == ALL => Contact::of_all_with_obstacle(obstacle),
-        name => Contact::with_obstacle(name, obstacle),
+///
+/// # Errors
+/// The fault of surfaces that do not go together.
+pub(super) fn read(table: &Table<'_>) -> Result<PlacedContact, Fault> {
+    let surfaces: Item<'_> = table.must("surfaces");
+    let groups: Vec<(String, Place)> =
+        surfaces.items().iter().map(|item| (item.name(), item.place().clone())).collect();
+    let obstacle = table.may("obstacle").map(|table| obstacle(&table));
+    let named = |(name, _): &(String, Place)| Some(name.clone()).filter(|name| name != ALL);
+    let (surface, opponent) = match (&groups[..], obstacle) {
+        ([_, other], Some(_)) => {
+            let message = "contact with an obstacle has one surface";
+            return Err(Fault::at(&other.1, message, "this is another one")
+                .help("give each pair a [[contact]] of its own"));
+        }
+        ([own, other], None) if own.0 == other.0 => {
+            let message = "contact of a body with itself is not there yet";
+            return Err(Fault::at(&other.1, message, "the same surface")
+                .help("name two bodies, or `\"all\"` for all bodies with each other"));
+        }
+        ([own, other], None) => match [named(own), named(other)] {
+            [Some(own), Some(other)] => (Some(own), Opponent::Surface(other)),
+            _ => {
+                let message = "`\"all\"` is all bodies with each other, and stands alone";
+                return Err(Fault::at(surfaces.place(), message, "two surfaces").help("surfaces = \"all\""));
+            }
+        },
+        (own, Some(obstacle)) => (own.first().and_then(named), Opponent::Obstacle(obstacle)),
+        (own, None) => (own.first().and_then(named), Opponent::Bodies),
     };
+    let contact = Contact::new(surface, opponent);
     let law = match table.must::<Item<'_>>("law").text() {
         Some("linear") => LayerLaw::Linear,
         _ => LayerLaw::Smooth,
@@ -103,7 +130,8 @@ pub(super) fn read(table: &Table<'_>) -> PlacedContact {
         law,
         ..contact
     };
-    PlacedContact { contact, place: table.place.clone(), surface: surface.place().clone() }
+    let groups = groups.into_iter().filter(|(name, _)| name != ALL).collect();
+    Ok(PlacedContact { contact, place: table.place.clone(), groups })
 }
 
 fn obstacle(table: &Table<'_>) -> Obstacle {
@@ -121,9 +149,9 @@ fn obstacle(table: &Table<'_>) -> Obstacle {
 }
 
 impl PlacedContact {
-    /// The group of its surface with the place of the name; `None`: the whole boundary.
-    pub(super) fn group(&self) -> Option<(String, Place)> {
-        Some((self.contact.surface.clone()?, self.surface.clone()))
+    /// The groups of its surfaces with the places of their names; none for the whole boundary.
+    pub(super) fn groups(&self) -> impl Iterator<Item = (String, Place)> {
+        self.groups.iter().cloned()
     }
 
     /// The fault of a contact on several ranks.

@@ -45,7 +45,7 @@ impl Naming<'_> {
         let all = regions.chain(self.loads.iter().filter(of_group).map(of_load)).chain(at_nodes).flatten();
         let tied = self.ties.iter().flat_map(PlacedTie::groups);
         let tied = tied.map(|(name, place, members)| NamedGroup::of_mesh(name, place, members));
-        let surfaces = self.contacts.iter().filter_map(PlacedContact::group);
+        let surfaces = self.contacts.iter().flat_map(PlacedContact::groups);
         let surfaces = surfaces.map(|(name, place)| NamedGroup::of_mesh(name, place, Members::FacetsOrCells));
         let rigid = self.mechanism.groups();
         all.chain(tied)

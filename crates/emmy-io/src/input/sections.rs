@@ -97,7 +97,7 @@ impl Sections {
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
         let ties = root.each("tie", |table, faults| faults.keep(tie::read(table)));
-        let contacts = root.each("contact", |table, _| Some(contact::read(table)));
+        let contacts = root.each("contact", |table, faults| faults.keep(contact::read(table)));
         let rigid = root.each("rigid", |table, faults| faults.keep(rigid::read(table)));
         let joints = root.tables("joint").into_iter().zip(1..);
         let joints =

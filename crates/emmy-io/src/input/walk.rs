@@ -255,9 +255,6 @@ fn mismatch(item: Item<'_>) -> Fault {
                 "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
             )
         }
-        (Kind::Text, _) if item.key == "surfaces" && matches!(item.value(), Value::Array(_)) => {
-            fault.help("contact of two surfaces is not there yet: name one, and an `obstacle`")
-        }
         _ if is_entry(item) => fault.help("put square brackets around it"),
         (Kind::TimeFunction(_), _) => match item.value() {
             Value::Float(number) => fault.help(of_number(item.key, *number)),

@@ -290,6 +290,22 @@ impl Body {
         Ok(())
     }
 
+    /// Stage averages of the forces of contact between bodies, `force: [k][n_nodes][3]`.
+    ///
+    /// # Errors
+    /// As [`Body::assemble`].
+    pub(super) fn touching_force_at(
+        &self,
+        step: &StepInput<'_>,
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<()> {
+        let is_wanted = |force: &dyn Force| force.side() == Side::Inside && force.contact().is_some();
+        self.assemble_those(is_wanted, (step, Request::Stress), None, assembly)?;
+        assembly.matrix.copy_force(force);
+        Ok(())
+    }
+
     /// Stage averages of the forces whose work is lost, `force: [k][n_nodes][3]`; false if there are none.
     ///
     /// # Errors
@@ -502,6 +518,23 @@ impl Body {
     pub(super) fn own_strain_state(&self, displacement: &[f64], coordinates: &[f64]) -> StrainState {
         let states = self.counted_forces().map(|force| force.strain_state(displacement, coordinates));
         states.fold(StrainState::NONE, StrainState::with)
+    }
+
+    /// Whether some force counts among the reactions.
+    pub(crate) fn has_reactions_of_forces(&self) -> bool {
+        self.space.groups().iter().any(|group| !group.springs.is_empty())
+    }
+
+    /// Evaluates what the forces among the reactions need.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(crate) fn prepare_reactions(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> Result<()> {
+        for &force in self.space.groups().iter().flat_map(|group| &group.springs) {
+            let memory = &mut assembly.acting.memories[force];
+            self.forces.others[force].prepare((step, Request::Stress), memory)?;
+        }
+        Ok(())
     }
 
     /// Adds the forces of the springs of supports on the body in a stage, times a weight; `displacement`: in the stage.

@@ -129,6 +129,15 @@ impl Body {
         parts
     }
 
+    /// Force of the contacts between bodies in the reference configuration.
+    fn touching_force(&self, assembly: &mut Assembly) -> Result<Vec<f64>> {
+        let rest = vec![0.0; self.n_dofs()];
+        let rule = Rule::standard(1, &gauss(1));
+        let mut force = rest.clone();
+        self.touching_force_at(&StepInput::undamped(&rule, &rest, &rest), assembly, &mut force)?;
+        Ok(force)
+    }
+
     /// Force of springs and attractions on a displacement.
     fn ground_force_at(
         &self,
@@ -215,11 +224,28 @@ impl<'a> Part<'a> {
         if body.has_ground() {
             sum.add_all(&self.ground(body, assembly)?.squared().normalized());
         }
+        // What another body that touches it holds, depends on how both are deformed.
+        if self.touches(body, assembly)? {
+            for motion in 0..MOTIONS {
+                let mut unit = [0.0; MOTIONS];
+                unit[motion] = 1.0;
+                sum.add(&unit, &unit);
+            }
+        }
         // Rotations that move no node, of a part on a line, need not be held.
         for idle in null_space(&all.normalized().0)? {
             sum.add(&idle, &idle);
         }
         Ok(sum.0)
+    }
+
+    /// Whether another body touches it in the reference configuration.
+    fn touches(&self, body: &Body, assembly: &mut Assembly) -> Result<bool> {
+        if body.contacts().next().is_none() {
+            return Ok(false);
+        }
+        let force = body.touching_force(assembly)?;
+        Ok(self.nodes.iter().any(|node| nodal::at(&force, *node as usize) != [0.0; 3]))
     }
 
     /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are

@@ -28,6 +28,11 @@ impl Couplings {
         Couplings { degree, ..Couplings::default() }
     }
 
+    /// Number of stages k.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
     /// Number of couplings.
     pub fn len(&self) -> usize {
         self.nodes.len()

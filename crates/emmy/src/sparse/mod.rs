@@ -32,6 +32,7 @@ mod sweep;
 mod symmetric;
 mod team_solver;
 mod triangular;
+mod widened;
 
 pub use block_cholesky::BlockCholesky;
 pub(crate) use condensation::Condensation;
@@ -58,3 +59,4 @@ pub use solver::{SOLVERS, Solver, SolverChoice, SolverKind};
 pub use stages::{BlockRow, RowPart, StageMatrix};
 pub(crate) use sweep::SweepOrder;
 pub(crate) use team_solver::TeamSolver;
+pub use widened::Widened;

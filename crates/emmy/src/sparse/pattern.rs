@@ -46,6 +46,32 @@ impl Pattern {
         Pattern { inner_from: row_begin.len() - 1, row_begin, columns }
     }
 
+    /// The pattern with further couplings and their mirror images.
+    pub(super) fn with_couplings(&self, pairs: &[[u32; 2]]) -> Self {
+        let mut further: Vec<[u32; 2]> = pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        further.sort_unstable();
+        let (mut row_begin, mut columns) = (vec![0], Vec::with_capacity(self.columns.len() + further.len()));
+        let mut further = further.into_iter().peekable();
+        for row in 0..self.n_rows() {
+            let start = columns.len();
+            columns.extend_from_slice(self.row(row));
+            while let Some([_, column]) = further.next_if(|[own, _]| *own as usize == row) {
+                columns.push(column);
+            }
+            columns[start..].sort_unstable();
+            let mut kept = start;
+            for at in start..columns.len() {
+                if kept == start || columns[kept - 1] != columns[at] {
+                    columns[kept] = columns[at];
+                    kept += 1;
+                }
+            }
+            columns.truncate(kept);
+            row_begin.push(kept);
+        }
+        Pattern { row_begin, columns, inner_from: self.inner_from }
+    }
+
     /// The pattern with the rows from a number on as *inner* rows: each is coupled within one list alone, so that the
     /// elimination of the inner rows before the others has no fill. The orders of factorisations heed it.
     pub fn with_inner_rows_from(self, row: usize) -> Self {

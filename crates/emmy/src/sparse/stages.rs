@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Couplings, Pattern};
+use super::{Couplings, Pattern, Widened};
 
 /// Rows of the stage system owned by one thread, which alone writes them.
 #[derive(Debug, Clone)]
@@ -246,6 +246,10 @@ impl StageMatrix {
     /// The matrix without fixed rows and columns, by rows: their starts, ascending columns, entries. Unknowns are
     /// numbered stage by stage.
     pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        if !self.couplings.is_empty() {
+            let widened = self.widened(pattern);
+            return widened.matrix.free_rows(&widened.pattern, fixed);
+        }
         let mut number = vec![0; fixed.len()];
         let mut n_free = 0;
         for (number, _) in number.iter_mut().zip(fixed).filter(|(_, fixed)| !**fixed) {
@@ -278,6 +282,10 @@ impl StageMatrix {
     /// The matrix by rows of nodes, stage by stage: row `i n + A` and column `j n + B` for stages i, j and nodes A, B
     /// of n.
     pub fn block_rows(&self, pattern: &Pattern) -> Vec<BlockRow> {
+        if !self.couplings.is_empty() {
+            let widened = self.widened(pattern);
+            return widened.matrix.block_rows(&widened.pattern);
+        }
         let k = self.degree;
         let row = |(i, node): (usize, usize)| {
             let stages =
@@ -289,6 +297,12 @@ impl StageMatrix {
             stages.map(entry).collect()
         };
         (0..k).flat_map(|i| (0..self.n_rows).map(move |node| (i, node))).map(row).collect()
+    }
+
+    fn widened(&self, pattern: &Pattern) -> Widened {
+        let mut widened = Widened::new(pattern, &self.couplings);
+        widened.set(pattern, self);
+        widened
     }
 
     /// The blocks of all stages at a position, transposed in stages and components.

@@ -126,8 +126,12 @@ impl<'a> TimeElementStepper<'a> {
         let mut impulses = Impulses { dissipated: dissipated + lost, work: lost, ..Impulses::default() };
         equations.evaluate_outside(rates)?;
         impulses.work += equations.set_joint_forces(unknowns, &mut self.joints);
-        if !has_supports && !self.is_loaded && !equations.has_outside() {
+        let has_reactions = body.has_reactions_of_forces();
+        if !has_supports && !self.is_loaded && !equations.has_outside() && !has_reactions {
             return Ok(impulses);
+        }
+        if has_reactions {
+            equations.prepare_reactions(rates)?;
         }
         let rule = &equations.coefficients.rule;
         let k = rule.degree();

@@ -358,6 +358,15 @@ impl<'a> Equations<'a> {
         }
     }
 
+    /// Evaluates what the forces among the reactions need at the rates x.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn prepare_reactions(&mut self, x: &[f64]) -> Result<()> {
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
+        self.body.prepare_reactions(&step, &mut self.assembly)
+    }
+
     /// Adds the forces of the springs of supports in a stage at the rates x, times a weight; `displacement`: in the
     /// stage.
     pub(super) fn add_spring_reactions(

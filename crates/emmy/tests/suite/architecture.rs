@@ -53,6 +53,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "block_cholesky",
             "couplings",
             "stages",
+            "widened",
             "condensation",
             "lu",
             "sweep",

@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use crate::shared::schemes::{DGM, assumed_strain, at};
+use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
 use emmy::body::{Contact, Formulation};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::{MeshBuilder, Placement};
@@ -175,4 +175,154 @@ fn cubes_that_meet_edge_on_edge_do_not_pass() {
             gap: 0.018_126_450_961_444_673,
         },
     );
+}
+
+/// A small block that flies against a larger one, with a formulation.
+fn thrown(region: Region) -> (Body, State) {
+    let (mesh, velocities) = two_blocks(2);
+    let body = Body::builder(mesh).region(region).contact(contact()).build().unwrap();
+    let start = State::initial(&body, 0.0, &velocities).unwrap();
+    (body, start)
+}
+
+#[test]
+fn time_elements_of_every_degree_keep_energy_and_momenta() {
+    let projected = || rubber().with_formulation(Formulation::ProjectedVolume(None));
+    let incompatible = || rubber().with_formulation(Formulation::IncompatibleModes);
+    let cases = (1..=8).map(|k| (rubber(), at(DGM, k), 0.0025 * (k + 1) as f64)).chain([
+        (rubber(), at(assumed_strain(4), 1), 0.01),
+        (projected(), at(DGM, 1), 0.01),
+        (projected(), at(DGM, 2), 0.02),
+        (incompatible(), at(DGM, 1), 0.01),
+        (incompatible(), at(DGM, 3), 0.02),
+    ]);
+    for (region, scheme, h) in cases {
+        let name = format!("{scheme:?} {h}");
+        let (body, start) = thrown(region);
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        let first = motion.record().clone();
+        let mut largest = 0.0f64;
+        for _ in 0..(0.2 / h).ceil() as usize {
+            largest =
+                largest.max(motion.step(h).unwrap_or_else(|error| panic!("{name}: {error}")).contact_energy);
+        }
+        let record = motion.record();
+        assert!(
+            largest > 0.05 && record.smallest_gap.is_none_or(|gap| gap > 1.0),
+            "{name}: {largest} {record:?}"
+        );
+        assert!((record.total_energy - first.total_energy).abs() < 1e-10, "{name}: {record:?}");
+        for d in 0..3 {
+            assert!((record.linear_momentum[d] - first.linear_momentum[d]).abs() < 1e-12, "{name}");
+            assert!((record.angular_momentum[d] - first.angular_momentum[d]).abs() < 1e-11, "{name}");
+        }
+    }
+}
+
+/// The momentum of the first block after the impact in fine steps of the DGM; the others approach it.
+#[test]
+fn other_schemes_rebound_alike() {
+    let rebound = |scheme: Scheme, h: f64| {
+        let (body, start) = thrown(rubber());
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        let first = motion.record().clone();
+        let mut impulse = 0.0;
+        for _ in 0..(0.2 / h).round() as usize {
+            motion.step(h).unwrap_or_else(|error| panic!("{scheme:?}: {error}"));
+            impulse += h * motion.reactions()[0].force[1];
+        }
+        let record = motion.record().clone();
+        for d in 0..3 {
+            assert!((record.linear_momentum[d] - first.linear_momentum[d]).abs() < 1e-10, "{scheme:?}");
+        }
+        impulse
+    };
+    let exact = rebound(at(DGM, 3), 0.002);
+    assert!((-1.8..-1.4).contains(&exact), "{exact}");
+    for (scheme, h) in [
+        (at(fe(2), 1), 0.001),
+        (at(fe(4), 2), 0.002),
+        (at(lobatto(4), 3), 0.002),
+        (Scheme::from_name("HHT(0)").unwrap(), 0.001),
+        (Scheme::from_name("Bathe").unwrap(), 0.001),
+        (Scheme::CentralDifferences, 0.0005),
+        (at(dgm(0.8), 2), 0.002),
+    ] {
+        let own = rebound(scheme, h);
+        // The lumped mass of central differences strikes with another part of the whole.
+        let tolerance = if scheme == Scheme::CentralDifferences { 0.04 } else { 0.02 };
+        assert!((own - exact).abs() < tolerance * exact.abs(), "{scheme:?}: {own} {exact}");
+    }
+}
+
+#[test]
+fn a_motion_resumed_in_an_impact_has_the_same_bits() {
+    for scheme in [at(DGM, 1), at(DGM, 2), Scheme::from_name("HHT(0)").unwrap()] {
+        let (body, start) = thrown(rubber());
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
+        (0..5).for_each(|_| _ = motion.step(0.01).unwrap());
+        assert!(motion.record().contact_energy > 0.0);
+        let snapshot = motion.snapshot();
+        let mut resumed = Motion::resumed(&body, scheme, NewtonSettings::default(), snapshot).unwrap();
+        for _ in 0..12 {
+            assert_eq!(motion.step(0.01).unwrap(), resumed.step(0.01).unwrap());
+        }
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let record = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let block = || mesh::block([1.0; 3], [8; 3]).unwrap();
+            let above = Placement::default().shifted([0.2, 1.05, 0.1]);
+            let mesh = joined(&[(block(), Placement::default()), (block(), above)]);
+            let body =
+                Body::builder(mesh).region(rubber()).contact(Contact::of_all_bodies()).build().unwrap();
+            let falls = spinning("b", [0.0, -2.0, 0.0], [1.0, 0.0, 0.0], [0.7, 1.55, 0.6]);
+            let start = State::initial(&body, 0.0, &[falls]).unwrap();
+            let mut motion = Motion::new(&body, at(DGM, 1)).unwrap().from(start).unwrap();
+            let most = (0..12).map(|_| motion.step(0.005).unwrap().contact_energy).fold(0.0, f64::max);
+            assert!(most > 0.0);
+            motion.record().clone()
+        })
+    };
+    assert_eq!(record(1), record(4));
+}
+
+/// A block pressed on another with the same cells: the pressure of the layer at its gap g, with y = (g/d)^2 and
+/// e = 1 - y, is that on top, and the energy of the area 1 is psi:
+///
+/// ```math
+/// p = kappa/4 g/d (3 e^2 y + e^3)/y^2,    psi = kappa d/8 e^3/y
+/// ```
+#[test]
+fn a_block_is_pressed_on_another() {
+    let block = || mesh::block([1.0; 3], [2; 3]).unwrap();
+    let (gap, d, kappa) = (0.041f64, 0.05, 1000.0);
+    let y = (gap / d).powi(2);
+    let e = 1.0 - y;
+    let pressure = kappa / 4.0 * gap / d * (3.0 * e * e * y + e.powi(3)) / (y * y);
+    let mut builder = MeshBuilder::new();
+    builder.part("lower", &block()).unwrap();
+    let upper = Placement::default().shifted([0.0, 0.0, 1.049]);
+    builder.part("upper", &block().placed(&upper).unwrap()).unwrap();
+    let region = Region::new(SaintVenantKirchhoff::from_engineering(1000.0, 0.0).unwrap(), 1.0);
+    let sides = ["x-min", "y-min"].into_iter().flat_map(|side| ["lower", "upper"].map(|part| (part, side)));
+    let body = Body::builder(builder.build().unwrap())
+        .region(region)
+        .contact(Contact::between("lower", "upper").with_stiffness(kappa).with_distance(d))
+        .supports(sides.map(|(part, side)| Support::symmetry(format!("{part}-{side}"))))
+        .support(Support::symmetry("lower-z-min"))
+        .load(Load::traction("upper-z-max", [0.0, 0.0, -pressure]))
+        .build()
+        .unwrap();
+    let found = Equilibrium::new(&body, 0.0, 1).unwrap().start(NewtonSettings::default(), &[], &mut []);
+    let state = found.unwrap_or_else(|error| panic!("{error}"));
+    let motion = Motion::new(&body, TimeElement::discrete_gradient(1).unwrap()).unwrap().from(state).unwrap();
+    let record = motion.record();
+    assert!((record.smallest_gap.unwrap() - gap / d).abs() < 1e-10, "{record:?}");
+    assert!((record.contact_energy - kappa * d / 8.0 * e.powi(3) / y).abs() < 1e-10);
+    assert_eq!(record.contact_points, 32);
 }

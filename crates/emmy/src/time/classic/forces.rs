@@ -82,13 +82,13 @@ impl<'a> Forces<'a> {
         reactions: &mut [Reaction],
     ) -> Result<()> {
         reactions.fill(Reaction::default());
-        if !self.body.has_ground() {
-            return Ok(());
-        }
         let Forces { body, assembly, rule, rest, coordinates, .. } = self;
         let step = StepInput { coordinates, ..StepInput::undamped(rule, displacement, rest) };
-        body.add_spring_reactions((&step, assembly), 0, 1.0, displacement, reactions);
-        body.ground_force(&step, assembly, outside)
+        if body.has_reactions_of_forces() {
+            body.prepare_reactions(&step, assembly)?;
+            body.add_spring_reactions((&step, assembly), 0, 1.0, displacement, reactions);
+        }
+        if body.has_ground() { body.ground_force(&step, assembly, outside) } else { Ok(()) }
     }
 
     /// All loads at a displacement and time.
