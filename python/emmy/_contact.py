@@ -29,7 +29,7 @@ class Plane(Table):
     Plane(point=(0, 0, 0), normal=(0, 0, 1))
     """
 
-    _section = "plane"
+    _section = "obstacle.plane"
     point: Vector = field(kw_only=False)
     normal: Vector = field(kw_only=False)
 
@@ -57,7 +57,7 @@ class Sphere(Table):
     Sphere(centre=(0, 0, 0), radius=2.0, inside=True)
     """
 
-    _section = "sphere"
+    _section = "obstacle.sphere"
     centre: Vector = field(kw_only=False)
     radius: float = field(kw_only=False)
     inside: bool = field(default=False, kw_only=False)
@@ -88,7 +88,7 @@ class Cylinder(Table):
     Cylinder(point=(0, 0, 0), axis=(0, 0, 1), radius=0.5)
     """
 
-    _section = "cylinder"
+    _section = "obstacle.cylinder"
     point: Vector = field(kw_only=False)
     axis: Vector = field(kw_only=False)
     radius: float = field(kw_only=False)
@@ -171,4 +171,4 @@ class Contact(Table):
             return {"surfaces": surface} | own
         if isinstance(self.opponent, str):
             return {"surfaces": [surface, opponent]} | own
-        return {"surfaces": surface, "obstacle": {self.opponent._section: self.opponent._tree()}} | own
+        return {"surfaces": surface, "obstacle": {self.opponent._section.removeprefix("obstacle."): self.opponent._tree()}} | own

@@ -96,9 +96,12 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     Some(format!("`{word}` belongs in {name}"))
 }
 
-/// The kind of a table of the input and its description, by the key under which it stands.
+/// The kind of a table of the input and its description, by the key under which it stands, if need be with the table
+/// that has the key: `obstacle.plane`.
 pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
-    let keys = all().into_iter().flat_map(|section| &section.keys).filter(|own| own.name == key);
+    let (table, key) = key.rsplit_once('.').map_or((None, key), |(table, key)| (Some(table), key));
+    let tables = all().into_iter().filter(|section| table.is_none_or(|table| section.name == table));
+    let keys = tables.flat_map(|section| &section.keys).filter(|own| own.name == key);
     let kind = |own: &'static Key| match own.kind {
         Kind::Tables(..) => own.kind.inner(),
         _ => &own.kind,

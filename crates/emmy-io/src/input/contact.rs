@@ -54,7 +54,7 @@ static OBSTACLE: Described = Described::new(|| {
 
 static PLANE: Described =
     Described::new(|| {
-        Section::new("plane", "A half-space")
+        Section::new("obstacle.plane", "A half-space")
             .must("point", vector(), "length", "A point of its surface")
             .must("normal", vector(), "", "Direction out of it, towards the body, of any length")
     });
@@ -63,7 +63,7 @@ static PLANE: Described =
 const INSIDE: &str = "The body is inside";
 
 static SPHERE: Described = Described::new(|| {
-    Section::new("sphere", "A sphere")
+    Section::new("obstacle.sphere", "A sphere")
         .must("centre", vector(), "length", "Its centre")
         .must("radius", POSITIVE, "length", "Its radius")
         .may("inside", Kind::True, "", INSIDE)
@@ -71,7 +71,7 @@ static SPHERE: Described = Described::new(|| {
 });
 
 static CYLINDER: Described = Described::new(|| {
-    Section::new("cylinder", "A cylinder without ends")
+    Section::new("obstacle.cylinder", "A cylinder without ends")
         .must("point", vector(), "length", "A point of its axis")
         .must("axis", vector(), "", "Direction of its axis, of any length")
         .must("radius", POSITIVE, "length", "Its radius")
@@ -93,6 +93,7 @@ pub(super) struct PlacedContact {
 /// The fault of surfaces that do not go together.
 pub(super) fn read(table: &Table<'_>) -> Result<PlacedContact, Fault> {
     let surfaces: Item<'_> = table.must("surfaces");
+    let surfaces = surfaces.of_one_kind().unwrap_or(surfaces);
     let groups: Vec<(String, Place)> =
         surfaces.items().iter().map(|item| (item.name(), item.place().clone())).collect();
     let obstacle = table.may("obstacle").map(|table| obstacle(&table));

@@ -112,8 +112,8 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
-/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `contact`, `plane`, `sphere`, `cylinder`, `rigid`,
-/// `coupling`, `joint`, `mass`, `initial`, `adaptive`.
+/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `contact`, `obstacle.plane`, `obstacle.sphere`,
+/// `obstacle.cylinder`, `rigid`, `coupling`, `joint`, `mass`, `initial`, `adaptive`.
 ///
 /// ```
 /// use emmy_io::input::{Tree, check};
