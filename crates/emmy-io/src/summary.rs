@@ -142,6 +142,9 @@ impl SummaryHeader {
         let limits = statistics.step_limits.counts();
         of_steps["step_limits"] = limits.map(|(limit, count)| (limit.name().to_string(), count)).collect();
         insert_fields(&mut summary, "", &of_steps);
+        if statistics.largest_contact_energy.is_some() && statistics.smallest_gap.is_none() {
+            summary.insert("smallest_gap".to_string(), Value::Null);
+        }
         let of_body = |own: &&Extreme| own.field != DISPLACEMENT && own.region.is_none();
         for extreme in extremes.iter().filter(of_body) {
             insert_fields(&mut summary, &format!("largest_{}", extreme.field), &place_of(extreme));

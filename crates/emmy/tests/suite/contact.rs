@@ -529,3 +529,72 @@ fn adaptive_steps_find_the_impact() {
     let [(coarse, error), (fine, smaller)] = errors[..] else { panic!("{errors:?}") };
     assert!(coarse < fine && smaller < 0.3 * error && error < 0.02, "{errors:?}");
 }
+
+/// The statistics of a contact, against the reactions of the steps and the momentum.
+#[test]
+fn statistics_have_the_force_and_the_times_of_each_contact() {
+    let away = Obstacle::Plane { point: [0.0, 9.0, 0.0], normal: [0.0, -1.0, 0.0] };
+    let body = Body::builder(block_above(0.1))
+        .region(rubber())
+        .contact(contact(away).named("ceiling"))
+        .contact(contact(PLANE).named("floor"))
+        .build()
+        .unwrap();
+    let falls = InitialVelocity { velocity: [0.0, -2.0, 0.0], ..InitialVelocity::default() };
+    let start = State::initial(&body, 0.0, std::slice::from_ref(&falls)).unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 1)).unwrap().from(start).unwrap();
+    let (mut steps, mut halfway) = (Vec::new(), None);
+    for step in 0..60 {
+        motion.step(0.004).unwrap();
+        // The impulse of the floor over the step size is the change of the momentum in it.
+        let [_, force, _] = motion.reactions()[1].force;
+        steps.push((motion.record().time, force));
+        if step == 20 {
+            halfway = Some(motion.snapshot());
+        }
+    }
+    let touching: Vec<(f64, f64)> = steps.into_iter().filter(|(_, force)| *force != 0.0).collect();
+    let largest = touching.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    let [ceiling, floor] = &motion.statistics().contacts[..] else { panic!("{:?}", motion.statistics()) };
+    assert_eq!((ceiling.name.as_str(), ceiling.largest_force, ceiling.duration), ("ceiling", None, 0.0));
+    assert_eq!((ceiling.largest_force_time, ceiling.first_time, ceiling.last_time), (None, None, None));
+    assert_eq!(floor.name, "floor");
+    assert!(touching.len() > 10, "{touching:?}");
+    let near = |own: Option<f64>, expected: f64| (own.unwrap() - expected).abs() < 1e-12;
+    assert!(near(floor.largest_force, largest.1) && near(floor.largest_force_time, largest.0), "{floor:?}");
+    assert!(near(floor.first_time, touching[0].0 - 0.004), "{floor:?}");
+    assert!(near(floor.last_time, touching[touching.len() - 1].0), "{floor:?}");
+    assert!(near(Some(floor.duration), 0.004 * touching.len() as f64), "{floor:?}");
+    // The layer begins 0.05 below the block, which falls with 2 until there.
+    assert!((floor.first_time.unwrap() - 0.025).abs() < 0.004, "{floor:?}");
+    let impulse: f64 = touching.iter().map(|(_, force)| 0.004 * force).sum();
+    assert!((motion.record().linear_momentum[1] + 2.0 - impulse).abs() < 1e-11);
+    // A motion that is resumed goes on with them.
+    let settings = NewtonSettings::default();
+    let mut resumed = Motion::resumed(&body, at(DGM, 1), settings, halfway.unwrap()).unwrap();
+    (21..60).for_each(|_| _ = resumed.step(0.004).unwrap());
+    assert_eq!(resumed.statistics(), motion.statistics());
+}
+
+/// A body at rest on a plane has the force of its weight from the start on.
+#[test]
+fn statistics_begin_with_the_equilibrium() {
+    let body = Body::builder(block_above(0.045))
+        .region(rubber())
+        .contact(contact(PLANE).named("floor"))
+        .support(Support::of_components("corner", [true, false, true]))
+        .support(Support::of_components("beside", [false, false, true]))
+        .load(Load::acceleration([0.0, -10.0, 0.0]))
+        .build()
+        .unwrap();
+    let state = Equilibrium::new(&body, 1.0, 1).unwrap();
+    let state = state.start(NewtonSettings::default(), &[], &mut []).unwrap();
+    let motion = Motion::new(&body, at(DGM, 1)).unwrap().from(state).unwrap();
+    let mut motion = motion.with_static_reactions().unwrap();
+    let of_start = motion.statistics().contacts[0].clone();
+    assert_eq!((of_start.first_time, of_start.largest_force_time), (Some(1.0), Some(1.0)));
+    assert!((of_start.largest_force.unwrap() - 10.0).abs() < 1e-7 && of_start.duration == 0.0);
+    (0..3).for_each(|_| _ = motion.step(0.25).unwrap());
+    let after = &motion.statistics().contacts[0];
+    assert_eq!((after.first_time, after.last_time, after.duration), (Some(1.0), Some(1.75), 0.75));
+}
