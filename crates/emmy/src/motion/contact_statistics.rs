@@ -16,7 +16,8 @@ use crate::body::{Body, Reaction};
 ///     .contact(Contact::with_obstacle("z-min", floor).named("floor"))
 ///     .build()?;
 /// let falls = InitialVelocity { velocity: [0.0, 0.0, -2.0], ..InitialVelocity::default() };
-/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(State::initial(&body, 0.0, &[falls])?)?;
+/// let start = State::initial(&body, 0.0, &[falls])?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(start)?;
 /// motion.march(&StepPlan::new(0.0, vec![Phase { until: 0.2, size: 0.01 }])?, &mut [])?;
 /// let floor = &motion.statistics().contacts[0];
 /// let (first, last) = (floor.first_time.unwrap(), floor.last_time.unwrap());
@@ -59,7 +60,12 @@ impl ContactStatistics {
 
     /// Adds a step, given by its end and its size, to the statistics of all contacts of a body, or with the size zero a
     /// state at rest. `reactions`: by supported group; empty where they are not known.
-    pub(super) fn add_all(all: &mut Vec<ContactStatistics>, body: &Body, step: (f64, f64), reactions: &[Reaction]) {
+    pub(super) fn add_all(
+        all: &mut Vec<ContactStatistics>,
+        body: &Body,
+        step: (f64, f64),
+        reactions: &[Reaction],
+    ) {
         for (number, contact) in body.contacts().enumerate() {
             if number == all.len() {
                 all.push(ContactStatistics { name: contact.name.clone(), ..ContactStatistics::default() });

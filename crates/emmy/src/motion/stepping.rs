@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::adaptive::{Control, degree_of};
 use super::mechanism::MechanismRecorder;
 use super::{
-    ContactStatistics, Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
+    ContactStatistics, Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan,
+    Subdivision,
 };
 use crate::body::{Body, JointState, Reaction};
 use crate::error::{Error, Result};

@@ -211,6 +211,11 @@ impl Closing<'_> {
         if let Some(note) = self.accuracy.and_then(|accuracy| accuracy.note.as_ref()) {
             self.host.statement(&format!("note: {note}"));
         }
+        if !self.problem.is_static() {
+            for note in summary::notes(self.results.statistics(), &self.problem.body) {
+                self.host.statement(&format!("note: {note}"));
+            }
+        }
     }
 }
 

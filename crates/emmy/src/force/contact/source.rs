@@ -66,6 +66,7 @@ impl ForceSource for Contact {
             area: areas.iter().flatten().sum(),
             stiffness: modulus,
             distance: thickness,
+            law: self.law,
             smallest_gap: gap,
         };
         Ok(Arc::new(ObstacleContact { summary, points, guards, tables, areas, nodes, positions }))
