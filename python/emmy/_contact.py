@@ -105,6 +105,8 @@ class Contact(Table):
     The energy-momentum schemes conserve the sum of all energies, the ``contact_energy`` of the layer included. The
     history also has ``smallest_gap``, relative to the thickness of the layer and NaN where nothing is near,
     ``contact_points``, and the mean force and moment on the body in each step, ``NAME_force_x`` to ``NAME_moment_z``.
+    ``"contacts"`` in `Run.summary` has the largest force, and the times at which it touches. The fields
+    ``contact_pressure`` and ``contact_gap`` show where the surface is pressed, and how near it is.
 
     Parameters
     ----------
