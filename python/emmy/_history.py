@@ -25,7 +25,7 @@ class Event(NamedTuple):
     time : float
         Its time.
     kind : str
-        "cut", "grown", "rejected", "degree", "release", "lost-frames", "rounding-floor" or "unresolved".
+        "cut", "passed", "grown", "rejected", "degree", "release", "lost-frames", "rounding-floor" or "unresolved".
     message : str
         What happened.
 

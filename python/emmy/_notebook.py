@@ -89,7 +89,8 @@ def _page(head: str, history: NDArray[Any], accuracy: str, scales: tuple[float, 
     parts = [f"<div><p>{head}<br>{verdict(history, scales)}{known}</p>"]
     if len(history) > 1:
         time = history["time"]
-        energies = {name: history[key] for name, key in ENERGIES.items()}
+        names = ENERGIES_WITH_CONTACT if "contact_energy" in (history.dtype.names or ()) else ENERGIES
+        energies = {name: history[key] for name, key in names.items()}
         parts.append(chart("Energy", time, energies))
         parts.append(
             chart(
@@ -100,6 +101,12 @@ def _page(head: str, history: NDArray[Any], accuracy: str, scales: tuple[float, 
 
 
 ENERGIES = {"T + V": "total_energy", "T": "kinetic_energy", "V": "strain_energy"}
+ENERGIES_WITH_CONTACT = {
+    "H": "total_energy",
+    "T": "kinetic_energy",
+    "V": "strain_energy",
+    "V_c": "contact_energy",
+}
 
 
 def chart(title: str, x: NDArray[np.float64], lines: dict[str, NDArray[np.float64]], *, is_log: bool = False) -> str:

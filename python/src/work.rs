@@ -83,11 +83,14 @@ impl Work {
     pub(crate) fn warnings(&mut self) -> Vec<String> {
         let now = self.running.motion().statistics().clone();
         let before = std::mem::replace(&mut self.warned_up_to, now.clone());
+        let is_small =
+            |then: &RunStatistics| then.smallest_gap.is_some_and(|gap| gap.value < summary::SMALL_GAP);
         let mut warnings = summary::warnings(&RunStatistics {
             steps: now.steps - before.steps,
             unresolved_loads: now.unresolved_loads - before.unresolved_loads,
             unresolved_turns: now.unresolved_turns - before.unresolved_turns,
             rounding: if now.rounding > before.rounding { now.rounding } else { 0.0 },
+            smallest_gap: now.smallest_gap.filter(|_| !is_small(&before)),
             ..Default::default()
         });
         if now.cuts > before.cuts {

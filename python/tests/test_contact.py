@@ -229,3 +229,31 @@ def test_a_motion_in_an_impact_is_resumed_from_a_snapshot():
     rest, again = motion.run(), other.run()
     np.testing.assert_array_equal(rest["total_energy"][-len(again) :], again["total_energy"])
     np.testing.assert_array_equal(motion.displacement, other.displacement)
+
+
+def test_the_summary_has_the_force_and_the_times_of_a_contact():
+    motion = emmy.Motion(above(), steps=(0.2, 0.005), initial=SPIN)
+    history = motion.run(output="out")
+    (floor,) = emmy.Run("out").summary["contacts"]
+    force = np.sqrt(sum(np.nan_to_num(history[f"floor_force_{axis}"]) ** 2 for axis in "xyz"))
+    touches = force > 0.0
+    assert floor["name"] == "floor" and touches.any()
+    assert floor["largest_force"] == pytest.approx(force.max(), rel=1e-12)
+    assert floor["largest_force_time"] == history["time"][force.argmax()]
+    first, last = history["time"][touches][[0, -1]]
+    assert floor["first_time"] == pytest.approx(first - 0.005, rel=1e-12) and floor["last_time"] == last
+    assert floor["duration"] == pytest.approx(0.005 * touches.sum(), rel=1e-12)
+
+
+def test_the_fields_of_contact():
+    motion = emmy.Motion(above(), steps=(0.2, 0.005), initial=emmy.Initial(velocity=(0, 0, -2)))
+    assert {"contact_pressure", "contact_gap"} <= set(motion.fields())
+    heights = motion.body.mesh.points[:, 2]
+    while next(motion).contact_energy == 0.0:
+        pass
+    pressure, gap = motion.field("contact_pressure"), motion.field("contact_gap")
+    below = heights == 0.0
+    # The distance to the floor, and what the layer does there.
+    np.testing.assert_allclose(gap[below], 0.1 + motion.displacement[below, 2], rtol=1e-12)
+    assert np.isnan(gap[~below]).all() and (pressure[~below] == 0.0).all() and (pressure[below] > 0.0).all()
+    assert "contact_pressure" not in emmy.Motion(block()).fields()

@@ -121,8 +121,10 @@ pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
     let step = |label: &str, dimension: &str, name: &'static str| {
         stairs(chart(runs, Axis::linear(units.label(label, dimension)), of(name)))
     };
+    let has_contact = |run: &Run| !run.column("contact_energy").is_empty();
+    let energies = if runs.iter().any(has_contact) { "T + V + V_c" } else { "T + V" };
     vec![
-        ("total-energy", state("total energy T + V", "energy", &of("total_energy"))),
+        ("total-energy", state(&format!("total energy {energies}"), "energy", &of("total_energy"))),
         ("energy-residual", residual("|energy residual| of a step", "energy", "energy_residual")),
         ("angular-momentum", state("angular momentum |L|", ANGULAR_MOMENTUM, &Run::angular_momentum)),
         (

@@ -5,13 +5,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use emmy::body::FieldName;
-use emmy::motion::RunStatistics;
+use emmy::body::{Body, ContactSummary, FieldName, LayerLaw};
+use emmy::motion::{ContactStatistics, Extreme, RunStatistics};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::accuracy::Accuracy;
-use crate::history::{Extreme, HIDDEN, Peaks, RESIDUAL};
+use crate::history::{Extreme as FieldExtreme, HIDDEN, Peaks, RESIDUAL};
 use crate::input::Problem;
 use crate::units::Units;
 use crate::whole_file::{self, replace};
@@ -50,6 +50,12 @@ impl Status {
 /// Fewer correct digits than these cause a warning.
 pub const FEW_DIGITS: f64 = 6.0;
 
+/// A gap below this part of its layer causes a warning.
+pub const SMALL_GAP: f64 = 0.05;
+
+/// A smallest gap above this part of its layer causes a note: an impact has used next to nothing of the layer.
+const LARGE_GAP: f64 = 0.98;
+
 /// Warnings about the results of a run.
 ///
 /// ```
@@ -81,7 +87,54 @@ pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
              higher degree"
         ));
     }
+    if let Some(gap) = statistics.smallest_gap.filter(|gap| gap.value < SMALL_GAP) {
+        warnings.push(format!(
+            "the layer is too soft for this impact: a gap is down to {:.3} of its thickness; take a larger `stiffness` \
+             or `distance`",
+            gap.value
+        ));
+    }
     warnings
+}
+
+/// Notes on the results of a motion with contact.
+///
+/// ```
+/// use emmy::body::{Contact, Obstacle};
+/// use emmy::prelude::*;
+/// use emmy_io::summary::notes;
+/// let floor = Obstacle::Plane { point: [0.0, 0.0, -0.06], normal: [0.0, 0.0, 1.0] };
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?)
+///     .region(Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0))
+///     .contact(Contact::with_obstacle("z-min", floor).with_distance(0.05))
+///     .build()?;
+/// let mut numbers = Vec::new();
+/// for v in [1e-3, 1.0] {
+///     let falls = InitialVelocity { velocity: [0.0, 0.0, -v], ..InitialVelocity::default() };
+///     let start = State::initial(&body, 0.0, &[falls])?;
+///     let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(start)?;
+///     motion.march(&StepPlan::new(0.0, vec![Phase { until: 0.02 / v, size: 5e-4 / v }])?, &mut [])?;
+///     assert!(motion.statistics().contacts[0].largest_force.is_some());
+///     numbers.push(notes(motion.statistics(), &body).len());
+/// }
+/// assert_eq!(numbers, [1, 0]); // the layer is thick for the slow impact
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn notes(statistics: &RunStatistics, body: &Body) -> Vec<String> {
+    let has_touched = |(own, contact): (&ContactStatistics, &ContactSummary)| {
+        own.largest_force.is_some() && contact.law == LayerLaw::Smooth
+    };
+    let may_be_thick = statistics.contacts.iter().zip(body.contacts()).any(has_touched);
+    // A gap that is not inside the layer at any end of a step says nothing about what was between them.
+    let gap = statistics.smallest_gap.filter(|gap| may_be_thick && (LARGE_GAP..1.0).contains(&gap.value));
+    let note = |gap: Extreme| {
+        format!(
+            "the layer is thick for so slow an impact: `law = \"linear\"`, or a smaller `distance` (the smallest gap \
+             is {:.4} of its thickness)",
+            gap.value
+        )
+    };
+    gap.map(note).into_iter().collect()
 }
 
 /// The part of a summary that is known before the run starts.
@@ -130,7 +183,7 @@ impl SummaryHeader {
     pub fn summary(
         &self,
         statistics: &RunStatistics,
-        extremes: &[Extreme],
+        extremes: &[FieldExtreme],
         status: Status,
         message: Option<&str>,
         wall_seconds: f64,
@@ -142,7 +195,10 @@ impl SummaryHeader {
         let limits = statistics.step_limits.counts();
         of_steps["step_limits"] = limits.map(|(limit, count)| (limit.name().to_string(), count)).collect();
         insert_fields(&mut summary, "", &of_steps);
-        let of_body = |own: &&Extreme| own.field != DISPLACEMENT && own.region.is_none();
+        if statistics.largest_contact_energy.is_some() && statistics.smallest_gap.is_none() {
+            summary.insert("smallest_gap".to_string(), Value::Null);
+        }
+        let of_body = |own: &&FieldExtreme| own.field != DISPLACEMENT && own.region.is_none();
         for extreme in extremes.iter().filter(of_body) {
             insert_fields(&mut summary, &format!("largest_{}", extreme.field), &place_of(extreme));
         }
@@ -165,6 +221,13 @@ impl SummaryHeader {
         insert_fields(&mut summary, "", &end);
         summary.extend(self.units.json().map(|units| ("units".to_string(), units)));
         Value::Object(summary)
+    }
+}
+
+/// Adds the notes on the results of a problem.
+pub(crate) fn add_notes(summary: &mut Value, statistics: &RunStatistics, problem: &Problem) {
+    if let Some(all) = summary["notes"].as_array_mut().filter(|_| !problem.is_static()) {
+        all.extend(notes(statistics, &problem.body).into_iter().map(Value::from));
     }
 }
 
@@ -205,14 +268,14 @@ pub(crate) fn add_peaks(summary: &mut Value, peaks: &Peaks) {
 const DISPLACEMENT: &str = FieldName::Displacement.name();
 
 /// The largest value of a field with its place.
-fn place_of(extreme: &Extreme) -> Value {
-    let Extreme { value, step, time, member, is_cell, point, .. } = extreme;
+fn place_of(extreme: &FieldExtreme) -> Value {
+    let FieldExtreme { value, step, time, member, is_cell, point, .. } = extreme;
     let kind = if *is_cell { "cell" } else { "node" };
     json!({ "value": value, "step": step, "time": time, kind: member, "point": point })
 }
 
 /// The largest value of a field in a region, which it names first.
-fn row_of(extreme: &Extreme) -> Option<Value> {
+fn row_of(extreme: &FieldExtreme) -> Option<Value> {
     let mut row = Map::from_iter([
         ("region".to_string(), extreme.region.clone()?.into()),
         ("field".to_string(), extreme.field.clone().into()),

@@ -737,4 +737,13 @@ fn bar_on_a_wall() {
     let energy = &history["total_energy"];
     assert!((last(energy) / energy[0] - 1.0).abs() < 1e-11);
     assert!(history["smallest_gap"].iter().all(|gap| *gap > 0.0 || gap.is_nan()));
+    // The summary has the same force, and the times of the theory; the layer touches a little earlier and longer.
+    let summary = place.summary("bar");
+    let wall = &summary["contacts"][0];
+    let number = |name: &str| wall[name].as_f64().unwrap();
+    let largest = forces[1..].iter().copied().fold(0.0, f64::max);
+    assert!(wall["name"] == "wall" && number("largest_force") == largest && largest < 1.2 * force, "{wall}");
+    assert!((number("first_time") - 5e-4).abs() < 0.1 * duration, "{wall}");
+    assert!((number("duration") / duration - 1.0).abs() < 0.2, "{wall}");
+    assert!((number("last_time") - number("first_time") - number("duration")).abs() < 1e-12, "{wall}");
 }

@@ -4,6 +4,7 @@ mod accuracy;
 mod adaptive;
 mod cell_modes;
 mod compare;
+mod contact;
 mod converge;
 mod couplings;
 mod decks;

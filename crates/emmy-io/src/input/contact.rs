@@ -52,12 +52,11 @@ static OBSTACLE: Described = Described::new(|| {
         .exactly_one(&["plane", "sphere", "cylinder"])
 });
 
-static PLANE: Described =
-    Described::new(|| {
-        Section::new("obstacle.plane", "A half-space")
-            .must("point", vector(), "length", "A point of its surface")
-            .must("normal", vector(), "", "Direction out of it, towards the body, of any length")
-    });
+static PLANE: Described = Described::new(|| {
+    Section::new("obstacle.plane", "A half-space")
+        .must("point", vector(), "length", "A point of its surface")
+        .must("normal", vector(), "", "Direction out of it, towards the body, of any length")
+});
 
 /// The meaning of `inside`.
 const INSIDE: &str = "The body is inside";

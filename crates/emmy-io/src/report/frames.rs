@@ -21,7 +21,7 @@ struct ColourField {
 }
 
 /// Quantities for colouring besides the displacement.
-const FIELDS: [ColourField; 6] = [
+const FIELDS: [ColourField; 7] = [
     ColourField {
         name: "von_mises_stress",
         label: "von Mises stress",
@@ -56,6 +56,13 @@ const FIELDS: [ColourField; 6] = [
         label: "smallest principal stretch",
         array: ("principal_stretches", 3),
         value: |numbers| numbers.iter().copied().fold(f64::INFINITY, f64::min),
+        is_signed: false,
+    },
+    ColourField {
+        name: "contact_pressure",
+        label: "contact pressure",
+        array: ("contact_pressure", 1),
+        value: |numbers| numbers[0],
         is_signed: false,
     },
 ];

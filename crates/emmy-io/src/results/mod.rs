@@ -231,6 +231,7 @@ impl Results {
         if let Some(accuracy) = &accuracy {
             summary::add_accuracy(&mut summary, accuracy);
         }
+        summary::add_notes(&mut summary, &self.statistics, problem);
         let written = self.write_summary(&summary);
         let last = self.agree(logged.and(written));
         error = error.or(last.err());

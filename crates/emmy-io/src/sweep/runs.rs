@@ -20,7 +20,7 @@ use crate::limits;
 use crate::message::with_causes;
 use crate::results::{input, write_units};
 use crate::side_by_side::{on_one_thread, side_by_side};
-use crate::summary::{self, Status, SummaryHeader, add_accuracy, add_peaks};
+use crate::summary::{self, Status, SummaryHeader, add_accuracy, add_notes, add_peaks};
 use crate::whole_file::replace;
 
 /// A finished run.
@@ -230,6 +230,7 @@ impl Recorder<'_> {
         if let Some(accuracy) = Accuracy::of(self.problem, &self.problem.plan, statistics, None, period) {
             add_accuracy(&mut summary, &accuracy);
         }
+        add_notes(&mut summary, statistics, self.problem);
         let last = self.columns.numbers(motion.view().record, seconds);
         let last: HashMap<String, Number> = self.columns.names().into_iter().zip(last).collect();
         let in_summary = |name: &str| match &summary[name] {

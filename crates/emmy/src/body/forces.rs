@@ -1,5 +1,7 @@
 //! The forces of a body as one list, and what a step asks of it.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::system::Body;
@@ -427,6 +429,11 @@ impl Body {
     /// The contacts, in the order of the builder.
     pub fn contacts(&self) -> impl Iterator<Item = &ContactSummary> {
         self.others().filter_map(|force| force.contact())
+    }
+
+    /// The forces of the contacts.
+    pub(super) fn forces_of_contact(&self) -> Vec<Arc<dyn Force>> {
+        self.forces.others.iter().filter(|force| force.contact().is_some()).cloned().collect()
     }
 
     /// Rate of the drag \[1/time\].

@@ -2,6 +2,7 @@
 
 use super::system::Body;
 use crate::element::{Jacobians, element};
+use crate::force::ContactSummary;
 use crate::input::{Region, RegionMaterial};
 use crate::mesh::{Cell, CellKind, Mesh};
 use crate::space::geometry::{ReferenceTable, inverse, positions};
@@ -53,6 +54,29 @@ impl Body {
             largest = largest.max(stiffness * reference.factor(self.mesh(), cell, largest / stiffness));
         }
         Ok(Some(largest))
+    }
+
+    /// Upper bound of what contact adds to `omega_max^2` with the lumped mass while its layers are half as thick as at
+    /// rest \[1/time^2\], for nodes of linear facets; `None` without contact.
+    ///
+    /// A layer has the stiffness psi'' over its area a, of which each node has a part. With the shares N_A of the nodes
+    /// in a point, `(sum_A N_A x_A)^2 <= sum_A N_A x_A^2`, so that the parts of the nodes bound the whole:
+    ///
+    /// ```math
+    /// max_A psi'' a_A / m_A
+    /// ```
+    pub(crate) fn contact_frequency_bound(&self) -> Option<f64> {
+        let rest = vec![0.0; self.n_dofs()];
+        let mut stiffness = vec![0.0; self.mesh().n_nodes()];
+        let contacts = self.forces_of_contact();
+        for force in &contacts {
+            let own = force.contact().map_or(0.0, ContactSummary::stiffness_at_half);
+            force.for_each_contact_node(&rest, &mut |node, at_node| stiffness[node] += own * at_node.area);
+        }
+        let nodes = stiffness.iter().zip(self.lumped_mass()).enumerate();
+        let is_free = |node: usize| self.fixed()[3 * node..3 * node + 3].contains(&false);
+        let parts = nodes.filter(|(node, (_, mass))| **mass > 0.0 && is_free(*node)).map(|(_, (k, m))| k / m);
+        (!contacts.is_empty()).then(|| parts.fold(0.0, f64::max))
     }
 }
 

@@ -178,6 +178,15 @@ impl ObstacleLayer {
         [self.layer.energy(y), slope * rate, stiffness]
     }
 
+    /// The pressure at a position \[force/length^2\]; NaN behind the surface.
+    pub fn pressure(&self, q: [f64; 3]) -> f64 {
+        match self.surface.gap(q) {
+            gap if gap <= 0.0 => f64::NAN,
+            gap if gap < self.layer.thickness => -self.by_gap(gap)[1],
+            _ => 0.0,
+        }
+    }
+
     /// Change of the energy over that of the gap, and its derivative by the second gap.
     fn quotient(&self, g_1: f64, g_2: f64) -> [f64; 2] {
         let square = self.layer.thickness.powi(2);

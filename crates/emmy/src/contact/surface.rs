@@ -107,8 +107,10 @@ pub struct Surface {
     pub nodes: Vec<u32>,
     /// Reference positions of the nodes.
     pub positions: Vec<[f64; 3]>,
-    /// Points and guards.
+    /// Guards, in the order of the nodes, then the points, facet by facet.
     pub points: Vec<SurfacePoint>,
+    /// Where the points of each facet begin, and the end of all.
+    pub facets: Vec<usize>,
     /// Triangles.
     pub triangles: Vec<SurfaceTriangle>,
     /// Edges.
@@ -127,9 +129,11 @@ impl Surface {
         let mut surface = Surface { begin: vec![0], ..Surface::default() };
         surface.add_guards(facets);
         for facet in facets {
+            surface.facets.push(surface.points.len());
             surface.add_points(facet);
             surface.add_triangles(facet);
         }
+        surface.facets.push(surface.points.len());
         surface.connect();
         surface
     }

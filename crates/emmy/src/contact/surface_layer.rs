@@ -347,6 +347,55 @@ impl SurfaceLayer {
         state
     }
 
+    /// Calls a function with the number of each node, the normal force on it over the reference area around it on facets
+    /// that are pressed, this area on all facets, and the distance to the nearest opponent, infinite beyond two
+    /// thicknesses.
+    ///
+    /// A point counts with the force on it alone, twice, as its opponents count half of it.
+    pub fn for_each_node(
+        &self,
+        position: impl Fn(usize) -> [f64; 3],
+        search: &mut SurfaceSearch,
+        visit: &mut dyn FnMut(usize, [f64; 3]),
+    ) {
+        self.state(position, search);
+        let surface = &self.surface;
+        let n = surface.nodes.len();
+        let mut forces = vec![[0.0; 3]; surface.n_entities()];
+        let mut gaps = vec![f64::INFINITY; n];
+        let pairs = search.candidates.pairs.iter().filter(|candidate| candidate.kind != PairKind::EdgeEdge);
+        for candidate in pairs {
+            let (pair, point) = (self.pair(candidate), candidate.entities[0] as usize);
+            let state = PairState::new(pair.kind, candidate.vectors(&search.x));
+            let force = pair.gradient(&state)[0];
+            (0..3).for_each(|d| forces[point][d] += 2.0 * force[d]);
+            let gap = state.closest.squared_distance.sqrt();
+            if candidate.is_guard && gap < NEAR * self.layer.thickness {
+                gaps[point] = gaps[point].min(gap);
+            }
+        }
+        let size = |entity: u32| dot3(forces[entity as usize], forces[entity as usize]).sqrt();
+        // Force, area, and the area of facets that are pressed, of each node.
+        let mut sums = vec![[0.0; 3]; n];
+        for range in surface.facets.windows(2) {
+            let points = &surface.points[range[0]..range[1]];
+            let is_pressed = points.iter().any(|point| size(point.entity) > 0.0);
+            for point in points {
+                for (node, share) in surface.entity(point.entity) {
+                    // Shares of nodes of quadratic facets have a mean of zero, or less than that.
+                    let area = share.abs() * point.area;
+                    sums[node][0] += share.abs() * size(point.entity);
+                    sums[node][1] += area;
+                    sums[node][2] += if is_pressed { area } else { 0.0 };
+                }
+            }
+        }
+        for (node, ([force, area, pressed], gap)) in sums.into_iter().zip(gaps).enumerate() {
+            let pressed = if pressed > 0.0 { pressed } else { area };
+            visit(node, [(force + size(node as u32)) / pressed, area, gap]);
+        }
+    }
+
     /// Smallest distance between two bodies in the reference configuration; infinite beyond 128 times the
     /// thickness of the layer.
     pub fn gap(&self) -> f64 {

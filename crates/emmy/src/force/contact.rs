@@ -6,11 +6,11 @@ mod surfaces;
 use std::slice::from_ref;
 
 use super::contact_summary::ContactSummary;
-use super::facets::FacetTable;
+use super::facets::{FacetTable, MAX_NODES};
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, Side};
 use super::step::StepInput;
-use super::strain_state::{ContactState, StrainState};
+use super::strain_state::{ContactAtNode, ContactState, StrainState};
 use crate::average::{ContactRule, FollowerRule, Request, Rule};
 use crate::contact::{MAX_STAGES, ObstacleLayer, PointPath};
 use crate::error::{Error, Result};
@@ -87,6 +87,16 @@ impl ContactPoint<'_> {
             weights: step.rule.weights(),
         }
     }
+}
+
+/// Sums over the points around a node, or over those of one facet.
+#[derive(Clone, Copy, Default)]
+struct NodalSums {
+    /// Normal force.
+    force: f64,
+    area: f64,
+    /// Area of facets on which a force acts.
+    pressed_area: f64,
 }
 
 /// Forces of a point per area and their derivatives, as many as any step has.
@@ -320,6 +330,43 @@ impl Force for ObstacleContact {
 
     fn contact(&self) -> Option<&ContactSummary> {
         Some(&self.summary)
+    }
+
+    fn for_each_contact_node(&self, displacement: &[f64], visit: &mut dyn FnMut(usize, ContactAtNode)) {
+        let mut sums = vec![NodalSums::default(); self.nodes.len()];
+        let place = |node: &u32| self.nodes.partition_point(|(own, ..)| own < node);
+        let mut points = self.contact_points();
+        for (table, areas) in self.tables.iter().zip(&self.areas) {
+            for _ in 0..areas.len() / table.n_points() {
+                let mut of_facet = [NodalSums::default(); MAX_NODES];
+                let mut nodes: &[u32] = &[];
+                for point in points.by_ref().take(table.n_points()) {
+                    let pressure = point.layer.pressure(point.at(displacement));
+                    nodes = point.nodes;
+                    for (sum, share) in of_facet.iter_mut().zip(point.shares) {
+                        // Shares of nodes of quadratic facets have a mean of zero, or less than that.
+                        let area = share.abs() * point.area;
+                        sum.force += area * pressure;
+                        sum.area += area;
+                    }
+                }
+                let is_pressed = of_facet.iter().any(|sum| sum.force != 0.0);
+                for (node, own) in nodes.iter().zip(&of_facet) {
+                    let sum = &mut sums[place(node)];
+                    sum.force += own.force;
+                    sum.area += own.area;
+                    sum.pressed_area += if is_pressed { own.area } else { 0.0 };
+                }
+            }
+        }
+        let most = NEAR * self.points.layer.thickness;
+        for (guard, sum) in points.zip(sums) {
+            let (q, node) = (guard.at(displacement), guard.nodes[0] as usize);
+            let gap = Some(guard.layer.surface.gap(q)).filter(|gap| *gap < most).unwrap_or(f64::NAN);
+            let force = sum.force + guard.area * guard.layer.pressure(q);
+            let pressed = if sum.pressed_area > 0.0 { sum.pressed_area } else { sum.area };
+            visit(node, ContactAtNode { pressure: force / pressed, area: sum.area, gap });
+        }
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

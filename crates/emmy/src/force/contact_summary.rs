@@ -1,5 +1,7 @@
 //! The summary of a contact.
 
+use crate::contact::{Layer, LayerLaw};
+
 /// A contact of a body.
 ///
 /// ```
@@ -34,7 +36,20 @@ pub struct ContactSummary {
     pub stiffness: f64,
     /// Thickness of the layer \[length\].
     pub distance: f64,
+    /// Law of the layer.
+    pub law: LayerLaw,
     /// Smallest gap in the reference configuration \[length\]: between a node and the obstacle, or between two bodies,
     /// where it is infinite beyond 128 default thicknesses.
     pub smallest_gap: f64,
+}
+
+impl ContactSummary {
+    /// Stiffness of the layer at half of its thickness over the area: the second derivative of its energy by the gap
+    /// \[force/length^3\].
+    pub(crate) fn stiffness_at_half(&self) -> f64 {
+        let layer = Layer { modulus: self.stiffness, thickness: self.distance, law: self.law };
+        // y = (gap/d)^2
+        let (y, by_gap, second) = (0.25, 1.0 / self.distance, 2.0 / self.distance.powi(2));
+        layer.curvature(y) * by_gap * by_gap + layer.slope(y) * second
+    }
 }

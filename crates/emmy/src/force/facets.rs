@@ -7,7 +7,7 @@ use crate::sparse::Pattern;
 use crate::tensor::cross;
 
 /// Largest number of nodes of a facet.
-const MAX_NODES: usize = 9;
+pub(super) const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
 pub(super) type NodalVectors = [[f64; 3]; MAX_NODES];

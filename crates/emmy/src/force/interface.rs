@@ -9,7 +9,7 @@ use super::integral::Scratch;
 use super::pressures::PressureCells;
 use super::signal::Signal;
 use super::step::{Sampling, StepInput, StepStart};
-use super::strain_state::StrainState;
+use super::strain_state::{ContactAtNode, StrainState};
 use crate::average::{Request, Rule};
 use crate::error::{Error, Result};
 use crate::input::{NotFinite, SignalTarget, TimeFunction};
@@ -196,6 +196,10 @@ pub trait Force: fmt::Debug + Send + Sync {
     fn contact(&self) -> Option<&ContactSummary> {
         None
     }
+
+    /// Calls a function with contact at each node of its surfaces at a displacement. Of a node with several calls the
+    /// pressures add up, and the smallest gap counts.
+    fn for_each_contact_node(&self, _displacement: &[f64], _: &mut dyn FnMut(usize, ContactAtNode)) {}
 
     /// Nodes and pressures of cells with a projected volume; `None` for other forces.
     fn pressure_cells(&self) -> Option<PressureCells<'_>> {

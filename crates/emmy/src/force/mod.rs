@@ -36,4 +36,5 @@ pub(crate) use pressures::{PressureCells, PressureResults};
 pub(crate) use signal::{MAX_COMPONENTS, Signal};
 pub(crate) use source::{ForceSource, Site};
 pub(crate) use step::{Sampling, StepDamping, StepInput, StepStart};
+pub(crate) use strain_state::ContactAtNode;
 pub use strain_state::StrainState;

@@ -27,6 +27,33 @@ impl ContactState {
     }
 }
 
+/// Layers of contact at a node at one configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactAtNode {
+    /// Normal force on the node, positive towards the body, over the reference area around it on facets that are
+    /// pressed \[force/length^2\].
+    pub pressure: f64,
+    /// Reference area around the node on all facets of the surface \[length^2\].
+    pub area: f64,
+    /// Distance to the nearest opponent \[length\]; NaN where none is near.
+    pub gap: f64,
+}
+
+impl ContactAtNode {
+    /// The state without contact.
+    pub const NONE: ContactAtNode = ContactAtNode { pressure: 0.0, area: 0.0, gap: f64::NAN };
+
+    /// The union of both states.
+    pub fn with(self, other: ContactAtNode) -> ContactAtNode {
+        ContactAtNode {
+            pressure: self.pressure + other.pressure,
+            area: self.area + other.area,
+            // NaN is none.
+            gap: self.gap.min(other.gap),
+        }
+    }
+}
+
 /// Strain energy and smallest det F of a set of cells, and the layers of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrainState {

@@ -3,7 +3,7 @@
 use super::adaptive::{
     AFTER_KINK, Control, Controller, DegreeChoice, FIRST, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of,
 };
-use super::failure::{may_shrink_after, placed};
+use super::failure::{event_of_cut, may_shrink_after, placed};
 use super::resolution::Unresolved;
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepLimit, StepPlan};
 use crate::error::{Error, Result};
@@ -97,7 +97,7 @@ impl<'a> Motion<'a> {
                     self.conclude(size, end, &outcome, missed);
                     self.record.local_error = error;
                     self.record.step_limit = Some(limit);
-                    self.statistics.add(self.body, &self.state, &self.record);
+                    self.statistics.add(self.body, &self.state, &self.record, &self.reactions);
                     self.choose_degree(control, (size, error), longest)?;
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;
@@ -186,7 +186,7 @@ impl<'a> Motion<'a> {
             _ => {
                 control.controller.fail(size);
                 self.cuts += 1;
-                EventKind::Cut
+                event_of_cut(&error)
             }
         };
         let message =

@@ -28,6 +28,8 @@ pub struct Event {
 pub enum EventKind {
     /// A failed step is cut by two.
     Cut,
+    /// A step in which something would pass through its opponent in contact is cut by two.
+    Passed,
     /// A step is rejected because of its error, and repeated with a smaller size.
     Rejected,
     /// The step size is doubled again after cuts.
@@ -47,6 +49,7 @@ impl EventKind {
     pub const fn name(self) -> &'static str {
         match self {
             EventKind::Cut => "cut",
+            EventKind::Passed => "passed",
             EventKind::Rejected => "rejected",
             EventKind::Grown => "grown",
             EventKind::Degree => "degree",

@@ -1,5 +1,6 @@
 //! The place of a failure.
 
+use super::EventKind;
 use crate::body::Body;
 use crate::error::Error;
 use crate::time::State;
@@ -29,6 +30,14 @@ pub(super) fn may_shrink_after(error: &Error) -> bool {
 /// Whether a step was lost in the rounding of the time.
 pub(super) fn is_lost(error: &Error) -> bool {
     matches!(cause_of(error), Error::NoDuration { .. })
+}
+
+/// The event of a step that is cut because of an error.
+pub(super) fn event_of_cut(error: &Error) -> EventKind {
+    match cause_of(error) {
+        Error::Passed { .. } => EventKind::Passed,
+        _ => EventKind::Cut,
+    }
 }
 
 /// The error that made a step fail.

@@ -1,6 +1,6 @@
 //! The loop over the steps of a plan.
 
-use super::failure::{is_lost, may_shrink_after};
+use super::failure::{event_of_cut, is_lost, may_shrink_after};
 use super::stepping::SmallestStep;
 use super::{
     EventKind, MarchError, Motion, Observer, ObserverResult, PlannedStep, Record, Resolution, StepPlan,
@@ -187,7 +187,7 @@ impl Motion<'_> {
         self.cuts += 1;
         let what = if self.scheme == Scheme::Static { "increment" } else { "step" };
         let message = format!("{what} cut to {}: {error}", short(0.5 * size));
-        self.note(EventKind::Cut, self.state.step + 1, message);
+        self.note(event_of_cut(&error), self.state.step + 1, message);
         Ok(error)
     }
 

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod adaptive_steps;
+mod contact_statistics;
 mod equations;
 mod error_norm;
 mod event;
@@ -26,6 +27,7 @@ pub use crate::newton::NewtonSettings;
 pub use crate::sparse::Solver;
 pub use crate::time::State;
 pub use adaptive::Adaptivity;
+pub use contact_statistics::ContactStatistics;
 pub use error_norm::ErrorNorm;
 pub use event::{Event, EventKind};
 pub use global_error::GlobalError;

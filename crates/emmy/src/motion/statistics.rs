@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Record, State, StepLimits};
-use crate::body::Body;
+use super::{ContactStatistics, Record, State, StepLimits};
+use crate::body::{Body, Reaction};
 use crate::mass::RegionSummary;
 use crate::sparse::SolverChoice;
 
@@ -173,6 +173,9 @@ pub struct RunStatistics {
     /// Smallest gap over the thickness of its layer; `None` without contact, or where nothing was near.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smallest_gap: Option<Extreme>,
+    /// Forces of the contacts, in the order of [`Body::contacts`]; empty without contact.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<ContactStatistics>,
     /// Sum of the estimated errors of the steps, relative to the scales of [`super::Adaptivity`]; 0 without adaptive
     /// steps.
     #[serde(default)]
@@ -195,8 +198,8 @@ const AT_REST: f64 = 1e-9;
 const ENERGY_AT_REST: f64 = 1e-24;
 
 impl RunStatistics {
-    /// Adds a step, or the start, from its record and the state after it.
-    pub(super) fn add(&mut self, body: &Body, state: &State, record: &Record) {
+    /// Adds a step, or the start, from its record, its reactions and the state after it.
+    pub(super) fn add(&mut self, body: &Body, state: &State, record: &Record, reactions: &[Reaction]) {
         self.steps = record.step;
         self.time = record.time;
         self.newton_iterations += record.newton_iterations;
@@ -220,6 +223,8 @@ impl RunStatistics {
         self.accumulated_local_error += record.local_error;
         record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));
         self.largest_displacement.update(body, state);
+        let step = (record.time, record.step_size);
+        ContactStatistics::add_all(&mut self.contacts, body, step, reactions);
         let constraints = body.constraints();
         if !constraints.is_empty() {
             let way = self.largest_displacement.value / constraints.size();

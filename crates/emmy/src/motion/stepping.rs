@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::adaptive::{Control, degree_of};
 use super::mechanism::MechanismRecorder;
 use super::{
-    Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
+    ContactStatistics, Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan,
+    Subdivision,
 };
 use crate::body::{Body, JointState, Reaction};
 use crate::error::{Error, Result};
@@ -164,7 +165,7 @@ impl<'a> Motion<'a> {
             recorder.set(body, &state, &mut record);
         }
         let mut statistics = RunStatistics::default();
-        statistics.add(body, &state, &record);
+        statistics.add(body, &state, &record, &[]);
         Ok(Motion {
             body,
             given: scheme,
@@ -332,6 +333,8 @@ impl<'a> Motion<'a> {
     pub fn with_static_reactions(mut self) -> Result<Self> {
         let (reactions, joints) = static_reactions(self.body, &self.state)?;
         (self.reactions, self.record.joints, self.record.has_joint_forces) = (reactions, joints, true);
+        let contacts = &mut self.statistics.contacts;
+        ContactStatistics::add_all(contacts, self.body, (self.state.time, 0.0), &self.reactions);
         let State { displacement, coordinates, .. } = &self.state;
         let joints = &mut self.record.joints;
         self.body.mechanism.set_coordinates(&|dof| displacement[dof], coordinates, joints);

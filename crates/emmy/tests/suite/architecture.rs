@@ -235,6 +235,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "failure",
             "record",
             "mechanism",
+            "contact_statistics",
             "statistics",
             "resolution",
             "snapshot",

@@ -3,10 +3,11 @@
 #![allow(non_snake_case)]
 
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
-use emmy::body::{Contact, Formulation, LayerLaw, Obstacle, Viscosity};
+use emmy::body::{Contact, FieldName, Fields, Formulation, LayerLaw, Obstacle, Viscosity};
 use emmy::equilibrium::Equilibrium;
-use emmy::mesh::MeshBuilder;
-use emmy::motion::{Adaptivity, NewtonSettings};
+use emmy::internals::time::CentralDifferences;
+use emmy::mesh::{CellKind, MeshBuilder};
+use emmy::motion::{Adaptivity, Event, EventKind, NewtonSettings, Observer, ObserverResult, View};
 use emmy::prelude::*;
 
 /// A block of cells with the edge 1/2 above the plane y = 0, by a gap.
@@ -528,4 +529,230 @@ fn adaptive_steps_find_the_impact() {
     }
     let [(coarse, error), (fine, smaller)] = errors[..] else { panic!("{errors:?}") };
     assert!(coarse < fine && smaller < 0.3 * error && error < 0.02, "{errors:?}");
+}
+
+/// The statistics of a contact, against the reactions of the steps and the momentum.
+#[test]
+fn statistics_have_the_force_and_the_times_of_each_contact() {
+    let away = Obstacle::Plane { point: [0.0, 9.0, 0.0], normal: [0.0, -1.0, 0.0] };
+    let body = Body::builder(block_above(0.1))
+        .region(rubber())
+        .contact(contact(away).named("ceiling"))
+        .contact(contact(PLANE).named("floor"))
+        .build()
+        .unwrap();
+    let falls = InitialVelocity { velocity: [0.0, -2.0, 0.0], ..InitialVelocity::default() };
+    let start = State::initial(&body, 0.0, std::slice::from_ref(&falls)).unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 1)).unwrap().from(start).unwrap();
+    let (mut steps, mut halfway) = (Vec::new(), None);
+    for step in 0..60 {
+        motion.step(0.004).unwrap();
+        // The impulse of the floor over the step size is the change of the momentum in it.
+        let [_, force, _] = motion.reactions()[1].force;
+        steps.push((motion.record().time, force));
+        if step == 20 {
+            halfway = Some(motion.snapshot());
+        }
+    }
+    let touching: Vec<(f64, f64)> = steps.into_iter().filter(|(_, force)| *force != 0.0).collect();
+    let largest = touching.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    let [ceiling, floor] = &motion.statistics().contacts[..] else { panic!("{:?}", motion.statistics()) };
+    assert_eq!((ceiling.name.as_str(), ceiling.largest_force, ceiling.duration), ("ceiling", None, 0.0));
+    assert_eq!((ceiling.largest_force_time, ceiling.first_time, ceiling.last_time), (None, None, None));
+    assert_eq!(floor.name, "floor");
+    assert!(touching.len() > 10, "{touching:?}");
+    let near = |own: Option<f64>, expected: f64| (own.unwrap() - expected).abs() < 1e-12;
+    assert!(near(floor.largest_force, largest.1) && near(floor.largest_force_time, largest.0), "{floor:?}");
+    assert!(near(floor.first_time, touching[0].0 - 0.004), "{floor:?}");
+    assert!(near(floor.last_time, touching[touching.len() - 1].0), "{floor:?}");
+    assert!(near(Some(floor.duration), 0.004 * touching.len() as f64), "{floor:?}");
+    // The layer begins 0.05 below the block, which falls with 2 until there.
+    assert!((floor.first_time.unwrap() - 0.025).abs() < 0.004, "{floor:?}");
+    let impulse: f64 = touching.iter().map(|(_, force)| 0.004 * force).sum();
+    assert!((motion.record().linear_momentum[1] + 2.0 - impulse).abs() < 1e-11);
+    // A motion that is resumed goes on with them.
+    let settings = NewtonSettings::default();
+    let mut resumed = Motion::resumed(&body, at(DGM, 1), settings, halfway.unwrap()).unwrap();
+    (21..60).for_each(|_| _ = resumed.step(0.004).unwrap());
+    assert_eq!(resumed.statistics(), motion.statistics());
+}
+
+/// Steps that would lead through a layer are cut, with an event of their own, by planned and by adaptive steps.
+#[test]
+fn steps_in_which_something_would_pass_are_cut() {
+    #[derive(Default)]
+    struct Cuts(Vec<EventKind>);
+    impl Observer for Cuts {
+        fn observe(&mut self, _: View<'_>) -> ObserverResult {
+            Ok(())
+        }
+        fn notice(&mut self, event: &Event) -> ObserverResult {
+            if event.kind == EventKind::Passed {
+                assert!(event.message.contains("would pass through the obstacle"), "{}", event.message);
+            }
+            self.0.push(event.kind);
+            Ok(())
+        }
+    }
+    // The block moves by ten times the thickness of the layer in a step.
+    let thin = contact(PLANE).with_distance(0.001);
+    let body = Body::builder(block_above(0.105)).region(rubber()).contact(thin).build().unwrap();
+    let falls = InitialVelocity { velocity: [0.0, -2.0, 0.0], ..InitialVelocity::default() };
+    let start = || State::initial(&body, 0.0, std::slice::from_ref(&falls)).unwrap();
+    let mut motion = Motion::new(&body, Scheme::CentralDifferences).unwrap().from(start()).unwrap();
+    motion.allow_cuts(None);
+    let mut cuts = Cuts::default();
+    let plan = StepPlan::new(0.0, vec![Phase { until: 0.06, size: 0.005 }]).unwrap();
+    motion.march(&plan, &mut [&mut cuts]).unwrap();
+    assert!(cuts.0.contains(&EventKind::Passed), "{:?}", cuts.0);
+    assert!(motion.statistics().cuts > 0 && motion.record().smallest_gap.is_none_or(|gap| gap > 0.0));
+}
+
+/// A body at rest on a plane has the force of its weight from the start on.
+#[test]
+fn statistics_begin_with_the_equilibrium() {
+    let body = Body::builder(block_above(0.045))
+        .region(rubber())
+        .contact(contact(PLANE).named("floor"))
+        .support(Support::of_components("corner", [true, false, true]))
+        .support(Support::of_components("beside", [false, false, true]))
+        .load(Load::acceleration([0.0, -10.0, 0.0]))
+        .build()
+        .unwrap();
+    let state = Equilibrium::new(&body, 1.0, 1).unwrap();
+    let state = state.start(NewtonSettings::default(), &[], &mut []).unwrap();
+    let motion = Motion::new(&body, at(DGM, 1)).unwrap().from(state).unwrap();
+    let mut motion = motion.with_static_reactions().unwrap();
+    let of_start = motion.statistics().contacts[0].clone();
+    assert_eq!((of_start.first_time, of_start.largest_force_time), (Some(1.0), Some(1.0)));
+    assert!((of_start.largest_force.unwrap() - 10.0).abs() < 1e-7 && of_start.duration == 0.0);
+    (0..3).for_each(|_| _ = motion.step(0.25).unwrap());
+    let after = &motion.statistics().contacts[0];
+    assert_eq!((after.first_time, after.last_time, after.duration), (Some(1.0), Some(1.75), 0.75));
+}
+
+/// The pressure of a layer at a gap: `kappa/4 (g/d) (3 e^2 y + e^3)/y^2` with `y = (g/d)^2`, `e = 1 - y`.
+fn pressure_of_layer(gap: f64, distance: f64) -> f64 {
+    let y = (gap / distance).powi(2);
+    let e = (1.0 - y).max(0.0);
+    1333.0 / 4.0 * (gap / distance) * (3.0 * e * e * y + e.powi(3)) / (y * y)
+}
+
+/// A plane presses uniformly on every node of every kind of facet; below half the thickness guards press as well.
+#[test]
+fn fields_of_contact_have_the_uniform_pressure_of_a_plane() {
+    let kinds = [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10];
+    for kind in kinds {
+        let mesh = crate::locking::mapped(kind, [2, 2, 2], |[x, y, z]| [x, y + 0.1, z]).build().unwrap();
+        let body = Body::builder(mesh).region(rubber()).contact(contact(PLANE)).build().unwrap();
+        let fields = Fields::new(&body);
+        let names = [FieldName::ContactPressure, FieldName::ContactGap];
+        assert!(names.iter().all(|name| fields.has(*name) && body.has_field(*name)));
+        for gap in [0.09, 0.045, 0.035, 0.03] {
+            let lowered: Vec<f64> =
+                (0..body.n_dofs()).map(|dof| if dof % 3 == 1 { gap - 0.1 } else { 0.0 }).collect();
+            let found = fields.at(&lowered, &lowered, &names);
+            let [pressures, gaps] = [0, 1].map(|field| &found[field].numbers);
+            let expected = pressure_of_layer(gap, 0.05);
+            let largest = pressures.iter().copied().fold(0.0, f64::max);
+            for (node, X) in body.mesh().points().iter().enumerate() {
+                if X[1] < 0.1 + 1e-12 {
+                    assert!(
+                        (pressures[node] - expected).abs() <= 1e-9 * largest,
+                        "{kind:?} {gap}: {pressures:?}"
+                    );
+                    assert!((gaps[node] - gap).abs() < 1e-15, "{kind:?} {gap}: {gaps:?}");
+                } else {
+                    assert!(pressures[node] == 0.0 && gaps[node].is_nan(), "{kind:?} {gap}: {X:?}");
+                }
+            }
+            assert_eq!(largest > 0.0, gap < 0.05);
+        }
+    }
+    // Guards have a layer of half the thickness and, on linear facets, the same areas.
+    let body = Body::builder(block_above(0.02)).region(rubber()).contact(contact(PLANE)).build().unwrap();
+    let rest = vec![0.0; body.n_dofs()];
+    let fields = Fields::new(&body);
+    let middle = body.mesh().points().iter().position(|X| *X == [0.5, 0.02, 0.5]).unwrap() as u32;
+    let two = fields.on(&fields.select_nodes(&[0, middle]), &rest, &rest, FieldName::ContactPressure);
+    let (own, of_guard) = (two[0], pressure_of_layer(0.02, 0.025));
+    // The guard of the corner has the areas of three facets, of which one is pressed.
+    for (own, n) in two.iter().zip([3.0, 1.0]) {
+        let expected = pressure_of_layer(0.02, 0.05) + n * of_guard;
+        assert!((own / expected - 1.0).abs() < 1e-13, "{own} {expected}");
+    }
+    // Two contacts add up, and the nearer one has the gap; behind the surface there is no pressure.
+    let lower = Obstacle::Plane { point: [0.0, -0.02, 0.0], normal: [0.0, 1.0, 0.0] };
+    let both = Body::builder(block_above(0.02)).region(rubber()).contacts([contact(lower), contact(PLANE)]);
+    let both = Fields::new(&both.build().unwrap());
+    let found = both.at(&rest, &rest, &[FieldName::ContactPressure, FieldName::ContactGap]);
+    assert!((found[0].numbers[0] - own - pressure_of_layer(0.04, 0.05)).abs() < 1e-12 * own);
+    assert!((found[1].numbers[0] - 0.02).abs() < 1e-15);
+    let behind: Vec<f64> = (0..body.n_dofs()).map(|dof| if dof % 3 == 1 { -0.03 } else { 0.0 }).collect();
+    let found = fields.at(&behind, &behind, &[FieldName::ContactPressure, FieldName::ContactGap]);
+    assert!(found[0].numbers[0].is_nan() && (found[1].numbers[0] + 0.01).abs() < 1e-15);
+    // A body without contact has neither field.
+    let alone = Body::builder(block_above(0.02)).region(rubber()).build().unwrap();
+    assert!(!alone.has_field(FieldName::ContactPressure) && !Fields::new(&alone).has(FieldName::ContactGap));
+}
+
+/// On a slanted, round surface the pressures times the areas of the nodes are still the force.
+#[test]
+fn the_field_of_the_pressure_adds_up_to_the_force() {
+    let wall = Obstacle::Sphere { centre: [0.5, 8.0, 0.5], radius: 8.02, inside: true };
+    let body = Body::builder(block_above(0.04)).region(rubber());
+    let body = body.contact(Contact { surface: None, ..contact(wall) }).build().unwrap();
+    let rest = vec![0.0; body.n_dofs()];
+    let found = Fields::new(&body).at(&rest, &rest, &[FieldName::ContactPressure]);
+    let motion = Motion::new(&body, at(DGM, 1)).unwrap().with_static_reactions().unwrap();
+    let force = motion.reactions()[0].force;
+    let (mut sum, mut n) = (0.0, 0);
+    for (X, pressure) in body.mesh().points().iter().zip(&found[0].numbers) {
+        // A quarter of each facet of 1/4 around a node.
+        let half = |x: f64| if x == 0.5 { 0.5 } else { 0.25 };
+        sum += if X[1] < 0.05 { pressure * half(X[0]) * half(X[2]) } else { 0.0 };
+        n += usize::from(*pressure > 0.0);
+    }
+    assert!(n == 9 && force[1] > 1.0, "{n} {force:?}");
+    // The normals lean by up to an eleventh.
+    assert!((sum / force[1] - 1.0).abs() < 0.005 && force[1] < sum, "{sum} {force:?}");
+}
+
+/// The critical step of central differences with a pressed layer: that of the body at the gap is not below the bound,
+/// and the bound is that of a mass on the spring of its layer where the body is soft.
+#[test]
+fn the_critical_step_falls_with_the_gap() {
+    let critical = |mu: f64, law: LayerLaw| {
+        let soft = Region::new(NeoHooke::new(0.0, mu).unwrap(), 1.0);
+        let floor = Obstacle::Plane { point: [0.0, -0.1, 0.0], normal: [0.0, 1.0, 0.0] };
+        let body = Body::builder(mesh::block([1.0; 3], [2; 3]).unwrap()).region(soft);
+        let sole = Contact { surface: Some("y-min".into()), ..contact(floor).with_law(law) };
+        let body = body.contact(sole).build().unwrap();
+        let lowered = |gap: f64| -> Vec<f64> {
+            (0..body.n_dofs()).map(|dof| if dof % 3 == 1 { gap - 0.1 } else { 0.0 }).collect()
+        };
+        let [away, half] = [0.1, 0.025 * (1.0 + 1e-12)]
+            .map(|gap| CentralDifferences::critical_steps(&body, &lowered(gap)).unwrap()[0]);
+        let bound = CentralDifferences::critical_step_in_contact(&body, &lowered(0.1)).unwrap().unwrap();
+        (away, half, bound)
+    };
+    for law in [LayerLaw::Smooth, LayerLaw::Linear] {
+        // psi'' at g = d/2 by differences of the pressure of the law, -psi'.
+        let energy = |g: f64| {
+            let (y, c) = ((g / 0.05f64).powi(2), 1333.0 * 0.05 / 8.0);
+            c * (1.0 - y).powi(if law == LayerLaw::Smooth { 3 } else { 2 }) / y
+        };
+        let h = 1e-4;
+        let stiffness = (energy(0.025 + h) - 2.0 * energy(0.025) + energy(0.025 - h)) / (h * h);
+        // A node below has the area 1/4 of a facet and the mass 1/8 of a cell for each cell around it.
+        let of_node = 2.0 / (stiffness * (0.25 / 4.0) / (0.125 / 8.0)).sqrt();
+        let (away, half, bound) = critical(500.0, law);
+        assert!(bound < half * (1.0 + 1e-6) && half < away && bound > 0.9 * half, "{bound} {half} {away}");
+        let (_, half, bound) = critical(1e-6, law);
+        assert!((bound / of_node - 1.0).abs() < 1e-3, "{law:?}: {bound} {of_node}");
+        // All nodes below move alike in the fastest mode.
+        assert!((half / bound - 1.0).abs() < 1e-3, "{law:?}: {half} {bound}");
+    }
+    let alone = Body::builder(block_above(0.1)).region(rubber()).build().unwrap();
+    assert_eq!(CentralDifferences::critical_step_in_contact(&alone, &vec![0.0; 81]).unwrap(), None);
 }

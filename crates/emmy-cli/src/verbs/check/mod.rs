@@ -97,6 +97,7 @@ fn whole_report(problem: &Problem) -> Result<Report, Failure> {
     if let Some(step) = problem.critical_step(state.as_ref())? {
         let step = problem.units.number(step, "time");
         report.line("stability", &format!("critical step {step} at the start"));
+        report.stability_in_contact(problem, state.as_ref());
     }
     period::report(&mut report, problem, state.as_ref());
     report.output(problem);

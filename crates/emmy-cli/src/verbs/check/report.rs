@@ -8,6 +8,7 @@ use emmy::body::{
     Body, Coupling, InitialVelocity, Load, LoadKind, LoadResultant, PointMass, PointTerms, RegionSummary,
     Support, TieKind, TimeFunction, Viscosity,
 };
+use emmy::internals::time::CentralDifferences;
 use emmy::mesh::{Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy::time::Scheme;
@@ -142,6 +143,22 @@ impl Report {
         let nodes = counted(body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()), "node", "nodes");
         let point = self.units.vector(*point, "length");
         self.line("coupling", &format!("{name}: the point {point} follows the mean of {nodes} of `{group}`"));
+    }
+
+    /// The critical step of central differences while contacts press, if there are any.
+    pub(super) fn stability_in_contact(&mut self, problem: &Problem, state: Option<&State>) {
+        let body = &problem.body;
+        let rest = vec![0.0; body.n_dofs()];
+        let displacement = state.map_or(&rest, |state| &state.displacement);
+        let pressed = CentralDifferences::critical_step_in_contact(body, displacement).ok().flatten();
+        if let Some(step) = pressed {
+            let units = problem.units;
+            let text = format!(
+                "at least {} where layers of contact are pressed to half of their thickness",
+                units.number(step, "time")
+            );
+            self.line("", &text);
+        }
     }
 
     /// Contacts, with their layers and the smallest gap at the start.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use emmy::body::FieldName;
-use emmy::motion::{Extreme, RunStatistics, StepLimit};
+use emmy::motion::{ContactStatistics, Extreme, RunStatistics, StepLimit};
 use emmy_io::accuracy::Accuracy;
 use emmy_io::history::Extreme as FieldExtreme;
 use emmy_io::input::Problem;
@@ -46,6 +46,7 @@ impl Closing<'_> {
         } else {
             self.residuals(statistics)
         }
+        self.contacts(statistics);
         if let Some(accuracy) = self.accuracy {
             message!(self.host, "accuracy in time: {}", accuracy.text);
         }
@@ -143,11 +144,35 @@ impl Closing<'_> {
         let relative = Some((part(angular_momentum, size), of));
         residual("angular momentum", angular_momentum, "mass·length²/time", relative);
         self.constraints();
-        if let Some(energy) = statistics.largest_contact_energy {
-            let gap = statistics.smallest_gap.map_or("nothing was near".to_string(), |gap| {
-                format!("smallest gap {:.3} of the thickness of the layer (step {})", gap.value, gap.step)
-            });
-            message!(self.host, "contact: {gap}, largest energy {}", units.number(energy, "energy"));
+    }
+
+    /// The smallest gap, and the force and the times of each contact.
+    fn contacts(&self, statistics: &RunStatistics) {
+        let Closing { problem, .. } = *self;
+        let units = problem.units;
+        let Some(energy) = statistics.largest_contact_energy else { return };
+        let what = if problem.is_static() { "increment" } else { "step" };
+        let gap = statistics.smallest_gap.map_or("nothing was near".to_string(), |gap| {
+            format!("smallest gap {:.3} of the thickness of the layer ({what} {})", gap.value, gap.step)
+        });
+        message!(self.host, "contact: {gap}, largest energy {}", units.number(energy, "energy"));
+        for ContactStatistics { name, largest_force, largest_force_time, first_time, last_time, duration } in
+            &statistics.contacts
+        {
+            let [at, first, last] = [largest_force_time, first_time, last_time]
+                .map(|time| time.map_or(String::new(), |time| moment(problem, time)));
+            let lasts = match problem.is_static() {
+                true => String::new(),
+                false => format!(", in contact for {}", units.number(*duration, "time")),
+            };
+            match largest_force {
+                Some(force) => message!(
+                    self.host,
+                    "  {name}: largest force {} at {at}; from {first} to {last}{lasts}",
+                    units.number(*force, "force")
+                ),
+                None => message!(self.host, "  {name}: no force"),
+            }
         }
     }
 
@@ -185,6 +210,11 @@ impl Closing<'_> {
         }
         if let Some(note) = self.accuracy.and_then(|accuracy| accuracy.note.as_ref()) {
             self.host.statement(&format!("note: {note}"));
+        }
+        if !self.problem.is_static() {
+            for note in summary::notes(self.results.statistics(), &self.problem.body) {
+                self.host.statement(&format!("note: {note}"));
+            }
         }
     }
 }

@@ -77,7 +77,11 @@ impl Requested {
         }
         let fields = Fields::new(body);
         for (field, place) in all.into_iter().filter(|(field, _)| !fields.has(*field)) {
-            let message = format!("the body has no field `{field}`: none of its cells has such a quantity");
+            let why = match field {
+                FieldName::ContactPressure | FieldName::ContactGap => "it has no contact",
+                _ => "none of its cells has such a quantity",
+            };
+            let message = format!("the body has no field `{field}`: {why}");
             faults.push(Fault::at(&place, message, "not of this body"));
         }
     }
@@ -194,7 +198,9 @@ fn check_group(body: &Body, probe: &Probe, place: &Place) -> Result<(), Fault> {
 
 /// A note on a probe whose fields are means of several regions.
 fn sides(body: &Body, probe: &Probe) -> Option<String> {
-    let jumps = |field: FieldName| !matches!(field, FieldName::Displacement | FieldName::Velocity);
+    let of_node =
+        [FieldName::Displacement, FieldName::Velocity, FieldName::ContactPressure, FieldName::ContactGap];
+    let jumps = |field: FieldName| !of_node.contains(&field);
     let mut fields = probe.quantities.iter().filter_map(|quantity| match quantity {
         ProbeQuantity::Field(field) if jumps(*field) => Some(field),
         _ => None,

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::system::Body;
+use crate::force::{ContactAtNode, Force};
 use crate::input::Region;
 use crate::mesh::Mesh;
 use crate::nodal;
@@ -67,6 +68,8 @@ pub struct Fields {
     recovery: Recovery,
     /// Mean density of the cells around each node, by volume; at guests of the cells that are here.
     density: Vec<f64>,
+    /// Forces of contact.
+    contacts: Vec<Arc<dyn Force>>,
     ranks: Arc<Subdomain>,
 }
 
@@ -92,7 +95,8 @@ pub struct FieldValues {
 impl Body {
     /// Whether the body has a field, as [`Fields::has`], which computes more.
     pub fn has_field(&self, name: FieldName) -> bool {
-        is_of_motion(name) || self.made_of.iter().any(|region| has_field(region, name))
+        let has_contact = self.contacts().next().is_some();
+        is_of_motion(name) || self.made_of.iter().any(|region| has_field(region, name, has_contact))
     }
 }
 
@@ -101,13 +105,14 @@ fn is_of_motion(name: FieldName) -> bool {
     matches!(name, FieldName::Displacement | FieldName::Velocity)
 }
 
-fn has_field(region: &Region, name: FieldName) -> bool {
+fn has_field(region: &Region, name: FieldName, has_contact: bool) -> bool {
     let link = region.link();
     match name.info().needs {
         Needs::Nothing => true,
         Needs::Volume => link.is_none_or(|link| link.area() > 0.0),
         Needs::Solids => link.is_none(),
         Needs::Links => link.is_some(),
+        Needs::Contact => has_contact && link.is_none(),
     }
 }
 
@@ -120,14 +125,15 @@ impl Fields {
         let projections = Projections::new(&mesh, &regions, &region_of_cell);
         let recovery = Recovery::new(&mesh, body.space.internal().clone(), projections);
         let ranks = body.ranks().clone();
-        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density: Vec::new(), ranks };
+        let (density, contacts) = (Vec::new(), body.forces_of_contact());
+        let mut fields = Fields { mesh, regions, region_of_cell, recovery, density, contacts, ranks };
         let (n_nodes, n_cells) = (fields.mesh.n_nodes(), fields.mesh.n_cells());
         fields.density = fields.densities(0..n_cells as u32, n_nodes, |node| node);
         fields
     }
 
     /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
-    /// axial forces need links.
+    /// axial forces need links, and fields of contact need a contact.
     pub fn has(&self, name: FieldName) -> bool {
         is_of_motion(name) || (0..self.regions.len()).any(|region| self.region_has(region, name))
     }
@@ -139,7 +145,7 @@ impl Fields {
 
     /// Whether a region has a field, as [`Fields::has`]; `region`: its number.
     pub fn region_has(&self, region: usize, name: FieldName) -> bool {
-        has_field(&self.regions[region], name)
+        has_field(&self.regions[region], name, !self.contacts.is_empty())
     }
 
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are
@@ -151,14 +157,15 @@ impl Fields {
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
         let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
         let cells = if wanted(Place::Cells) { self.cell_states(displacement) } else { Vec::new() };
+        let contact = self.contact_at_nodes(displacement, names);
         let numbers = |name: FieldName| match name.place() {
             Place::Nodes => {
                 let members = (0..self.mesh.n_nodes()).zip(self.density.iter().copied());
-                self.numbers(name, &nodes, members, [displacement, velocity])
+                self.numbers(name, (&nodes, &contact), members, [displacement, velocity])
             }
             Place::Cells => {
                 let members = (0..self.mesh.n_cells()).map(|cell| (cell, 0.0));
-                self.numbers(name, &cells, members, [displacement, velocity])
+                self.numbers(name, (&cells, &contact), members, [displacement, velocity])
             }
         };
         let mut fields: Vec<FieldValues> =
@@ -167,12 +174,24 @@ impl Fields {
         fields
     }
 
-    /// The numbers of a field at some members, each with the density around it, and their states; `motion`:
-    /// displacement and velocity.
+    /// Contact at every node, `[n_nodes]`; empty if no field needs it.
+    fn contact_at_nodes(&self, displacement: &[f64], names: &[FieldName]) -> Vec<ContactAtNode> {
+        if !names.iter().any(|name| matches!(name.info().formula, Formula::Contact(_))) {
+            return Vec::new();
+        }
+        let mut all = vec![ContactAtNode::NONE; self.mesh.n_nodes()];
+        for force in &self.contacts {
+            force.for_each_contact_node(displacement, &mut |node, own| all[node] = all[node].with(own));
+        }
+        all
+    }
+
+    /// The numbers of a field at some members, each with the density around it; `states`: those of the members, and
+    /// contact at every node; `motion`: displacement and velocity.
     fn numbers(
         &self,
         name: FieldName,
-        states: &[PointState],
+        (states, contact): (&[PointState], &[ContactAtNode]),
         members: impl Iterator<Item = (usize, f64)>,
         motion: [&[f64]; 2],
     ) -> Vec<f64> {
@@ -184,6 +203,7 @@ impl Fields {
             Formula::OfCell(number) | Formula::OfMass(number) => {
                 members.map(|(cell, _)| number(self, motion, cell)).collect()
             }
+            Formula::Contact(number) => members.map(|(node, _)| number(&contact[node])).collect(),
             Formula::Number(number) => flat(states, |state| [number(state)]),
             Formula::Stretches(stretches) => flat(states, stretches),
             Formula::Tensor(tensor) => flat(states, tensor),

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::Fields;
 use super::point::{PointState, von_mises};
+use crate::force::ContactAtNode;
 use crate::tensor::Sym;
 
 /// Where a field has its values.
@@ -43,6 +44,8 @@ pub(super) enum Needs {
     /// Solid or plane cells.
     Solids,
     Links,
+    /// Contact.
+    Contact,
 }
 
 /// Formula of a field.
@@ -53,6 +56,8 @@ pub(super) enum Formula {
     OfCell(fn(&Fields, [&[f64]; 2], usize) -> f64),
     /// The same for a mean over the points of the mass matrix.
     OfMass(fn(&Fields, [&[f64]; 2], usize) -> f64),
+    /// A number of contact at a node.
+    Contact(fn(&ContactAtNode) -> f64),
     /// A number of the state at a node or in a cell.
     Number(fn(&PointState) -> f64),
     Stretches(fn(&PointState) -> [f64; 3]),
@@ -62,7 +67,7 @@ pub(super) enum Formula {
 impl Formula {
     /// Whether it needs the state of the material.
     pub(super) const fn is_of_state(&self) -> bool {
-        !matches!(self, Formula::Vector(_) | Formula::OfCell(_) | Formula::OfMass(_))
+        !matches!(self, Formula::Vector(_) | Formula::OfCell(_) | Formula::OfMass(_) | Formula::Contact(_))
     }
 }
 
@@ -259,6 +264,28 @@ fields! {
         components: SCALAR,
         needs: Needs::Volume,
         formula: Formula::OfMass(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
+    }
+    /// Normal force of contact on a node over the reference area around it, on those facets that are pressed; the sum
+    /// of all contacts, and 0 where none acts \[force/length^2\].
+    ContactPressure {
+        name: "contact_pressure",
+        description: "normal force of contact on a node over the reference area around it; 0 elsewhere",
+        dimension: "stress",
+        place: Place::Nodes,
+        components: SCALAR,
+        needs: Needs::Contact,
+        formula: Formula::Contact(|contact| contact.pressure),
+    }
+    /// Distance of a node to the nearest opponent in contact, up to twice the thickness of its layer; NaN elsewhere
+    /// \[length\].
+    ContactGap {
+        name: "contact_gap",
+        description: "distance of a node to the nearest opponent, up to twice the thickness of its layer, else NaN",
+        dimension: "length",
+        place: Place::Nodes,
+        components: SCALAR,
+        needs: Needs::Contact,
+        formula: Formula::Contact(|contact| contact.gap),
     }
 }
 

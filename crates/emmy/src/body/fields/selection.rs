@@ -137,10 +137,11 @@ impl Fields {
         );
         let is_of_state = names.iter().any(|name| name.info().formula.is_of_state());
         let states = if is_of_state { self.states(selection, displacement) } else { Vec::new() };
+        let contact = self.contact_at_nodes(displacement, names);
         let numbers = |name: FieldName| {
             let members = selection.members.iter().map(|&member| member as usize);
             let densities = selection.densities.iter().copied().chain(std::iter::repeat(0.0));
-            self.numbers(name, &states, members.zip(densities), [displacement, velocity])
+            self.numbers(name, (&states, &contact), members.zip(densities), [displacement, velocity])
         };
         names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
     }

@@ -97,6 +97,7 @@ impl Contact {
             area: areas.iter().flatten().sum(),
             stiffness: layer.modulus,
             distance: layer.thickness,
+            law: layer.law,
             smallest_gap: gap,
         };
         Ok(Arc::new(ObstacleContact { summary, points, guards, tables, areas, nodes, positions }))
@@ -157,6 +158,7 @@ impl Contact {
             area: areas.iter().flatten().sum(),
             stiffness: layer.layer.modulus,
             distance: layer.layer.thickness,
+            law: layer.layer.law,
             smallest_gap: gap,
         };
         let first_body = body_of.iter().flatten().copied().min().unwrap_or(0);

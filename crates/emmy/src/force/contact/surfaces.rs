@@ -10,7 +10,7 @@ use crate::force::contact_summary::ContactSummary;
 use crate::force::integral::Scratch;
 use crate::force::interface::{Book, Force, ForceMemory, Side};
 use crate::force::step::StepInput;
-use crate::force::strain_state::{ContactState, StrainState};
+use crate::force::strain_state::{ContactAtNode, ContactState, StrainState};
 use crate::nodal;
 use crate::sparse::{Couplings, RowPart};
 use crate::tensor::Mat3;
@@ -191,6 +191,15 @@ impl Force for SurfaceContact {
 
     fn contact(&self) -> Option<&ContactSummary> {
         Some(&self.summary)
+    }
+
+    fn for_each_contact_node(&self, displacement: &[f64], visit: &mut dyn FnMut(usize, ContactAtNode)) {
+        let mut search = self.search.lock().unwrap_or_else(PoisonError::into_inner);
+        let position = |number: usize| self.position(displacement, number);
+        self.layer.for_each_node(position, &mut search, &mut |number, [pressure, area, gap]| {
+            let gap = if gap.is_finite() { gap } else { f64::NAN };
+            visit(self.layer.surface.nodes[number] as usize, ContactAtNode { pressure, area, gap });
+        });
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

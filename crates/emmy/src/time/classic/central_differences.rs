@@ -71,6 +71,19 @@ impl<'a> CentralDifferences<'a> {
         Ok([critical, SAFETY * critical])
     }
 
+    /// The critical step of a body, at least, while all layers of its contacts are pressed to half of their thickness
+    /// \[time\]: `2/sqrt(omega_max^2 + omega_c^2)` with the stiffness of the body at a displacement, and that of the
+    /// layers over the mass of the nodes. At edges between facets of one surface it is too low, as only some of them are
+    /// pressed. `None` without contact.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub fn critical_step_in_contact(body: &Body, displacement: &[f64]) -> Result<Option<f64>> {
+        let Some(of_contact) = body.lumped().contact_frequency_bound() else { return Ok(None) };
+        let [critical, _] = CentralDifferences::critical_steps(body, displacement)?;
+        Ok(Some(2.0 / ((2.0 / critical).powi(2) + of_contact).sqrt()))
+    }
+
     /// Last estimate of the critical step, 2/omega_max \[time\].
     pub fn critical_step(&self) -> f64 {
         self.limit.critical_step

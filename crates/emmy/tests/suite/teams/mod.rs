@@ -308,7 +308,7 @@ fn fields_are_those_of_the_whole_body() {
         there.at(&motion, &motion, &names)
     };
     let whole = fields(&parts(Body::builder(mesh.clone())));
-    assert_eq!(whole.len(), FieldName::ALL.len() - 1); // no axial force
+    assert_eq!(whole.len(), FieldName::ALL.len() - 3); // no axial force, no contact
     for size in [2, 4] {
         on_team(&mesh, size, |share, team| {
             let body = parts(Body::shared(share, team));

@@ -37,8 +37,8 @@ function chartsOfRun(run, clock) {
   const specs = [
     ofRun(run, { title: "Energies", unit: inUnit("", unitOf(run, "total_energy")), note: run.loadNote, height: 190, lines: [
       line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
-      ...(column("contact_energy") ? [line("V contact", column("contact_energy"), "--c4", [4, 2])] : []),
-      line(column("contact_energy") ? "H, their sum" : "H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
+      ...(column("contact_energy") ? [line("V_c contact", column("contact_energy"), "--c4", [4, 2])] : []),
+      line(`H = ${energies(run)}`, column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
       ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
     ...constraints(run),
@@ -96,7 +96,7 @@ function residuals(run) {
     const [colour, dash, width] = colours[key];
     return { label: labels[key], values: sizes(run.column(`${key}_residual`), size), colour, dash, width };
   });
-  return ofRun(run, { title: "Balance of each step", unit: "residual, as a part of the largest T + V, |P|, |L|", log: true, height: 190, lines });
+  return ofRun(run, { title: "Balance of each step", unit: `residual, as a part of the largest ${energies(run)}, |P|, |L|`, log: true, height: 190, lines });
 }
 
 // How well joints and rigid bodies kept their shape.
@@ -147,8 +147,8 @@ function chartsOfRuns(runs, clock) {
   const stairs = (name) => each((run) => fromFirstStep(run.column(name))).map((line) => ({ ...line, stairs: true }));
   const unit = (name, column) => inUnit(name, unitOf(runs[0], column));
   const specs = [
-    ofRuns({ title: "Total energy", unit: unit("T + V", "total_energy"), height: 190, lines: column("total_energy") }),
-    residual("energy", "Energy balance of each step", "residual, as a part of the largest T + V"),
+    ofRuns({ title: "Total energy", unit: unit(energies(...runs), "total_energy"), height: 190, lines: column("total_energy") }),
+    residual("energy", "Energy balance of each step", `residual, as a part of the largest ${energies(...runs)}`),
     ...comparedQuantities(runs, each),
     ofRuns({ title: "Angular momentum", unit: unit("|L| about the origin", "angular_momentum_x"), height: 190, lines: each((run) => run.norm("angular_momentum")) }),
     residual("angular_momentum", "Angular momentum balance of each step", "residual, as a part of the largest |L|"),

@@ -17,9 +17,20 @@ function isRounding(run, key) {
   return scale > 0 && run.largest[key] < 1e-9 * scale;
 }
 
+// The energies of a motion, with that of contact if some run has contact; their sum is the total energy.
+function energies(...runs) {
+  return runs.some((run) => run.summary?.largest_contact_energy !== undefined) ? "T + V + V_c" : "T + V";
+}
+
+function unbroken(text) {
+  return text.replaceAll(" ", "\u00a0");
+}
+
 // A mechanism at rest has an energy of round-off, although its joints carry loads.
-function energyScale({ largest_energy: largest, energy_scale: scale }) {
-  return largest < 1e-24 * scale ? [scale, "the work of a joint over the size of the mechanism, T\u00a0+\u00a0V being zero"] : [largest, "the largest T\u00a0+\u00a0V"];
+function energyScale(run) {
+  const { largest_energy: largest, energy_scale: scale } = run.summary;
+  const sum = unbroken(energies(run));
+  return largest < 1e-24 * scale ? [scale, `the work of a joint over the size of the mechanism, ${sum} being zero`] : [largest, `the largest ${sum}`];
 }
 
 // The three balances of a run with their scales.
@@ -29,7 +40,7 @@ function balances(run) {
     const largest = run.largest[key];
     const scale = summary[`${key}_scale`];
     if (scale === undefined && largest < 10 * summary[`worst_${key}_residual`]) return [NaN, null];
-    const bound = key === "angular_momentum" ? "√(2\u00a0(T\u00a0+\u00a0V)\u00a0I)" : "√(2\u00a0(T\u00a0+\u00a0V)\u00a0m)";
+    const bound = unbroken(`√(2 (${energies(run)}) ${key === "angular_momentum" ? "I" : "m"})`);
     return isRounding(run, key) ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
   };
   const balance = (name, key, [size, of], drift) => {
@@ -38,7 +49,7 @@ function balances(run) {
     return { name, key, worst, step: summary[`worst_${key}_residual_step`], size, of, part, drift };
   };
   return [
-    balance("Energy", "energy", energyScale(summary), summary.energy_drift),
+    balance("Energy", "energy", energyScale(run), summary.energy_drift),
     balance("Linear momentum", "linear_momentum", momentum("linear_momentum", "P"), null),
     balance("Angular momentum", "angular_momentum", momentum("angular_momentum", "L"), summary.angular_momentum_drift),
   ];
@@ -136,12 +147,13 @@ function extreme(run, name, clock) {
 
 // Warnings that limit the verdict.
 function warnings(run) {
-  const { digits_left: digits, unresolved_loads: missed, steps } = run.summary;
+  const { digits_left: digits, unresolved_loads: missed, steps, smallest_gap: gap } = run.summary;
   const note = (...text) => element("p", { class: "note" }, "Warning: ", ...text);
   const notes = (run.summary.notes ?? []).map((text) => element("p", { class: "note" }, "Note: ", text.replaceAll("`", "")));
   return [
     digits < 6 ? note("rounding leaves ", ofSummary(run, "digits_left", String(digits)), " correct digits of energy and momenta.") : null,
     missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a given motion.`) : null,
+    typeof gap === "number" && gap < 0.05 ? note("the layer is too soft for this impact: a gap is down to ", ofSummary(run, "smallest_gap", number(gap)), " of its thickness.") : null,
     ...notes,
   ].filter((warning) => warning !== null);
 }
@@ -174,6 +186,6 @@ function showVerdict(place, runs, clock) {
   place.append(element("div", { class: "table-wrap" }, element("table", { class: "runs" },
     element("thead", {}, element("tr", {}, ...heads.map((head) => element("th", { scope: "col" }, head)))),
     element("tbody", {}, ...runs.map(row)))),
-    element("p", { class: "note" }, "Balances: the largest residual of a step as a part of the largest T + V, |P|, |L| of the run. ",
+    element("p", { class: "note" }, `Balances: the largest residual of a step as a part of the largest ${energies(...runs)}, |P|, |L| of the run. `,
       ...["good", "fair", "poor"].flatMap((mark) => [element("span", { class: mark }, sign(mark)), ` ${SIGNS[mark][1]}  `])));
 }

@@ -1,0 +1,140 @@
+//! Contact: notes, warnings, events, fields and the report of `emmy check`.
+
+use super::Place;
+
+/// A block that falls onto a floor with the velocity 1, which is a 45th of that of sound.
+const BLOCK: &str = r#"
+mesh.box = { size = [1, 1, 1], cells = [2, 2, 2] }
+output = { directory = "out", every = 0 }
+
+[[region]]
+density = 1.0
+material.neo-hooke = { lambda = 1000.0, mu = 500.0 }
+
+[[contact]]
+surfaces = "z-min"
+name = "floor"
+obstacle.plane = { point = [0, 0, -0.06], normal = [0, 0, 1] }
+distance = 0.05
+
+[initial]
+velocity = [0, 0, -1]
+
+[time]
+scheme = "DGM"
+steps = [{ until = 0.15, size = 0.005 }]
+"#;
+
+const THICK: &str = "the layer is thick for so slow an impact: `law = \"linear\"`, or a smaller `distance`";
+const SOFT: &str = "the layer is too soft for this impact";
+
+fn notes(summary: &serde_json::Value) -> String {
+    summary["notes"].to_string().replace("\\\"", "\"")
+}
+
+#[test]
+fn slow_impacts_on_thick_layers_have_a_note() {
+    let place = Place::with(BLOCK);
+    let fast = place.succeed(&["run", "box.toml"]).stderr;
+    assert!(!fast.contains(THICK) && !fast.contains(SOFT), "{fast}");
+    assert!(fast.contains("  floor: largest force ") && fast.contains(" in contact for "), "{fast}");
+    assert!(!notes(&place.summary("out")).contains(THICK));
+    let slow = ["--set", "initial.velocity=[0,0,-1e-3]", "--set", "time.steps=[{until=60,size=0.5}]"];
+    let told = place.succeed(&[&["run", "box.toml", "--output", "slow"], &slow[..]].concat()).stderr;
+    assert!(told.contains(&format!("note: {THICK}")), "{told}");
+    let summary = place.summary("slow");
+    assert!(summary["smallest_gap"].as_f64().unwrap() > 0.98 && notes(&summary).contains(THICK), "{summary}");
+    // A linear layer is not thick, and a block that does not arrive has no contact.
+    for more in ["contact.law=linear", "contact.obstacle.plane.point=[0,0,-9]"] {
+        let other = [&["run", "box.toml", "--output", "other", "--set", more], &slow[..]].concat();
+        let told = place.succeed(&other).stderr;
+        assert!(!told.contains(THICK) && !notes(&place.summary("other")).contains(THICK), "{more}: {told}");
+    }
+    let summary = place.summary("other");
+    let floor = &summary["contacts"][0];
+    assert!(summary["smallest_gap"].is_null() && summary["contacts"].as_array().unwrap().len() == 1);
+    assert!(floor["largest_force"].is_null() && floor["first_time"].is_null() && floor["duration"] == 0.0);
+}
+
+#[test]
+fn soft_layers_have_a_warning() {
+    let place = Place::with(BLOCK);
+    let flags = ["--set", "contact.stiffness=5e-3", "--set", "time.steps=[{until=0.1,size=2.5e-4}]"];
+    let told = place.succeed(&[&["run", "box.toml", "--output", "soft"], &flags[..]].concat()).stderr;
+    assert_eq!(told.matches(SOFT).count(), 1, "{told}");
+    assert!(place.summary("soft")["smallest_gap"].as_f64().unwrap() < 0.05);
+    assert!(place.read("soft/report.html").contains(SOFT));
+}
+
+/// Explicit steps of five times the thickness of the layer.
+#[test]
+fn steps_that_would_pass_are_events() {
+    let place = Place::with(BLOCK);
+    let flags = ["--set", "contact.distance=0.001", "--set", "time.scheme=central-differences"];
+    place.succeed(
+        &[&["run", "box.toml", "--set", "time.steps=[{until=0.07,size=0.005}]"], &flags[..]].concat(),
+    );
+    let events = place.read("out/events.csv");
+    let passed: Vec<&str> = events.lines().filter(|line| line.split(',').nth(2) == Some("passed")).collect();
+    assert!(!passed.is_empty() && passed[0].contains("would pass through the obstacle"), "{events}");
+}
+
+#[test]
+fn check_reports_the_critical_step_in_contact() {
+    let place = Place::with(BLOCK);
+    let explicit = ["--set", "time.scheme=central-differences"];
+    let report = place.succeed(&[&["check", "box.toml"], &explicit[..]].concat()).stdout;
+    // psi'' by differences of c (1 - y)^3/y with y = (g/d)^2, c = kappa d/8; a node has four times as much area as mass.
+    let modulus = 500.0 * (3.0 * 1000.0 + 2.0 * 500.0) / 1500.0;
+    let energy = |g: f64| {
+        let y = (g / 0.05f64).powi(2);
+        modulus * 0.05 / 8.0 * (1.0 - y).powi(3) / y
+    };
+    let h = 1e-4;
+    let layer = 4.0 * (energy(0.025 + h) - 2.0 * energy(0.025) + energy(0.025 - h)) / (h * h);
+    let number = |after: &str| -> f64 {
+        let rest = report.split(after).nth(1).unwrap_or_else(|| panic!("{after}\n{report}"));
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let critical = number("critical step ");
+    let expected = 2.0 / ((2.0 / critical).powi(2) + layer).sqrt();
+    let pressed = number("at least ");
+    assert!((pressed / expected - 1.0).abs() < 1e-3 && pressed < 0.5 * critical, "{expected}\n{report}");
+    assert!(!place.succeed(&["check", "box.toml"]).stdout.contains("pressed to half"));
+}
+
+/// Fields of contact in frames, as extremes, at probes and as values of groups.
+#[test]
+fn fields_of_contact_are_written() {
+    let place = Place::with(BLOCK);
+    let output = "fields=['displacement','contact_pressure','contact_gap'], extremes=['contact_pressure'], \
+                  probes=[{name='foot', point=[0,0,0], quantities=['contact_pressure','contact_gap']}]";
+    let flag = format!("output={{directory='out', every=2, {output}}}");
+    place.succeed(&["run", "box.toml", "--set", &flag]);
+    let history = place.history("out");
+    let (pressures, gaps) = (&history["foot_contact_pressure"], &history["foot_contact_gap"]);
+    assert!(pressures.iter().any(|pressure| *pressure > 1.0));
+    for ((pressure, gap), largest) in pressures.iter().zip(gaps).zip(&history["max_contact_pressure"]) {
+        assert!(
+            largest >= pressure && (*pressure > 1e-12) == (*gap < 0.05 - 1e-6),
+            "{pressure} {gap} {largest}"
+        );
+        // Up to 2 d it is the height above the floor.
+        assert!(gap.is_nan() || (*gap > 0.0 && *gap < 0.1), "{gap}");
+    }
+    assert!((gaps[0] - 0.06).abs() < 1e-15);
+    let summary = place.summary("out");
+    let largest = history["max_contact_pressure"].iter().copied().fold(0.0, f64::max);
+    assert!((summary["largest_contact_pressure"].as_f64().unwrap() / largest - 1.0).abs() < 1e-12);
+    let frame = place.read("out/frames/out_000000.vtu");
+    assert!(frame.contains("Name=\"contact_pressure\"") && frame.contains("Name=\"contact_gap\""));
+    let at = |section: &str| BLOCK.find(section).unwrap();
+    place.write("alone.toml", &format!("{}{}", &BLOCK[..at("[[contact]]")], &BLOCK[at("[initial]")..]));
+    let refused = place.emmy(&["check", "alone.toml", "--set", &flag]);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("the body has no field `contact_pressure`: it has no contact"),
+        "{}",
+        refused.stderr
+    );
+}
