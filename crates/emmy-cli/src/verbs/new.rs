@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 23] = [
+pub(super) const TEMPLATES: [Template; 27] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -48,10 +48,14 @@ pub(super) const TEMPLATES: [Template; 23] = [
     template!("comet"),
     template!("struck-block"),
     template!("bar-on-a-wall"),
+    template!("bouncing-ball"),
+    template!("newtons-cradle"),
+    template!("two-blocks"),
     template!("spring-network"),
     template!("driven-beam"),
     template!("balloon"),
     template!("rubber-mount"),
+    template!("rubber-bumper"),
     template!("engine-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),

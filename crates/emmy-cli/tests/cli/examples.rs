@@ -747,3 +747,66 @@ fn bar_on_a_wall() {
     assert!((number("duration") / duration - 1.0).abs() < 0.2, "{wall}");
     assert!((number("last_time") - number("first_time") - number("duration")).abs() < 1e-12, "{wall}");
 }
+
+/// A ball that bounces loses no energy, and little of its velocity to vibration; the impulse of the floor is the change
+/// of its momentum.
+#[test]
+fn bouncing_ball() {
+    let (_, history) = run("bouncing-ball");
+    let energy = &history["total_energy"];
+    assert!(energy.iter().all(|own| (own / energy[0] - 1.0).abs() < 1e-11));
+    let momentum = &history["linear_momentum_z"];
+    assert!((0.97..1.0).contains(&(last(momentum) / -momentum[0])), "{}", last(momentum));
+    let forces = &history["floor_force_z"][1..];
+    let impulse = forces.iter().sum::<f64>() * 4e-5;
+    assert!((impulse - last(momentum) + momentum[0]).abs() < 1e-12);
+    // Hertz' theory for small approaches, of a ball with the mass of the mesh: this one is stiffer.
+    let (mass, modulus, radius) = (-momentum[0], 1e6 / 0.91, 0.02f64);
+    let approach = (15.0 * mass / (16.0 * modulus * radius.sqrt())).powf(0.4);
+    let duration = forces.iter().filter(|force| **force > 0.0).count() as f64 * 4e-5;
+    assert!((0.85..1.0).contains(&(duration / (2.9432752 * approach))), "{duration}");
+    assert!(history["smallest_gap"].iter().all(|gap| *gap > 0.0 || gap.is_nan()));
+}
+
+/// The last bar leaves with the velocity of the first one, as between bars of one length in theory.
+#[test]
+fn newtons_cradle() {
+    let (_, history) = run("newtons-cradle");
+    for (bar, velocity) in [("first", 0.0), ("fourth", 0.0), ("fifth", 1e-3)] {
+        let own = last(&history[&format!("{bar}_x")]);
+        assert!((own - velocity).abs() < 1e-5, "{bar}: {own}");
+    }
+    let energy = &history["total_energy"];
+    assert!((last(energy) / energy[0] - 1.0).abs() < 1e-10);
+    assert!(history["linear_momentum_x"].iter().all(|own| (own - 0.01).abs() < 1e-15));
+}
+
+/// The numbers of another implementation of the same two blocks.
+#[test]
+fn two_blocks() {
+    let (place, history) = run("two-blocks");
+    let total = last(&history["total_energy"]);
+    assert!((last(&history["kinetic_energy"]) - 0.995_463_405_612_130_2).abs() < 1e-7 * total);
+    assert!((last(&history["strain_energy"]) - 0.131_219_927_720_912_3).abs() < 1e-7 * total);
+    for (axis, expected) in [("x", 0.195), ("y", 0.052), ("z", -0.347)] {
+        let own = &history[&format!("angular_momentum_{axis}")];
+        assert!(own.iter().all(|own| (own - expected).abs() < 1e-11));
+    }
+    let summary = place.summary("two-blocks");
+    assert!((summary["smallest_gap"].as_f64().unwrap() - 0.032_798_664_072_127_656 / 0.05).abs() < 1e-7);
+    // The lower block, at rest along y afterwards, is pushed down by the upper one.
+    let impulse = history["impact_force_y"][1..].iter().sum::<f64>() * 0.01;
+    assert!((impulse - (-0.735_055_014_960_954_3 - 1.0)).abs() < 1e-7, "{impulse}");
+}
+
+/// The force on a block that is stretched uniformly: mu A (1/stretch^2 - stretch).
+#[test]
+fn rubber_bumper() {
+    let (_, history) = run("rubber-bumper");
+    let (top, floor) = (last(&history["top_force_z"]), last(&history["floor_force_z"]));
+    assert!((top + floor).abs() < 1e-6 * floor, "{top} {floor}");
+    // What the layers give way is not the rubber's; they are pressed to 0.86 of the distance.
+    let gap = last(&history["smallest_gap"]) * 0.1;
+    let stretch = 1.0 - (3.0 - 2.0 * (0.09 - gap)) / 10.0;
+    close(floor, 100.0 * (stretch.powi(-2) - stretch), 0.01);
+}

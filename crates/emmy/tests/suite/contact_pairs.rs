@@ -326,3 +326,115 @@ fn a_block_is_pressed_on_another() {
     assert!((record.contact_energy - kappa * d / 8.0 * e.powi(3) / y).abs() < 1e-10);
     assert_eq!(record.contact_points, 32);
 }
+
+/// Triangles of a surface as the contact has them, at current positions, with their edges.
+fn triangles(mesh: &Mesh, x: &[[f64; 3]], first_cells: std::ops::Range<usize>) -> Vec<[[f64; 3]; 3]> {
+    let mut all = Vec::new();
+    for quad in mesh.boundary() {
+        // The cells of each body have nodes of their own, in their order.
+        if !first_cells.contains(&(quad[0] as usize)) {
+            continue;
+        }
+        let corners: Vec<[f64; 3]> = quad.iter().map(|node| x[*node as usize]).collect();
+        let middle = [0, 1, 2].map(|d| corners.iter().map(|x| x[d]).sum::<f64>() / 4.0);
+        all.extend((0..4).map(|i| [corners[i], corners[(i + 1) % 4], middle]));
+    }
+    all
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|d| a[d] - b[d])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|d| a[d] * b[d]).sum()
+}
+
+/// Whether a segment cuts a triangle (Moeller and Trumbore).
+fn cuts([from, to]: [[f64; 3]; 2], [a, b, c]: [[f64; 3]; 3]) -> bool {
+    let (along, u, v) = (minus(to, from), minus(b, a), minus(c, a));
+    let p = cross(along, v);
+    let det = dot(u, p);
+    if det == 0.0 {
+        return false;
+    }
+    let s = minus(from, a);
+    let (first, q) = (dot(s, p) / det, cross(s, u));
+    let (second, t) = (dot(along, q) / det, dot(v, q) / det);
+    first >= 0.0 && second >= 0.0 && first + second <= 1.0 && (0.0..=1.0).contains(&t)
+}
+
+fn cut_edges(one: &[[[f64; 3]; 3]], other: &[[[f64; 3]; 3]]) -> usize {
+    let edges = one.iter().flat_map(|own| [0, 1, 2].map(|i| [own[i], own[(i + 1) % 3]]));
+    edges.map(|edge| other.iter().filter(|triangle| cuts(edge, **triangle)).count()).sum()
+}
+
+/// Takes a step, in smaller parts where it fails; returns their number.
+fn advance(motion: &mut Motion<'_>, h: f64) -> usize {
+    match motion.step(h) {
+        Ok(_) => 0,
+        Err(error) => {
+            assert!(h > 1e-5, "{error}");
+            2 + advance(motion, 0.5 * h) + advance(motion, 0.5 * h)
+        }
+    }
+}
+
+/// Two blocks that meet at random angles and speeds: nothing passes, and the balances close.
+#[test]
+fn nothing_passes_in_random_drops() {
+    let mut seed = 7u64;
+    let mut random = move || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let (mut n_contacts, mut n_cuts) = (0, 0);
+    for trial in 0..200 {
+        let middle = [0.5; 3];
+        let placed = |random: &mut dyn FnMut() -> f64| {
+            let axis = [random(), random(), random()];
+            Placement::default().turned(axis, 6.0 * random(), middle).unwrap()
+        };
+        let (a, b) = (placed(&mut random), placed(&mut random));
+        let n = 1 + trial % 2;
+        let block = || mesh::block([1.0; 3], [n; 3]).unwrap();
+        let b = b.shifted([0.9 * random(), 1.9, 0.9 * random()]);
+        let mesh = joined(&[(block(), a), (block(), b)]);
+        let half = mesh.n_nodes() / 2;
+        let contact = Contact::between("a", "b").with_distance(0.05).with_stiffness(1000.0);
+        let body = Body::builder(mesh).region(rubber()).contact(contact).build().unwrap();
+        let speed = 1.0 + 3.0 * (random() + 0.5);
+        let spin = [2.0 * random(), 2.0 * random(), 2.0 * random()];
+        let velocities = [
+            spinning("a", [0.0, 0.5 * speed, 0.0], spin, middle),
+            spinning("b", [0.0, -0.5 * speed, 0.0], [0.0; 3], [0.0; 3]),
+        ];
+        let start = State::initial(&body, 0.0, &velocities).unwrap();
+        let k = 1 + trial / 2 % 2;
+        let mut motion =
+            Motion::new(&body, TimeElement::discrete_gradient(k).unwrap()).unwrap().from(start).unwrap();
+        let h = 0.005 * k as f64;
+        let mut touched = false;
+        for _ in 0..(1.2 / speed / h) as usize {
+            n_cuts += advance(&mut motion, h);
+            let record = motion.record().clone();
+            touched |= record.contact_energy > 0.0;
+            assert!(record.energy_residual.abs() < 1e-10 * record.total_energy, "trial {trial}: {record:?}");
+            assert!(record.smallest_gap.is_none_or(|gap| gap > 0.0));
+            let x: Vec<[f64; 3]> =
+                (0..body.mesh().n_nodes()).map(|node| motion.state().position(&body, node)).collect();
+            let of = |nodes: std::ops::Range<usize>| triangles(body.mesh(), &x, nodes);
+            let (one, other) = (of(0..half), of(half..2 * half));
+            assert_eq!(cut_edges(&one, &other) + cut_edges(&other, &one), 0, "trial {trial}");
+        }
+        n_contacts += usize::from(touched);
+    }
+    assert!(n_contacts > 120, "{n_contacts}");
+    println!("{n_contacts} contacts, {n_cuts} cut steps");
+}

@@ -49,8 +49,14 @@ fn contacts() -> Vec<Mistake> {
             "contact-with-a-moving-obstacle",
             "surfaces = \"y-max\"\nobstacle = { plane = { point = [0, -1, 0], normal = [0, 1, 0] }, move = { y = \"t\" } }",
         ),
-        contact("contact-of-two-surfaces", "surfaces = [\"y-max\", \"x-min\"]"),
-        contact("contact-without-an-obstacle", "surfaces = \"y-max\""),
+        contact("contact-of-two-surfaces", "surfaces = [\"y-max\", \"x-min\"]").unseen(),
+        contact("contact-of-a-surface-with-itself", "surfaces = [\"y-max\", \"y-max\"]"),
+        contact("contact-of-all-with-a-surface", "surfaces = [\"y-max\", \"all\"]"),
+        contact(
+            "contact-of-two-surfaces-with-an-obstacle",
+            &format!("surfaces = [\"y-max\", \"x-min\"]\n{below}"),
+        ),
+        contact("contact-without-an-obstacle", "surfaces = \"y-max\"").unseen(),
         contact(
             "contact-with-two-obstacles",
             "surfaces = \"y-max\"\nobstacle.sphere = { centre = [0, 5, 0], radius = 1 }\n\
