@@ -69,6 +69,9 @@ pub(super) struct Run {
     /// Whether it belongs to the quick set.
     #[serde(default)]
     pub quick: bool,
+    /// Whether the picture shows it.
+    #[serde(default)]
+    pub drawn: bool,
     /// Whether it takes minutes.
     #[serde(default)]
     pub long: bool,

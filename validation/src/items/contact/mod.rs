@@ -123,15 +123,11 @@ fn against_numbers(
         );
     }
     item.tables.push(table(problem, &measured));
-    if let Some(axes) = axes {
-        let line = |(run, own): &(&Run, Measured)| Series::line(&run.label(), own.curve.clone());
+    let drawn = measured.iter().filter(|(run, _)| run.drawn);
+    let series: Vec<Series> = drawn.map(|(run, own)| Series::line(&run.label(), own.curve.clone())).collect();
+    if let Some(axes) = axes.filter(|_| !series.is_empty()) {
         let stem = format!("{}-{}", item.name, problem.name);
-        item.pictures.push(pictures.linear(
-            &stem,
-            &problem.title,
-            *axes,
-            measured.iter().map(line).collect(),
-        )?);
+        item.pictures.push(pictures.linear(&stem, &problem.title, axes, series)?);
     }
     Ok(())
 }
@@ -146,7 +142,11 @@ fn table(problem: &Problem, measured: &[(&Run, Measured)]) -> Vec<Vec<String>> {
         std::iter::once("exact".to_string()).chain(exact).chain([const { String::new() }; 3]).collect();
     let row = |(run, own): &(&Run, Measured)| {
         let values = problem.quantity.iter().zip(&own.values).map(|(quantity, value)| quantity.words(*value));
-        let cost = [own.steps.to_string(), format!("{:.2}", own.corrections), format!("{:.1}", own.seconds)];
+        let mut cost =
+            [own.steps.to_string(), format!("{:.2}", own.corrections), format!("{:.1}", own.seconds)];
+        if own.steps == 0 {
+            cost[..2].fill(String::new());
+        }
         std::iter::once(run.label()).chain(values).chain(cost).collect()
     };
     [header, exact].into_iter().chain(measured.iter().map(row)).collect()
