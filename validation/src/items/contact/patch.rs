@@ -8,7 +8,7 @@ use emmy::prelude::{Load, Support};
 
 use super::data::{Problem, Run};
 use super::{Measured, ball};
-use crate::items::locking::Grid;
+use crate::items::locking::{Face, Grid};
 use crate::measure::cpu_seconds;
 
 /// Largest difference of the normal stress in a cell from the pressure, over the pressure.
@@ -29,8 +29,7 @@ pub(super) fn measure(_: &Problem, run: &Run) -> Result<Measured, String> {
     let face = |d: usize, at: f64| move |x: [f64; 3]| (x[d] - at).abs() < 1e-9;
     let faces =
         [("x-min", face(0, 0.0)), ("y-min", face(1, 0.0)), ("z-min", face(2, 0.0)), ("z-max", face(2, 1.0))];
-    let faces: Vec<(&str, &dyn Fn([f64; 3]) -> bool)> =
-        faces.iter().map(|(name, on)| (*name, on as _)).collect();
+    let faces: Vec<Face<'_>> = faces.iter().map(|(name, on)| (*name, on as _)).collect();
     let mesh = Grid { kind, n: [run.cells; 3], map: &map }.mesh(&faces)?;
     let (pressure, thickness) = (0.02, 0.1 * edge);
     let plane = Obstacle::Plane { point: [0.0, 0.0, -0.98 * thickness], normal: [0.0, 0.0, 1.0] };
