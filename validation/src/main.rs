@@ -1,7 +1,8 @@
 //! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with its claims,
 //! checked by numbers; also the schemes of other codes, higher degrees, long flights, and elements that do not lock.
 //!
-//!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER] [--exudyn PYTHON]
+//!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
+//!         [--exudyn PYTHON] [--ccx CCX]
 //!
 //! Ends with exit code 1 if a claim fails.
 
@@ -36,6 +37,9 @@ struct Arguments {
     /// Interpreter of Python with EXUDYN, beside which `mechanisms` then stands (benches/peers/README.md)
     #[arg(long, value_name = "PATH")]
     exudyn: Option<PathBuf>,
+    /// The program ccx of CalculiX, beside which `contact` then stands
+    #[arg(long, value_name = "PATH")]
+    ccx: Option<PathBuf>,
     /// Folder for the pictures, the pages (index.html, results.md) and the kept references
     #[arg(long, default_value = "validation-results")]
     output: PathBuf,
@@ -61,8 +65,9 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let pictures = Pictures { folder: arguments.output.clone() };
     let start = std::time::Instant::now();
     // Until the program ends.
-    let exudyn = arguments.exudyn.clone().map(|path| &*Box::leak(path.into_boxed_path()));
-    let items = items(&entries, Effort { quick: arguments.quick, exudyn }, &pictures)?;
+    let kept = |path: &Option<PathBuf>| path.clone().map(|path| &*Box::leak(path.into_boxed_path()));
+    let (exudyn, ccx) = (kept(&arguments.exudyn), kept(&arguments.ccx));
+    let items = items(&entries, Effort { quick: arguments.quick, exudyn, ccx }, &pictures)?;
     for item in &items {
         println!("{}", item.title);
         for claim in &item.claims {

@@ -1,6 +1,7 @@
 //! Every item: the table and the figures of the paper, and additional ones.
 
 mod classic;
+mod contact;
 mod degrees;
 mod free_flight;
 mod inner_points;
@@ -25,6 +26,8 @@ pub(crate) struct Effort {
     pub quick: bool,
     /// Interpreter that can import EXUDYN, for a comparison.
     pub exudyn: Option<&'static std::path::Path>,
+    /// The program ccx of CalculiX, for a comparison.
+    pub ccx: Option<&'static std::path::Path>,
 }
 
 impl Effort {
@@ -62,7 +65,7 @@ const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<It
 }
 
 /// All items, in the order of the page.
-pub(crate) const ALL: [Entry; 26] = [
+pub(crate) const ALL: [Entry; 28] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -89,6 +92,8 @@ pub(crate) const ALL: [Entry; 26] = [
     entry("silicone", locking::silicone),
     timed("mechanisms", mechanisms::mechanisms),
     Entry { long: true, ..timed("mechanisms-long", mechanisms::long) },
+    entry("contact", contact::contact),
+    Entry { long: true, ..entry("contact-long", contact::long) },
 ];
 
 /// Below this relative drift a quantity counts as conserved, above [`LOST`] as not; nothing may lie between.

@@ -8,14 +8,14 @@ use emmy::internals::element::{CellShape, LocalFacet, element};
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// Position of a point of the grid.
-pub(super) type Map<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
+pub(in crate::items) type Map<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
 
 /// A group of facets by the reference positions of their nodes.
-pub(super) type Face<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
+pub(in crate::items) type Face<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
 
 /// A grid of bricks (squares of a plane kind) of edge 1. All nodes, those between corners as well, lie where the map
 /// places them.
-pub(super) struct Grid<'a> {
+pub(in crate::items) struct Grid<'a> {
     pub kind: CellKind,
     /// Bricks along each axis; squares do not use the third.
     pub n: [usize; 3],
@@ -24,7 +24,7 @@ pub(super) struct Grid<'a> {
 
 impl Grid<'_> {
     /// The mesh, with groups of facets.
-    pub(super) fn mesh(&self, faces: &[Face<'_>]) -> Result<Mesh, String> {
+    pub(in crate::items) fn mesh(&self, faces: &[Face<'_>]) -> Result<Mesh, String> {
         let mut builder = self.cells()?;
         let mesh = builder.clone().build().map_err(|error| error.to_string())?;
         for (name, is_on) in faces {

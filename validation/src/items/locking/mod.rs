@@ -13,6 +13,7 @@ use emmy::motion::NewtonSettings;
 
 pub(super) use cantilever::item as cantilever;
 pub(super) use cook::item as cook;
+pub(super) use grid::{Face, Grid};
 pub(super) use inf_sup::item as inf_sup;
 pub(super) use silicone::item as silicone;
 
