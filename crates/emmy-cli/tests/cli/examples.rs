@@ -799,14 +799,12 @@ fn two_blocks() {
     assert!((impulse - (-0.735_055_014_960_954_3 - 1.0)).abs() < 1e-7, "{impulse}");
 }
 
-/// The force on a block that is stretched uniformly: mu A (1/stretch^2 - stretch).
+/// The force on a block that is compressed uniformly is mu A (1/stretch^2 - stretch).
 #[test]
 fn rubber_bumper() {
     let (_, history) = run("rubber-bumper");
-    let (top, floor) = (last(&history["top_force_z"]), last(&history["floor_force_z"]));
-    assert!((top + floor).abs() < 1e-6 * floor, "{top} {floor}");
-    // What the layers give way is not the rubber's; they are pressed to 0.86 of the distance.
-    let gap = last(&history["smallest_gap"]) * 0.1;
-    let stretch = 1.0 - (3.0 - 2.0 * (0.09 - gap)) / 10.0;
-    close(floor, 100.0 * (stretch.powi(-2) - stretch), 0.01);
+    let stretch = 1.0 + (last(&history["top_z"]) - last(&history["bottom_z"])) / 10.0;
+    close(stretch, 0.8, 1e-3);
+    close(last(&history["floor_force_z"]), 76.25, 1e-8);
+    close(last(&history["top_force_z"]), -76.25, 1e-8);
 }

@@ -1,7 +1,7 @@
 //! The pairs that can touch on given paths.
 
 use super::closest::PairKind;
-use super::layer::GUARD;
+use super::layer::LayerOf;
 use super::surface::Surface;
 use super::tree::{Bounds, BoxTree};
 
@@ -14,15 +14,15 @@ pub struct Candidate {
     pub entities: [u32; 4],
     /// Weight, with the factor of inclusion and exclusion \[length^2\].
     pub weight: f64,
-    /// Whether it has the layer of the guards.
-    pub is_guard: bool,
+    /// Its layer.
+    pub layer: LayerOf,
 }
 
 impl Candidate {
-    fn new(kind: PairKind, entities: &[u32], weight: f64, is_guard: bool) -> Self {
+    fn new(kind: PairKind, entities: &[u32], weight: f64, layer: LayerOf) -> Self {
         let last = entities.last().copied().unwrap_or_default();
         let entities = std::array::from_fn(|a| entities.get(a).copied().unwrap_or(last));
-        Candidate { kind, entities, weight, is_guard }
+        Candidate { kind, entities, weight, layer }
     }
 
     /// Whether its sides can pass each other on their paths.
@@ -66,7 +66,7 @@ pub struct Candidates {
     /// Boxes of the entities; none before the first list.
     boxes: Vec<Bounds>,
     triangles: BoxTree,
-    sharp_edges: BoxTree,
+    edges: BoxTree,
     boxes_of_triangles: Vec<Bounds>,
     boxes_of_edges: Vec<Bounds>,
     /// Memory for what is near a point.
@@ -110,8 +110,15 @@ impl Candidates {
     }
 
     fn find(&mut self, surface: &Surface, thickness: f64) {
-        let Candidates { pairs, boxes, triangles, sharp_edges, boxes_of_triangles, boxes_of_edges, near } =
-            self;
+        let Candidates {
+            pairs,
+            boxes,
+            triangles,
+            edges: tree_of_edges,
+            boxes_of_triangles,
+            boxes_of_edges,
+            near,
+        } = self;
         let hull = |entities: &[u32]| {
             entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(boxes[*entity as usize]))
         };
@@ -119,14 +126,14 @@ impl Candidates {
         boxes_of_triangles.extend(surface.triangles.iter().map(|triangle| hull(&triangle.corners)));
         triangles.fit(boxes_of_triangles);
         boxes_of_edges.clear();
-        boxes_of_edges.extend(surface.sharp_edges.iter().map(|edge| hull(&edge.ends)));
-        sharp_edges.fit(boxes_of_edges);
+        boxes_of_edges.extend(surface.edges.iter().map(|edge| hull(&edge.ends)));
+        tree_of_edges.fit(boxes_of_edges);
         pairs.clear();
         let body_of = |entity: u32| surface.body_of[entity as usize];
         let [faces, edges, vertices] = near;
         for point in &surface.points {
-            let reach = if point.is_guard { GUARD * thickness } else { thickness };
-            let query = boxes[point.entity as usize].inflated(reach);
+            let layer = if point.is_guard { LayerOf::Guards } else { LayerOf::Points };
+            let query = boxes[point.entity as usize].inflated(layer.part() * thickness);
             near_clear([&mut *faces, &mut *edges, &mut *vertices]);
             triangles.for_each_meeting(&query, &mut |number| {
                 let triangle = &surface.triangles[number as usize];
@@ -146,7 +153,7 @@ impl Candidates {
             }
             let mut add = |kind, entities: &[u32], factor: f64| {
                 if factor != 0.0 && hull(&entities[1..]).meets(&query) {
-                    pairs.push(Candidate::new(kind, entities, 0.5 * factor * point.area, point.is_guard));
+                    pairs.push(Candidate::new(kind, entities, 0.5 * factor * point.area, layer));
                 }
             };
             for face in &*faces {
@@ -162,11 +169,11 @@ impl Candidates {
                 add(PairKind::PointVertex, &[point.entity, entity], factor);
             }
         }
-        for (number, edge) in (0..).zip(&surface.sharp_edges) {
-            let query = boxes_of_edges[number as usize].inflated(GUARD * thickness);
+        for (number, edge) in (0..).zip(&surface.edges) {
+            let query = boxes_of_edges[number as usize].inflated(LayerOf::Guards.part() * thickness);
             faces.clear();
-            sharp_edges.for_each_meeting(&query, &mut |other| {
-                let ends = surface.sharp_edges[other as usize].ends;
+            tree_of_edges.for_each_meeting(&query, &mut |other| {
+                let ends = surface.edges[other as usize].ends;
                 if other > number
                     && body_of(ends[0]) != body_of(edge.ends[0])
                     && boxes_of_edges[other as usize].meets(&query)
@@ -176,9 +183,11 @@ impl Candidates {
             });
             faces.sort_unstable();
             for other in &*faces {
-                let other = &surface.sharp_edges[*other as usize];
+                let other = &surface.edges[*other as usize];
+                let are_sharp = edge.is_sharp && other.is_sharp;
+                let layer = if are_sharp { LayerOf::Guards } else { LayerOf::BluntEdges };
                 let entities = [edge.ends[0], edge.ends[1], other.ends[0], other.ends[1]];
-                pairs.push(Candidate::new(PairKind::EdgeEdge, &entities, edge.area.min(other.area), true));
+                pairs.push(Candidate::new(PairKind::EdgeEdge, &entities, edge.area.min(other.area), layer));
             }
         }
     }

@@ -40,13 +40,38 @@ pub struct Layer {
     pub law: LayerLaw,
 }
 
-/// Thickness of the layer of the guards over that of the points.
-pub const GUARD: f64 = 0.5;
+/// What a layer belongs to. All layers of a contact are equally stiff, and the thinner ones silent until the pressure is
+/// high.
+///
+/// ```
+/// use emmy::internals::contact::LayerOf;
+/// assert_eq!([LayerOf::Points, LayerOf::Guards, LayerOf::BluntEdges].map(LayerOf::part), [1.0, 0.5, 0.25]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LayerOf {
+    /// Points of the facets.
+    Points,
+    /// Nodes, and sharp edges against each other.
+    Guards,
+    /// Other edges.
+    BluntEdges,
+}
+
+impl LayerOf {
+    /// Its thickness over that of the points.
+    pub const fn part(self) -> f64 {
+        match self {
+            LayerOf::Points => 1.0,
+            LayerOf::Guards => 0.5,
+            LayerOf::BluntEdges => 0.25,
+        }
+    }
+}
 
 impl Layer {
-    /// The layer of the guards, which is thinner and as stiff.
-    pub fn of_guards(&self) -> Layer {
-        Layer { thickness: GUARD * self.thickness, ..*self }
+    /// The layer of something, from that of the points.
+    pub fn of(&self, what: LayerOf) -> Layer {
+        Layer { thickness: what.part() * self.thickness, ..*self }
     }
 
     fn c(&self) -> f64 {

@@ -21,12 +21,12 @@ mod tree;
 
 pub use candidates::{Candidate, Candidates};
 pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
-pub use layer::{GUARD, Layer, LayerLaw};
+pub use layer::{Layer, LayerLaw, LayerOf};
 pub use links::PairState;
 pub use obstacle::{MAX_STAGES, ObstacleLayer, ObstacleSurface, PointPath};
 pub use pair::Pair;
 pub use path::paths_meet;
 pub use step::PairStage;
-pub use surface::{SharpEdge, Surface, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
+pub use surface::{Surface, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
 pub use surface_layer::{ActingPair, SurfaceLayer, SurfaceMemory, SurfaceSearch, SurfaceState};
 pub use tree::{Bounds, BoxTree};

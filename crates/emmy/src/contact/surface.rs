@@ -56,15 +56,10 @@ pub struct SurfaceEdge {
     pub ends: [u32; 2],
     /// Factor as an opponent.
     pub factor: f64,
-}
-
-/// A sharp edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SharpEdge {
-    /// Entities at its ends.
-    pub ends: [u32; 2],
     /// A third of the reference areas of its triangles \[length^2\].
     pub area: f64,
+    /// Whether its triangles have normals more than 30 degrees apart, or it is a border.
+    pub is_sharp: bool,
 }
 
 /// Facets of one or several bodies as points and triangles.
@@ -92,7 +87,7 @@ pub struct SharpEdge {
 ///     body: 0,
 /// };
 /// let surface = Surface::new(&[square]);
-/// assert_eq!((surface.triangles.len(), surface.edges.len(), surface.sharp_edges.len()), (4, 8, 4));
+/// assert_eq!((surface.triangles.len(), surface.edges.len(), surface.n_sharp_edges()), (4, 8, 4));
 /// assert_eq!((surface.points.len(), surface.entity(surface.points[0].entity).count()), (5, 4));
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -119,8 +114,6 @@ pub struct Surface {
     pub vertices: Vec<(u32, f64)>,
     /// The number of each entity among the vertices, if it is one.
     pub vertex_of: Vec<u32>,
-    /// Sharp edges.
-    pub sharp_edges: Vec<SharpEdge>,
 }
 
 impl Surface {
@@ -136,6 +129,11 @@ impl Surface {
         surface.facets.push(surface.points.len());
         surface.connect();
         surface
+    }
+
+    /// Number of sharp edges.
+    pub fn n_sharp_edges(&self) -> usize {
+        self.edges.iter().filter(|edge| edge.is_sharp).count()
     }
 
     /// Number of entities.
@@ -267,7 +265,7 @@ impl Surface {
         }
     }
 
-    /// Finds edges and vertices with their factors, and sharp edges.
+    /// Finds edges and vertices with their factors.
     fn connect(&mut self) {
         let mut X = vec![[0.0; 3]; self.n_entities()];
         self.combine(&self.positions, &mut X);
@@ -289,7 +287,6 @@ impl Surface {
         }
         for (number, (ends_of, triangles)) in (0..).zip(&incident) {
             let excess = triangles.len() as f64 - 1.0;
-            self.edges.push(SurfaceEdge { ends: *ends_of, factor: -excess });
             ends_of.iter().for_each(|end| *factors.entry(*end).or_insert(1.0) += excess);
             for &triangle in triangles {
                 let own = &mut self.triangles[triangle as usize];
@@ -304,9 +301,7 @@ impl Surface {
                 }
                 _ => true,
             };
-            if is_sharp {
-                self.sharp_edges.push(SharpEdge { ends: *ends_of, area });
-            }
+            self.edges.push(SurfaceEdge { ends: *ends_of, factor: -excess, area, is_sharp });
         }
         self.vertex_of = vec![0; self.n_entities()];
         for (number, vertex) in (0..).zip(factors.keys()) {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::candidates::{Candidate, Candidates};
 use super::closest::{Closest, PairKind, PairTangent, PairVectors, combination, pair_vectors};
-use super::layer::Layer;
+use super::layer::{Layer, LayerOf};
 use super::links::PairState;
 use super::obstacle::MAX_STAGES;
 use super::pair::Pair;
@@ -32,7 +32,8 @@ const FARTHEST_GAP: f64 = 128.0;
 /// Layers on surfaces that can touch each other.
 ///
 /// Each point and each guard forms pairs with the triangles, edges and vertices of the other bodies near it, with the
-/// factor 1/2, as each surface has points and opponents; each pair of sharp edges counts once.
+/// factor 1/2, as each surface has points and opponents. Edges form pairs with edges, which count once. Points and
+/// triangles alone would let edges pass each other: sharp ones that cross, and, where facets are bent, others.
 #[derive(Debug, Clone)]
 pub struct SurfaceLayer {
     /// The surfaces.
@@ -177,7 +178,7 @@ impl SurfaceMemory {
 
 impl SurfaceLayer {
     fn layer_of(&self, candidate: &Candidate) -> Layer {
-        if candidate.is_guard { self.layer.of_guards() } else { self.layer }
+        self.layer.of(candidate.layer)
     }
 
     fn pair(&self, candidate: &Candidate) -> Pair {
@@ -370,7 +371,7 @@ impl SurfaceLayer {
             let force = pair.gradient(&state)[0];
             (0..3).for_each(|d| forces[point][d] += 2.0 * force[d]);
             let gap = state.closest.squared_distance.sqrt();
-            if candidate.is_guard && gap < NEAR * self.layer.thickness {
+            if candidate.layer == LayerOf::Guards && gap < NEAR * self.layer.thickness {
                 gaps[point] = gaps[point].min(gap);
             }
         }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use super::ObstacleContact;
 use super::surfaces::SurfaceContact;
-use crate::contact::{Layer, ObstacleLayer, Surface, SurfaceFacet, SurfaceLayer};
+use crate::contact::{Layer, LayerOf, ObstacleLayer, Surface, SurfaceFacet, SurfaceLayer};
 use crate::error::{Error, Result};
 use crate::force::contact_summary::ContactSummary;
 use crate::force::facets::FacetTable;
@@ -87,7 +87,7 @@ impl Contact {
         }
         let layer = self.limited(layer, gap);
         let points = ObstacleLayer { surface, layer };
-        let guards = ObstacleLayer { surface, layer: layer.of_guards() };
+        let guards = ObstacleLayer { surface, layer: layer.of(LayerOf::Guards) };
         let summary = ContactSummary {
             name,
             n_facets: facets.len(),
@@ -154,7 +154,7 @@ impl Contact {
             n_facets: facets.iter().map(|facets| facets.len()).sum(),
             n_points: areas.iter().map(Vec::len).sum(),
             n_triangles: layer.surface.triangles.len(),
-            n_sharp_edges: layer.surface.sharp_edges.len(),
+            n_sharp_edges: layer.surface.n_sharp_edges(),
             area: areas.iter().flatten().sum(),
             stiffness: layer.layer.modulus,
             distance: layer.layer.thickness,
