@@ -768,16 +768,16 @@ fn bouncing_ball() {
     assert!(history["smallest_gap"].iter().all(|gap| *gap > 0.0 || gap.is_nan()));
 }
 
-/// The last bar leaves with the velocity of the first one, as between bars of one length in theory.
+/// The last block leaves with the velocity of the first one, as in an elastic exchange.
 #[test]
 fn newtons_cradle() {
     let (_, history) = run("newtons-cradle");
-    for (bar, velocity) in [("first", 0.0), ("fourth", 0.0), ("fifth", 1e-3)] {
-        let own = last(&history[&format!("{bar}_x")]);
-        assert!((own - velocity).abs() < 1e-5, "{bar}: {own}");
+    for (block, velocity) in [("first", 0.0), ("fourth", 0.0), ("fifth", 0.01)] {
+        let own = last(&history[&format!("{block}_x")]);
+        assert!((own - velocity).abs() < 0.005 * 0.01, "{block}: {own}");
     }
     let energy = &history["total_energy"];
-    assert!((last(energy) / energy[0] - 1.0).abs() < 1e-10);
+    assert!(energy.iter().all(|own| (own / energy[0] - 1.0).abs() < 1e-10));
     assert!(history["linear_momentum_x"].iter().all(|own| (own - 0.01).abs() < 1e-15));
 }
 
