@@ -63,9 +63,14 @@ def joints(tree: dict[str, Any]) -> tuple[Joint, ...]:
 
 
 def _contact(table: dict[str, Any]) -> Contact:
-    ((shape, own),) = table["obstacle"].items()
-    (obstacle,) = (kind for kind in OBSTACLES if kind._section == shape)
-    return Contact(**table | {"obstacle": obstacle(**own)})
+    others = {key: value for key, value in table.items() if key not in ("surfaces", "obstacle")}
+    surfaces = table["surfaces"]
+    surface, opponent = (surfaces, None) if isinstance(surfaces, str) else surfaces
+    if "obstacle" in table:
+        ((shape, own),) = table["obstacle"].items()
+        (kind,) = (kind for kind in OBSTACLES if kind._section == f"obstacle.{shape}")
+        opponent = kind(**own)
+    return Contact(surface, opponent, **others)
 
 
 def _joint(table: dict[str, Any]) -> Joint:

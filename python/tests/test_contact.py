@@ -1,4 +1,4 @@
-"""Contact with obstacles."""
+"""Contact with obstacles and of bodies with each other."""
 
 import pickle
 from pathlib import Path
@@ -144,11 +144,11 @@ def test_impossible_contacts(make, place, words):
 
 
 @pytest.mark.parametrize(
-    "obstacle", [(FLOOR, emmy.Sphere((0, 0, -2), 1)), {"plane": {}}, "floor", None], ids=lambda own: type(own).__name__
+    "opponent", [(FLOOR, emmy.Sphere((0, 0, -2), 1)), {"plane": {}}, 1.0], ids=lambda own: type(own).__name__
 )
-def test_obstacles_are_objects(obstacle):
-    with pytest.raises(TypeError, match=r"obstacle: \w+ is not an obstacle, such as emmy.Plane"):
-        emmy.Contact("all", obstacle)
+def test_opponents_are_obstacles_or_surfaces(opponent):
+    with pytest.raises(TypeError, match=r"opponent: \w+ is neither the name of a surface nor an obstacle, such as"):
+        emmy.Contact("all", opponent)
     with pytest.raises(TypeError, match=r"contacts\[0\]: Plane in place of Contact"):
         block(FLOOR)
 
@@ -257,3 +257,48 @@ def test_the_fields_of_contact():
     np.testing.assert_allclose(gap[below], 0.1 + motion.displacement[below, 2], rtol=1e-12)
     assert np.isnan(gap[~below]).all() and (pressure[~below] == 0.0).all() and (pressure[below] > 0.0).all()
     assert "contact_pressure" not in emmy.Motion(block()).fields()
+
+
+def two_blocks(contact):
+    lower = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
+    upper = emmy.Mesh.box((1, 1, 1), (3, 3, 3)).placed(at=(0.23, 1.07, 0.17))
+    return emmy.Body(emmy.Mesh.joined({"lower": lower, "upper": upper}), REGION, contacts=contact)
+
+
+MEET = (
+    emmy.Initial("lower", velocity=(0, 1, 0), angular_velocity=(0.5, -0.3, 0.8), about=(0.5, 0.5, 0.5)),
+    emmy.Initial("upper", velocity=(0.1, -1, 0), angular_velocity=(-0.35, 0.21, -0.56), about=(0.73, 1.57, 0.67)),
+)
+
+
+def test_two_blocks_meet():
+    """The energies of an independent implementation."""
+    for contact in (
+        emmy.Contact("lower", "upper", name="impact", distance=0.05, stiffness=1333),
+        emmy.Contact("all", name="impact", distance=0.05, stiffness=1333),
+    ):
+        history = emmy.Motion(two_blocks(contact), "DGM", steps=(0.15, 0.01), initial=MEET).run()
+        energy = history["total_energy"]
+        assert np.ptp(energy) < 1e-11 * energy[0]
+        assert history["kinetic_energy"][-1] == pytest.approx(0.9954634056121302, abs=1e-7)
+        assert history["strain_energy"][-1] == pytest.approx(0.1312199277209123, abs=1e-7)
+        assert np.nanmin(history["smallest_gap"]) == pytest.approx(0.032798664072127656 / 0.05, abs=1e-7)
+        for axis, momentum in zip("xyz", (0.1, 0.0, 0.0)):
+            assert np.allclose(history[f"linear_momentum_{axis}"], momentum, atol=1e-12)
+        # The lower block ends with the momentum -0.735 along y.
+        assert 0.01 * history["impact_force_y"][1:].sum() == pytest.approx(-1.7350550149609543, abs=1e-7)
+
+
+def test_two_surfaces_as_objects():
+    contact = emmy.Contact("lower", "upper", name="impact", distance=0.05)
+    body = two_blocks(contact)
+    assert 'surfaces = ["lower", "upper"]' in body.to_toml()
+    assert repr(contact) == "Contact(surface='lower', opponent='upper', name='impact', distance=0.05)"
+    with pytest.raises(emmy.InputError, match="share a node"):
+        block(emmy.Contact("x-max", "z-max"))
+    with pytest.raises(emmy.InputError, match="contact of a body with itself is not there yet"):
+        block(emmy.Contact("all"))
+    with pytest.raises(emmy.InputError, match="touch or intersect"):
+        lower = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
+        mesh = emmy.Mesh.joined({"a": lower, "b": lower.placed(at=(0.5, 0.5, 0.5))})
+        emmy.Body(mesh, REGION, contacts=emmy.Contact("a", "b"))
