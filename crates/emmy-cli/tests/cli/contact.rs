@@ -138,3 +138,80 @@ fn fields_of_contact_are_written() {
         refused.stderr
     );
 }
+
+/// Two blocks, the upper one with its lowest corner at a place, and contacts.
+fn two_blocks(at: &str, contacts: &str) -> String {
+    format!(
+        r#"
+mesh.parts = [
+    {{ name = "lower", box = {{ size = [1, 1, 1], cells = [2, 2, 2] }} }},
+    {{ name = "upper", box = {{ size = [1, 1, 1], cells = [3, 3, 3] }}, at = {at} }},
+]
+output = {{ directory = "out", every = 0 }}
+
+[[region]]
+density = 1.0
+material.neo-hooke = {{ lambda = 1000.0, mu = 500.0 }}
+
+{contacts}
+
+[[initial]]
+group = "upper"
+velocity = [0, 0, -1]
+
+[time]
+scheme = "DGM"
+steps = [{{ until = 0.1, size = 0.01 }}]
+"#
+    )
+}
+
+const BETWEEN: &str = "[[contact]]\nsurfaces = [\"lower\", \"upper\"]\n";
+const ALL: &str = "[[contact]]\nsurfaces = \"all\"\n";
+
+#[test]
+fn impossible_contacts_of_bodies_have_a_reason() {
+    for (at, contacts, words) in [
+        ("[0.2, 0.3, 0.9]", BETWEEN.to_string(), "its surfaces touch or intersect at"),
+        ("[0.2, 0.3, 1.0]", ALL.to_string(), "its surfaces touch or intersect at"),
+        (
+            "[0, 0, 1.1]",
+            format!("{BETWEEN}\n{ALL}"),
+            "facets of its surfaces are in contact by \"contact-1\", too",
+        ),
+        (
+            "[0, 0, 1.1]",
+            "[[contact]]\nsurfaces = \"upper\"".into(),
+            "contact of a body with itself is not there yet",
+        ),
+        (
+            "[0, 0, 1.1]",
+            "[[contact]]\nsurfaces = [\"upper-x-max\", \"upper-z-max\"]".into(),
+            "its surfaces share a node at [1.0, 0.0, 2.1]",
+        ),
+    ] {
+        let place = Place::with(&two_blocks(at, &contacts));
+        let outcome = place.emmy(&["check", "box.toml"]);
+        let told: Vec<&str> = outcome.stderr.split_whitespace().collect();
+        assert!(outcome.code == 2, "{}", outcome.stderr);
+        assert!(told.join(" ").replace("│ ", "").contains(words), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn contacts_that_act_from_the_start_have_a_note() {
+    const NOTE: &str = "nearer to an opponent than `distance`";
+    for (at, is_told) in [("[0, 0, 1.04]", true), ("[0, 0, 1.06]", false)] {
+        let place = Place::with(&two_blocks(at, &format!("{BETWEEN}distance = 0.05")));
+        let told = place.succeed(&["check", "box.toml"]);
+        assert_eq!(format!("{}{}", told.stdout, told.stderr).contains(NOTE), is_told, "{}", told.stderr);
+    }
+}
+
+/// The surfaces of both blocks: 24 and 54 facets with four points and four triangles each, and 24 and 36 sharp edges.
+#[test]
+fn check_has_the_numbers_of_surfaces() {
+    let place = Place::with(&two_blocks("[0, 0, 1.06]", BETWEEN));
+    let told = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(told.contains("contact-1: 78 facets, 312 points, 312 triangles, 60 sharp edges"), "{told}");
+}

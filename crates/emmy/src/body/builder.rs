@@ -198,6 +198,7 @@ impl BodyBuilder {
             return Err(Error::NotOnTeam { what: "a body with contact".to_string() });
         }
         contacts::check_names(&self.contacts, &self.supports, &self.point_terms.springs)?;
+        contacts::check_overlaps(&self.mesh, &self.contacts)?;
         let points = self.points()?;
         let frames = self.frames()?;
         if !(points.is_empty() && frames.is_empty()) {

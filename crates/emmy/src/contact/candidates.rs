@@ -201,3 +201,71 @@ impl Candidates {
 fn near_clear(lists: [&mut Vec<u32>; 3]) {
     lists.into_iter().for_each(Vec::clear);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Random;
+    use super::super::{Closest, SurfaceFacet};
+    use super::*;
+    use crate::mesh::FacetKind;
+
+    /// Two squares of one facet on top of each other, at random places.
+    fn surface() -> Surface {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let at = |z: f64| corners.map(|[x, y]| [x, y, z]);
+        let (lower, upper) = (at(0.0), at(0.14));
+        let shapes = [0.25; 4];
+        let facet = |nodes, positions, body| SurfaceFacet {
+            kind: FacetKind::Quad4,
+            nodes,
+            positions,
+            shapes: &shapes,
+            areas: &[1.0],
+            body,
+        };
+        Surface::new(&[facet(&[0, 1, 2, 3], &lower, 0), facet(&[4, 5, 6, 7], &upper, 1)])
+    }
+
+    /// On random paths, the list has every pair whose distance is at some time below that of its layer, in one order;
+    /// and a list that holds is not made anew.
+    #[test]
+    fn lists_have_all_pairs_that_come_near() {
+        const THICKNESS: f64 = 0.15;
+        let surface = surface();
+        let mut random = Random(11);
+        let mut all = Candidates::default();
+        let mut X = vec![[0.0; 3]; surface.n_entities()];
+        surface.combine(&surface.positions, &mut X);
+        // A list of everything.
+        all.cover(&surface, 1e3, &[&X]);
+        let n_points = surface.points.len();
+        assert!(all.pairs.len() > 8 * n_points);
+        let mut list = Candidates::default();
+        let (mut n_made, mut n_near) = (0, 0);
+        for _ in 0..200 {
+            let moved = |random: &mut Random, size: f64| -> Vec<[f64; 3]> {
+                let nodal: Vec<[f64; 3]> =
+                    (surface.positions.iter()).map(|X| X.map(|x| x + size * random.number())).collect();
+                let mut x = vec![[0.0; 3]; surface.n_entities()];
+                surface.combine(&nodal, &mut x);
+                x
+            };
+            let (start, end) = (moved(&mut random, 0.02), moved(&mut random, 0.05));
+            n_made += usize::from(list.cover(&surface, THICKNESS, &[&start, &end]));
+            assert!(!list.cover(&surface, THICKNESS, &[&start, &end]));
+            let mut expected = all.pairs.iter().filter(|pair| {
+                [&start, &end].iter().any(|x| {
+                    let closest = Closest::new(pair.kind, &pair.vectors(x));
+                    closest.squared_distance.sqrt() < pair.layer.part() * THICKNESS
+                })
+            });
+            // Both lists have one order.
+            let mut own = list.pairs.iter();
+            assert!(expected.all(|pair| {
+                n_near += 1;
+                own.any(|own| own == pair)
+            }));
+        }
+        assert!(n_made < 200 && n_near > 500, "{n_made} {n_near}");
+    }
+}

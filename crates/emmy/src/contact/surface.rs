@@ -320,3 +320,94 @@ fn ends(corners: [u32; 3], i: usize) -> [u32; 2] {
 fn norm(v: [f64; 3]) -> f64 {
     dot3(v, v).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Random;
+    use super::super::{Layer, LayerLaw, Pair, PairKind, PairState};
+    use super::*;
+
+    /// A square of n x n cells of a kind in the plane z = 0, with its middle as the only quadrature point of each.
+    fn square(kind: FacetKind, n: u32) -> Surface {
+        let nodes_of = facet_element(kind).nodes();
+        let is_triangle = matches!(kind, FacetKind::Tri3 | FacetKind::Tri6);
+        let mut known: BTreeMap<[i64; 2], u32> = BTreeMap::new();
+        let (mut nodes, mut positions) = (Vec::new(), Vec::new());
+        for cell in (0..n * n).map(|cell| [cell % n, cell / n]) {
+            for half in 0..if is_triangle { 2 } else { 1 } {
+                for xi in nodes_of.iter().take(kind.n_nodes()) {
+                    let [mut s, mut t] = match is_triangle {
+                        true => [xi[0], xi[1]],
+                        false => [0.5 + 0.5 * xi[0], 0.5 + 0.5 * xi[1]],
+                    };
+                    if half == 1 {
+                        (s, t) = (1.0 - s, 1.0 - t);
+                    }
+                    let X = [(cell[0] as f64 + s) / n as f64, (cell[1] as f64 + t) / n as f64, 0.0];
+                    let key = [X[0], X[1]].map(|x| (x * 1e6).round() as i64);
+                    let next = known.len() as u32;
+                    nodes.push(*known.entry(key).or_insert(next));
+                    positions.push(X);
+                }
+            }
+        }
+        let k = kind.n_nodes();
+        let (shapes, areas) = (vec![1.0 / k as f64; k], [1.0 / (nodes.len() / k) as f64]);
+        let facets: Vec<SurfaceFacet<'_>> = (nodes.chunks_exact(k).zip(positions.chunks_exact(k)))
+            .map(|(nodes, positions)| SurfaceFacet {
+                kind,
+                nodes,
+                positions,
+                shapes: &shapes,
+                areas: &areas,
+                body: 0,
+            })
+            .collect();
+        Surface::new(&facets)
+    }
+
+    /// Wherever a point is over the inside of a plane surface, it is counted once.
+    #[test]
+    fn inclusion_and_exclusion_count_one_opponent() {
+        let layer = Layer { modulus: 10.0, thickness: 0.2, law: LayerLaw::Smooth };
+        let mut random = Random(5);
+        for kind in [FacetKind::Quad4, FacetKind::Quad8, FacetKind::Quad9, FacetKind::Tri3, FacetKind::Tri6] {
+            let surface = square(kind, 3);
+            let mut X = vec![[0.0; 3]; surface.n_entities()];
+            surface.combine(&surface.positions, &mut X);
+            let area: f64 = (surface.triangles.iter())
+                .map(|triangle| triangle.corners.map(|corner| X[corner as usize]))
+                .map(|[a, b, c]| 0.5 * norm(cross(minus(b, a), minus(c, a))))
+                .sum();
+            assert!((area - 1.0).abs() < 1e-12, "{kind:?}");
+            assert!((surface.points.iter().map(|point| point.area).sum::<f64>() - 2.0).abs() < 1e-12);
+            // The border alone is sharp.
+            assert!(surface.edges.iter().all(|edge| !edge.is_sharp || edge.factor == 0.0));
+            for _ in 0..50 {
+                let [x, y] = [(); 2].map(|()| 0.5 + 0.25 * random.number());
+                let point = [x, y, 0.02 + 0.1 * random.number().abs()];
+                let energy = |kind: PairKind, entities: &[u32], weight: f64| {
+                    let mut q = [point; 4];
+                    q[1..].iter_mut().zip(entities).for_each(|(q, entity)| *q = X[*entity as usize]);
+                    let pair = Pair { kind, weight, layer };
+                    if weight == 0.0 { 0.0 } else { pair.energy(&PairState::new(kind, q)) }
+                };
+                let of_triangles = surface.triangles.iter();
+                let of_triangles: f64 =
+                    of_triangles.map(|own| energy(PairKind::PointTriangle, &own.corners, 1.0)).sum();
+                let of_edges = surface.edges.iter();
+                let of_edges: f64 =
+                    of_edges.map(|own| energy(PairKind::PointEdge, &own.ends, own.factor)).sum();
+                let of_vertices = surface.vertices.iter();
+                let of_vertices: f64 =
+                    of_vertices.map(|(own, factor)| energy(PairKind::PointVertex, &[*own], *factor)).sum();
+                let expected = layer.energy((point[2] / layer.thickness).powi(2));
+                let sum = of_triangles + of_edges + of_vertices;
+                assert!(
+                    (sum - expected).abs() < 1e-11 * (1.0 + expected),
+                    "{kind:?} {point:?}: {sum} {expected}"
+                );
+            }
+        }
+    }
+}

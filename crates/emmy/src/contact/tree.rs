@@ -87,7 +87,7 @@ const SPOILT: f64 = 2.0;
 impl BoxTree {
     /// Sets the boxes.
     pub fn fit(&mut self, boxes: &[Bounds]) {
-        if self.order.len() != boxes.len() {
+        if self.nodes.is_empty() || self.order.len() != boxes.len() {
             self.build(boxes);
         } else if self.refit(boxes) > SPOILT * self.built_area {
             self.build(boxes);
@@ -171,4 +171,43 @@ fn split(order: &mut [u32], boxes: &[Bounds], levels: u32, n_leaves: usize) {
     let (left, right) = order.split_at_mut(middle);
     split(left, boxes, levels - 1, n_leaves / 2);
     split(right, boxes, levels - 1, n_leaves / 2);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Random;
+    use super::*;
+
+    /// Boxes at random places.
+    fn boxes(random: &mut Random, n: usize) -> Vec<Bounds> {
+        let mut corner = || [random.number(), random.number(), random.number()];
+        (0..n).map(|_| Bounds::of(corner()).inflated(0.05)).collect()
+    }
+
+    #[test]
+    fn all_boxes_that_meet_a_box_are_found() {
+        let mut random = Random(3);
+        let mut tree = BoxTree::default();
+        for n in [0, 1, 2, 5, 17, 300, 300, 300, 64] {
+            let all = boxes(&mut random, n);
+            tree.fit(&all);
+            for _ in 0..20 {
+                let query = Bounds::of([random.number(), random.number(), random.number()]).inflated(0.1);
+                let mut found = Vec::new();
+                tree.for_each_meeting(&query, &mut |number| found.push(number));
+                found.sort_unstable();
+                let expected: Vec<u32> = (0..n as u32).filter(|i| all[*i as usize].meets(&query)).collect();
+                // Others of the same leaves may be among them, but each once.
+                assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
+                assert!(expected.iter().all(|number| found.binary_search(number).is_ok()));
+                assert!(found.len() <= 4 * IN_LEAF * (expected.len() + 4), "{n}: {}", found.len());
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_meet_everything() {
+        let nowhere = Bounds { low: [f64::NAN; 3], high: [f64::NAN; 3] };
+        assert!(nowhere.meets(&Bounds::of([1.0; 3])) && !Bounds::NONE.meets(&Bounds::of([1.0; 3])));
+    }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Facet, Mesh};
+use crate::error::Result;
 
 impl Mesh {
     /// The facets of cells that no other cell shares, each as its corner nodes, outward normal by the right-hand rule.
@@ -18,6 +19,20 @@ impl Mesh {
             self.facet_nodes(facet).take(n).collect()
         };
         self.boundary_facets().into_iter().map(corners).collect()
+    }
+
+    /// The facets of a surface: of a group, of the cells in it on the boundary, or of the whole boundary.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownGroup`].
+    pub(crate) fn surface_facets(&self, group: Option<&str>) -> Result<Vec<Facet>> {
+        let Some(group) = group else { return Ok(self.boundary_facets()) };
+        if let Ok(facets) = self.groups().facets(group) {
+            return Ok(facets.to_vec());
+        }
+        let mut is_meant = vec![false; self.n_cells()];
+        self.groups().cells(group)?.iter().for_each(|cell| is_meant[*cell as usize] = true);
+        Ok(self.boundary_facets().into_iter().filter(|facet| is_meant[facet.cell as usize]).collect())
     }
 
     /// The same facets, in the order of their sorted corner nodes.

@@ -170,12 +170,19 @@ impl Report {
             let area = units.number(contact.area, "length²");
             let distance = units.number(contact.distance, "length");
             let stiffness = units.number(contact.stiffness, "stress");
-            let gap = units.number(contact.smallest_gap, "length");
-            self.line(
-                "contact",
-                &format!("{}: {facets}, {points}, area {area}, smallest gap {gap}", contact.name),
-            );
-            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}"));
+            let gap = match contact.smallest_gap.is_finite() {
+                true => format!("smallest gap {}", units.number(contact.smallest_gap, "length")),
+                false => "no gap is near".to_string(),
+            };
+            let of_bodies = match contact.n_triangles {
+                0 => String::new(),
+                n => {
+                    let sharp = counted(contact.n_sharp_edges, "sharp edge", "sharp edges");
+                    format!(", {}, {sharp}", counted(n, "triangle", "triangles"))
+                }
+            };
+            self.line("contact", &format!("{}: {facets}, {points}{of_bodies}, area {area}", contact.name));
+            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}; {gap}"));
         }
     }
 

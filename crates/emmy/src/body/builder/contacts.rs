@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 
 use crate::error::{Error, Result};
-use crate::input::{Contact, GroundSpring, Support};
+use crate::input::{Contact, GroundSpring, Opponent, Support};
+use crate::mesh::{Facet, Mesh};
 
 /// Checks that no name of a contact is that of a supported group or of another contact.
 pub(super) fn check_names(
@@ -19,6 +20,35 @@ pub(super) fn check_names(
             let reason = "its forces need a name that no supported group and no other contact has".into();
             return Err(Error::Contact { contact: name, reason });
         }
+    }
+    Ok(())
+}
+
+/// Checks that no pair of facets is in contact twice, which would double its layer.
+pub(super) fn check_overlaps(mesh: &Mesh, contacts: &[Contact]) -> Result<()> {
+    let mut known: Vec<(usize, [HashSet<Facet>; 2])> = Vec::new();
+    for (number, contact) in contacts.iter().enumerate() {
+        let facets = |group: Option<&str>| -> Result<HashSet<Facet>> {
+            Ok(mesh.surface_facets(group)?.into_iter().collect())
+        };
+        let own = facets(contact.surface.as_deref())?;
+        let sides = match &contact.opponent {
+            Opponent::Obstacle(_) => continue,
+            Opponent::Surface(other) => [own, facets(Some(other))?],
+            Opponent::Bodies => [own.clone(), own],
+        };
+        let overlap = |[a, b]: [&HashSet<Facet>; 2]| !a.is_disjoint(b);
+        let is_double = |(_, known): &&(usize, [HashSet<Facet>; 2])| {
+            overlap([&sides[0], &known[0]]) && overlap([&sides[1], &known[1]])
+                || overlap([&sides[0], &known[1]]) && overlap([&sides[1], &known[0]])
+        };
+        if let Some((other, _)) = known.iter().find(is_double) {
+            let other = contacts[*other].name(*other);
+            let reason =
+                format!("facets of its surfaces are in contact by \"{other}\", too: leave one of both");
+            return Err(Error::Contact { contact: contact.name(number), reason });
+        }
+        known.push((number, sides));
     }
     Ok(())
 }

@@ -26,7 +26,7 @@ impl ForceSource for Contact {
     fn force(&self, number: usize, site: &Site<'_>) -> Result<Arc<dyn Force>> {
         let name = self.name(number);
         let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
-        let (mesh, own) = (site.mesh, facets_of(site.mesh, self.surface.as_deref())?);
+        let (mesh, own) = (site.mesh, site.mesh.surface_facets(self.surface.as_deref())?);
         if own.is_empty() {
             return Err(fail("its surface has no facets on the boundary".into()));
         }
@@ -36,7 +36,7 @@ impl ForceSource for Contact {
             }
         }
         let of_other = match &self.opponent {
-            Opponent::Surface(other) => facets_of(mesh, Some(other))?,
+            Opponent::Surface(other) => mesh.surface_facets(Some(other))?,
             Opponent::Obstacle(_) | Opponent::Bodies => Vec::new(),
         };
         let all: Vec<Facet> = own.iter().chain(&of_other).copied().collect();
@@ -205,17 +205,6 @@ impl Contact {
         let thickness = self.distance.unwrap_or(layer.thickness.min(PART_OF_GAP * gap));
         Layer { thickness, ..layer }
     }
-}
-
-/// The facets of a group, of the cells in it on the boundary, or of the whole boundary.
-fn facets_of(mesh: &Mesh, group: Option<&str>) -> Result<Vec<Facet>> {
-    let Some(group) = group else { return Ok(mesh.boundary_facets()) };
-    if let Ok(facets) = mesh.groups().facets(group) {
-        return Ok(facets.to_vec());
-    }
-    let mut is_meant = vec![false; mesh.n_cells()];
-    mesh.groups().cells(group)?.iter().for_each(|cell| is_meant[*cell as usize] = true);
-    Ok(mesh.boundary_facets().into_iter().filter(|facet| is_meant[facet.cell as usize]).collect())
 }
 
 /// The smallest Young's modulus of the cells of some facets.
