@@ -84,7 +84,8 @@ fn check_reports_the_critical_step_in_contact() {
     let place = Place::with(BLOCK);
     let explicit = ["--set", "time.scheme=central-differences"];
     let report = place.succeed(&[&["check", "box.toml"], &explicit[..]].concat()).stdout;
-    // psi'' by differences of c (1 - y)^3/y with y = (g/d)^2, c = kappa d/8; a node has four times as much area as mass.
+    // psi'' by differences of c (1 - y)^3/y with y = (g/d)^2, c = kappa d/8; a node has four times as much area as
+    // mass.
     let modulus = 500.0 * (3.0 * 1000.0 + 2.0 * 500.0) / 1500.0;
     let energy = |g: f64| {
         let y = (g / 0.05f64).powi(2);

@@ -224,7 +224,7 @@ impl<'a> Part<'a> {
         if body.has_ground() {
             sum.add_all(&self.ground(body, assembly)?.squared().normalized());
         }
-        // What another body that touches it holds, depends on how both are deformed.
+        // How another body that touches it holds it depends on the shapes of both.
         if self.touches(body, assembly)? {
             for motion in 0..MOTIONS {
                 let mut unit = [0.0; MOTIONS];

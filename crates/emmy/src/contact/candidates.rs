@@ -57,8 +57,8 @@ impl Candidate {
 
 /// The pairs of a surface that can come nearer than its layer, in an order that does not depend on the motion.
 ///
-/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it have no force, so
-/// no result depends on when the list was made.
+/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it have no force,
+/// so no result depends on when the list was made.
 #[derive(Debug, Clone, Default)]
 pub struct Candidates {
     /// The pairs.

@@ -40,8 +40,8 @@ pub struct Layer {
     pub law: LayerLaw,
 }
 
-/// What a layer belongs to. All layers of a contact are equally stiff, and the thinner ones silent until the pressure is
-/// high.
+/// The kind of things to which a layer belongs. All layers of a contact are equally stiff, and the thinner ones silent
+/// until the pressure is high.
 ///
 /// ```
 /// use emmy::internals::contact::LayerOf;

@@ -348,9 +348,9 @@ impl SurfaceLayer {
         state
     }
 
-    /// Calls a function with the number of each node, the normal force on it over the reference area around it on facets
-    /// that are pressed, this area on all facets, and the distance to the nearest opponent, infinite beyond two
-    /// thicknesses.
+    /// Calls a function with the number of each node, the normal force on it over the reference area around it on
+    /// facets that are pressed, this area on all facets, and the distance to the nearest opponent, infinite beyond
+    /// two thicknesses.
     ///
     /// A point counts with the force on it alone, twice, as its opponents count half of it.
     pub fn for_each_node(

@@ -78,7 +78,7 @@ fn unit(what: &str, direction: [f64; 3]) -> Result<[f64; 3], String> {
     }
 }
 
-/// What a surface may touch.
+/// The opponent that a surface may touch.
 ///
 /// ```
 /// use emmy::body::Opponent;
@@ -112,7 +112,7 @@ pub struct Contact {
     pub name: Option<String>,
     /// Group of facets, or of cells, whose facets on the boundary are meant; `None`: the whole boundary.
     pub surface: Option<String>,
-    /// What it may touch.
+    /// The opponent.
     pub opponent: Opponent,
     /// Modulus of the layer kappa \[force/length^2\]; `None`: the smallest Young's modulus at its facets.
     pub stiffness: Option<f64>,

@@ -8,7 +8,7 @@ use crate::average::Request;
 use crate::body::{Assembly, Body, Interface};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
-use crate::sparse::{BLOCK, BlockCholesky, Pencil};
+use crate::sparse::{BLOCK, BlockCholesky, Pencil, Widened, nested_dissection};
 use crate::tensor::cross;
 use crate::time::State;
 use crate::time::classic::Forces;
@@ -71,6 +71,8 @@ pub(super) struct BodyPencil<'a> {
     body: &'a Body,
     linearised: &'a mut Linearised,
     factor: BlockCholesky,
+    /// The stiffness with couplings beyond the pattern, if there are some, and the mass at its positions.
+    widened: Option<(Widened, Vec<f64>)>,
     shift: f64,
 }
 
@@ -80,9 +82,21 @@ impl<'a> BodyPencil<'a> {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(super) fn new(body: &'a Body, linearised: &'a mut Linearised) -> Result<Self> {
-        let mut factor = BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?;
+        let matrix = &linearised.assembly.matrix;
+        let widened = (!matrix.couplings.is_empty()).then(|| {
+            let mut widened = Widened::new(body.pattern(), &matrix.couplings);
+            widened.set(body.pattern(), matrix);
+            let mass = widened.spread(body.carried_mass());
+            (widened, mass)
+        });
+        let mut factor = match &widened {
+            None => BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?,
+            Some((own, _)) => {
+                BlockCholesky::new(&own.pattern, 3, body.fixed(), &nested_dissection(&own.pattern)?)?
+            }
+        };
         factor.reserve(BLOCK)?;
-        Ok(BodyPencil { body, linearised, factor, shift: 0.0 })
+        Ok(BodyPencil { body, linearised, factor, widened, shift: 0.0 })
     }
 
     /// Number of modes.
@@ -99,8 +113,10 @@ impl<'a> BodyPencil<'a> {
     pub(super) fn factorize(&mut self, shift: f64) -> Result<()> {
         self.shift = shift;
         loop {
-            let matrix = &self.linearised.assembly.matrix;
-            let mass = self.body.carried_mass();
+            let (matrix, mass) = match &self.widened {
+                None => (&self.linearised.assembly.matrix, self.body.carried_mass()),
+                Some((own, mass)) => (&own.matrix, &mass[..]),
+            };
             let shift = self.shift;
             self.factor.factorize(|entry| {
                 let diagonal = if (entry % 9).is_multiple_of(4) { shift * mass[entry / 9] } else { 0.0 };

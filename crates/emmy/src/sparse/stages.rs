@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Couplings, Pattern, Widened};
+use super::{Couplings, Pattern};
 
 /// Rows of the stage system owned by one thread, which alone writes them.
 #[derive(Debug, Clone)]
@@ -241,68 +241,6 @@ impl StageMatrix {
     /// Number of stages k.
     pub fn degree(&self) -> usize {
         self.degree
-    }
-
-    /// The matrix without fixed rows and columns, by rows: their starts, ascending columns, entries. Unknowns are
-    /// numbered stage by stage.
-    pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
-        if !self.couplings.is_empty() {
-            let widened = self.widened(pattern);
-            return widened.matrix.free_rows(&widened.pattern, fixed);
-        }
-        let mut number = vec![0; fixed.len()];
-        let mut n_free = 0;
-        for (number, _) in number.iter_mut().zip(fixed).filter(|(_, fixed)| !**fixed) {
-            *number = n_free;
-            n_free += 1;
-        }
-        let k = self.degree;
-        let mut begin = vec![0];
-        let mut columns = Vec::new();
-        let mut values = Vec::new();
-        for (i, dof) in (0..k).flat_map(|i| (0..fixed.len()).map(move |dof| (i, dof))) {
-            if fixed[dof] {
-                continue;
-            }
-            for j in 0..k {
-                for (position, &node) in pattern.range(dof / 3).zip(pattern.row(dof / 3)) {
-                    let row = &self.block(position)[9 * (i * k + j) + 3 * (dof % 3)..][..3];
-                    let dofs = (3 * node as usize..).zip(row);
-                    for (column, value) in dofs.filter(|(column, _)| !fixed[*column]) {
-                        columns.push(j * n_free + number[column]);
-                        values.push(*value);
-                    }
-                }
-            }
-            begin.push(columns.len());
-        }
-        (begin, columns, values)
-    }
-
-    /// The matrix by rows of nodes, stage by stage: row `i n + A` and column `j n + B` for stages i, j and nodes A, B
-    /// of n.
-    pub fn block_rows(&self, pattern: &Pattern) -> Vec<BlockRow> {
-        if !self.couplings.is_empty() {
-            let widened = self.widened(pattern);
-            return widened.matrix.block_rows(&widened.pattern);
-        }
-        let k = self.degree;
-        let row = |(i, node): (usize, usize)| {
-            let stages =
-                (0..k).flat_map(|j| pattern.range(node).zip(pattern.row(node)).map(move |at| (j, at)));
-            let entry = |(j, (position, &column)): (usize, (usize, &u32))| {
-                let blocks = self.block(position).as_chunks::<9>().0;
-                ((j * self.n_rows) as u32 + column, blocks[i * k + j])
-            };
-            stages.map(entry).collect()
-        };
-        (0..k).flat_map(|i| (0..self.n_rows).map(move |node| (i, node))).map(row).collect()
-    }
-
-    fn widened(&self, pattern: &Pattern) -> Widened {
-        let mut widened = Widened::new(pattern, &self.couplings);
-        widened.set(pattern, self);
-        widened
     }
 
     /// The blocks of all stages at a position, transposed in stages and components.

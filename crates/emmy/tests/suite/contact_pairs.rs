@@ -5,7 +5,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
-use emmy::body::{Contact, Formulation};
+use emmy::body::{Contact, Formulation, Joint, JointEnd, JointKind, LayerLaw, RigidBody};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::{MeshBuilder, Placement};
 use emmy::motion::NewtonSettings;
@@ -326,6 +326,43 @@ fn a_block_is_pressed_on_another() {
     assert!((record.smallest_gap.unwrap() - gap / d).abs() < 1e-10, "{record:?}");
     assert!((record.contact_energy - kappa * d / 8.0 * e.powi(3) / y).abs() < 1e-10);
     assert_eq!(record.contact_points, 32);
+}
+
+/// A rigid block on another one, which is held, bobs with `omega^2 = A psi''(g)/m`, where `A psi'(g)` is its weight.
+#[test]
+fn modes_have_the_stiffness_of_the_layer() {
+    let block = || mesh::block([1.0; 3], [2; 3]).unwrap();
+    let above = Placement::default().shifted([0.0, 1.045, 0.0]);
+    let slide = Joint::new(
+        "slide",
+        JointKind::Prismatic { axis: [0.0, 1.0, 0.0] },
+        [JointEnd::Rigid("stone".into()), JointEnd::Ground],
+        [0.5, 1.0, 0.5],
+    );
+    let body = Body::builder(joined(&[(block(), Placement::default()), (block(), above)]))
+        .region(rubber())
+        .support(Support::fixed("a"))
+        .rigid(RigidBody::group("stone", "b"))
+        .joint(slide)
+        .contact(contact().with_law(LayerLaw::Linear))
+        .load(Load::acceleration([0.0, -60.0, 0.0]))
+        .build()
+        .unwrap();
+    let found = Equilibrium::new(&body, 0.0, 1).unwrap().start(NewtonSettings::default(), &[], &mut []);
+    let state = found.unwrap_or_else(|error| panic!("{error}"));
+    let gap = state.position(&body, 27)[1] - 1.0;
+    let (c, d) = (1333.0 * 0.05 / 8.0, 0.05f64);
+    let (y, by_gap) = (gap * gap / (d * d), 2.0 * gap / (d * d));
+    let slope = -c * (1.0 / (y * y) - 1.0) * by_gap;
+    assert!((slope + 60.0).abs() < 1e-8 * 60.0, "{slope}");
+    let stiffness = 2.0 * c / (y * y * y) * by_gap * by_gap + slope / gap;
+    let modes = emmy::modes::modes_about(&body, &state, 1).unwrap();
+    let omega = 2.0 * std::f64::consts::PI * modes[0].frequency();
+    assert!((omega * omega / stiffness - 1.0).abs() < 1e-8, "{} {stiffness}", omega * omega);
+    // At rest it stays there.
+    let mut motion = Motion::new(&body, at(DGM, 2)).unwrap().from(state).unwrap();
+    (0..10).for_each(|_| _ = motion.step(0.01).unwrap());
+    assert!(motion.record().kinetic_energy < 1e-16);
 }
 
 /// Triangles of a surface as the contact has them, at current positions, with their edges.

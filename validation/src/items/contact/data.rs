@@ -18,7 +18,7 @@ pub(super) struct Problem {
     pub source: String,
     /// Its data in words.
     pub data: String,
-    /// What keeps the results from the exact numbers, and by how much.
+    /// Reasons that keep the results from the exact numbers, and by how much.
     pub limits: String,
     /// The compared quantities, in the order in which its measurement returns them.
     pub quantity: Vec<Quantity>,

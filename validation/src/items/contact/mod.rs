@@ -19,7 +19,7 @@ use super::Effort;
 use crate::claim::Item;
 use crate::picture::{Pictures, Series};
 
-/// What a run gives.
+/// The numbers of a run.
 #[derive(Debug, Default)]
 struct Measured {
     /// In the order of the quantities of the problem.

@@ -73,8 +73,8 @@ impl<'a> CentralDifferences<'a> {
 
     /// The critical step of a body, at least, while all layers of its contacts are pressed to half of their thickness
     /// \[time\]: `2/sqrt(omega_max^2 + omega_c^2)` with the stiffness of the body at a displacement, and that of the
-    /// layers over the mass of the nodes. At edges between facets of one surface it is too low, as only some of them are
-    /// pressed. `None` without contact.
+    /// layers over the mass of the nodes. At edges between facets of one surface it is too low, as only some of them
+    /// are pressed. `None` without contact.
     ///
     /// # Errors
     /// [`Error::Inverted`].
