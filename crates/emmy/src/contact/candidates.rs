@@ -135,10 +135,10 @@ impl Candidates {
             let layer = if point.is_guard { LayerOf::Guards } else { LayerOf::Points };
             let query = boxes[point.entity as usize].inflated(layer.part() * thickness);
             near_clear([&mut *faces, &mut *edges, &mut *vertices]);
-            triangles.for_each_meeting(&query, &mut |number| {
+            triangles.for_each_meeting(boxes_of_triangles, &query, &mut |number| {
                 let triangle = &surface.triangles[number as usize];
                 let is_other = body_of(triangle.corners[0]) != body_of(point.entity);
-                if is_other && boxes_of_triangles[number as usize].meets(&query) {
+                if is_other {
                     faces.push(number);
                     edges.extend(triangle.edges);
                     vertices.extend(triangle.corners.map(|corner| surface.vertex_of[corner as usize]));
@@ -172,12 +172,9 @@ impl Candidates {
         for (number, edge) in (0..).zip(&surface.edges) {
             let query = boxes_of_edges[number as usize].inflated(LayerOf::Guards.part() * thickness);
             faces.clear();
-            tree_of_edges.for_each_meeting(&query, &mut |other| {
+            tree_of_edges.for_each_meeting(boxes_of_edges, &query, &mut |other| {
                 let ends = surface.edges[other as usize].ends;
-                if other > number
-                    && body_of(ends[0]) != body_of(edge.ends[0])
-                    && boxes_of_edges[other as usize].meets(&query)
-                {
+                if other > number && body_of(ends[0]) != body_of(edge.ends[0]) {
                     faces.push(other);
                 }
             });

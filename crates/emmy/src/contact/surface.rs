@@ -88,7 +88,7 @@ pub struct SurfaceEdge {
 /// };
 /// let surface = Surface::new(&[square]);
 /// assert_eq!((surface.triangles.len(), surface.edges.len(), surface.n_sharp_edges()), (4, 8, 4));
-/// assert_eq!((surface.points.len(), surface.entity(surface.points[0].entity).count()), (5, 4));
+/// assert_eq!((surface.points.len(), surface.entity(surface.points[4].entity).count()), (5, 4));
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Surface {

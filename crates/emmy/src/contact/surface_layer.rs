@@ -428,10 +428,10 @@ impl SurfaceLayer {
         let mut found = None;
         for edge in &surface.edges {
             let query = bounds(&edge.ends);
-            tree.for_each_meeting(&query, &mut |number| {
+            tree.for_each_meeting(&boxes, &query, &mut |number| {
                 let corners = surface.triangles[number as usize].corners;
                 let is_other = surface.body_of[corners[0] as usize] != surface.body_of[edge.ends[0] as usize];
-                if found.is_some() || !is_other || !boxes[number as usize].meets(&query) {
+                if found.is_some() || !is_other {
                     return;
                 }
                 // The point that moves along the edge meets the triangle.
