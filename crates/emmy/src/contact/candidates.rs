@@ -188,11 +188,6 @@ impl Candidates {
             }
         }
     }
-
-    /// The box of all triangles, with their margins.
-    pub fn bounds(&self) -> Bounds {
-        self.triangles.bounds()
-    }
 }
 
 fn near_clear(lists: [&mut Vec<u32>; 3]) {

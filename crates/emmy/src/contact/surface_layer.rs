@@ -20,8 +20,9 @@ use crate::tensor::dot3;
 /// Pairs that one thread takes at once: a number that does not depend on the threads.
 const CHUNK: usize = 256;
 
-/// A step in which an entity moves farther than this part of the extent of all surfaces cannot be followed.
-const FARTHEST: f64 = 0.5;
+/// A step in which an entity moves farther from the mean motion than this multiple of the extent of all surfaces is one
+/// of an iteration that diverges; its list would have all pairs.
+const FARTHEST: f64 = 2.0;
 
 /// Gaps beyond this many thicknesses are not reported.
 const NEAR: f64 = 2.0;
@@ -238,14 +239,19 @@ impl SurfaceLayer {
         let mut all: [&[[f64; 3]]; 3 * MAX_STAGES + 2] = [&[]; 3 * MAX_STAGES + 2];
         let n = configurations.len();
         all.iter_mut().zip(&*configurations).for_each(|(own, x)| *own = x);
-        if candidates.cover(&self.surface, self.layer.thickness, &all[..n]) {
-            let farthest = FARTHEST * candidates.bounds().extent();
-            let paths = configurations[0].iter().zip(&configurations[1]);
-            let is_far = |(a, b): &(&[f64; 3], &[f64; 3])| (0..3).any(|d| !((a[d] - b[d]).abs() <= farthest));
-            if let Some((start, _)) = paths.clone().find(is_far) {
-                return Err(*start);
-            }
+        let [start, end] = [&configurations[0], &configurations[1]];
+        let moved = |(a, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|d| b[d] - a[d]);
+        let mut mean = [0.0; 3];
+        for motion in start.iter().zip(end).map(moved) {
+            (0..3).for_each(|d| mean[d] += motion[d] / start.len() as f64);
         }
+        let farthest = FARTHEST * start.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(*x))).extent();
+        // A position that is no number is far, too.
+        let is_near = |motion: [f64; 3]| (0..3).all(|d| (motion[d] - mean[d]).abs() <= farthest);
+        if let Some(far) = start.iter().zip(end).map(moved).position(|motion| !is_near(motion)) {
+            return Err(start[far]);
+        }
+        candidates.cover(&self.surface, self.layer.thickness, &all[..n]);
         Ok(())
     }
 
@@ -319,7 +325,7 @@ impl SurfaceLayer {
 
     /// Energy and gaps at positions of the nodes, `position` by the number of a node of the surface.
     pub fn state(&self, position: impl Fn(usize) -> [f64; 3], search: &mut SurfaceSearch) -> SurfaceState {
-        let SurfaceSearch { candidates, nodal, x } = search;
+        let SurfaceSearch { candidates, nodal, x, .. } = search;
         nodal.clear();
         nodal.extend((0..self.surface.nodes.len()).map(position));
         x.resize(self.surface.n_entities(), [0.0; 3]);
@@ -445,23 +451,35 @@ impl SurfaceLayer {
         found
     }
 
-    /// Largest part, up to 1, of the changes of positions at the end of a step that leaves a part of every gap, by the
-    /// pairs of the last evaluation. `position` and `change` by the number of a node of the surface.
+    /// Largest part, up to 1, of the changes of positions at the end of a step that leaves a part of every gap.
+    /// `position` and `change` by the number of a node of the surface.
     pub fn largest_part(
         &self,
         position: impl Fn(usize) -> [f64; 3],
         change: impl Fn(usize) -> [f64; 3],
         left: f64,
-        memory: &SurfaceMemory,
+        search: &mut SurfaceSearch,
     ) -> f64 {
+        let SurfaceSearch { candidates, nodal, x, changed } = search;
+        let n = self.surface.nodes.len();
+        for (vectors, is_changed) in [(&mut *x, false), (&mut *changed, true)] {
+            nodal.clear();
+            nodal.extend((0..n).map(|node| {
+                let (own, moved) = (position(node), if is_changed { change(node) } else { [0.0; 3] });
+                [0, 1, 2].map(|d| own[d] + moved[d])
+            }));
+            vectors.resize(self.surface.n_entities(), [0.0; 3]);
+            self.surface.combine(nodal, vectors);
+        }
+        // All pairs that meet on the way are in the list, whenever it was made.
+        candidates.cover(&self.surface, self.layer.thickness, &[x, changed]);
         let mut part = 1.0f64;
-        for candidate in memory.candidates.pairs.iter().filter(|candidate| candidate.can_meet()) {
-            let x = candidate.entities.map(|entity| self.surface.combined(entity, &position));
-            let changes = candidate.entities.map(|entity| self.surface.combined(entity, &change));
-            let corrected = pair_vectors(|a, d| x[a][d] + changes[a][d]);
+        for candidate in candidates.pairs.iter().filter(|candidate| candidate.can_meet()) {
+            let (x, corrected) = (candidate.vectors(x), candidate.vectors(changed));
             if !paths_meet(candidate.kind, &x, &corrected) {
                 continue;
             }
+            let changes = pair_vectors(|a, d| corrected[a][d] - x[a][d]);
             let closest = Closest::new(candidate.kind, &x);
             let approach = -dot3(closest.link, combination(&closest.weights, &changes));
             let most = (1.0 - left) * closest.squared_distance;
@@ -473,12 +491,13 @@ impl SurfaceLayer {
     }
 }
 
-/// Memory for states.
+/// Memory for configurations outside of a step.
 #[derive(Debug, Clone, Default)]
 pub struct SurfaceSearch {
     candidates: Candidates,
     nodal: Vec<[f64; 3]>,
     x: Vec<[f64; 3]>,
+    changed: Vec<[f64; 3]>,
 }
 
 impl Chunk {

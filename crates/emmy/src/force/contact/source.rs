@@ -162,7 +162,13 @@ impl Contact {
             smallest_gap: gap,
         };
         let first_body = body_of.iter().flatten().copied().min().unwrap_or(0);
-        Ok(Arc::new(SurfaceContact { summary, layer, first_body, search: Mutex::default() }))
+        Ok(Arc::new(SurfaceContact {
+            summary,
+            layer,
+            first_body,
+            search: Mutex::default(),
+            bound: Mutex::default(),
+        }))
     }
 
     /// The body of each facet, `[table][facet]`: the two surfaces, or the connected parts of the first if there is no

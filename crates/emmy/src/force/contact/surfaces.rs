@@ -22,8 +22,9 @@ pub(super) struct SurfaceContact {
     pub layer: SurfaceLayer,
     /// The body whose force counts as that of the contact.
     pub first_body: u32,
-    /// Memory for states; no result depends on it.
+    /// Memory for states, and for bounds; no result depends on it.
     pub search: Mutex<SurfaceSearch>,
+    pub bound: Mutex<SurfaceSearch>,
 }
 
 /// Most nodes of a pair: nine of each facet.
@@ -168,7 +169,7 @@ impl Force for SurfaceContact {
         true
     }
 
-    fn largest_part(&self, step: &StepInput<'_>, memory: &ForceMemory, correction: &[f64]) -> f64 {
+    fn largest_part(&self, step: &StepInput<'_>, _: &ForceMemory, correction: &[f64]) -> f64 {
         let n = step.displacement.len();
         let sum = |rates: &[f64], number: usize| {
             let mut sum = [0.0; 3];
@@ -182,7 +183,8 @@ impl Force for SurfaceContact {
             let (start, moved) = (self.position(step.displacement, number), sum(step.rates, number));
             [0, 1, 2].map(|d| start[d] + moved[d])
         };
-        self.layer.largest_part(at_end, |number| sum(correction, number), LEFT, memory.of())
+        let mut search = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        self.layer.largest_part(at_end, |number| sum(correction, number), LEFT, &mut search)
     }
 
     fn is_sudden(&self, _: &StepInput<'_>, memory: &ForceMemory) -> bool {
