@@ -188,7 +188,7 @@ fn impossible_contacts_of_bodies_have_a_reason() {
         (
             "[0, 0, 1.1]",
             "[[contact]]\nsurfaces = [\"upper-x-max\", \"upper-z-max\"]".into(),
-            "its surfaces share a node at [1.0, 0.0, 2.1]",
+            "its surfaces share a node at [1, 0, 2.1]",
         ),
     ] {
         let place = Place::with(&two_blocks(at, &contacts));

@@ -52,6 +52,9 @@ pub(super) struct Run {
     /// Number of cells along the body, or from the centre to the surface.
     #[serde(default)]
     pub cells: usize,
+    /// Number of bodies, where the problem leaves it open.
+    #[serde(default)]
+    pub bodies: usize,
     /// Kind of the cells, if not hex8.
     pub kind: Option<String>,
     /// Velocity of the impact, or force, where the problem has several.
@@ -176,6 +179,9 @@ impl Run {
             }
         }
         words.extend(self.kind.clone());
+        if self.bodies > 0 {
+            words.push(format!("{} bodies", self.bodies));
+        }
         if self.cells > 0 {
             words.push(format!("{} cells", self.cells));
         }

@@ -2,16 +2,23 @@
 
 mod balances;
 mod ball;
+mod balls;
 mod bar_on_wall;
 mod bouncing_bar;
+mod cradle;
 mod data;
+mod equal_bars;
 mod hertz_impact;
 mod hertz_static;
 mod patch;
+mod patch_pair;
 mod peer;
 mod rest;
+mod row;
 mod slow_bar;
 mod trace;
+mod two_blocks;
+mod unequal_bars;
 
 use self::data::{Problem, Run};
 use self::trace::Trace;
@@ -47,7 +54,7 @@ impl Measured {
 type Measure = fn(&Problem, &Run) -> Result<Measured, String>;
 
 /// The measurement of each problem, and the axes of its picture.
-const MEASURES: [(&str, Measure, Option<[&str; 2]>); 8] = [
+const MEASURES: [(&str, Measure, Option<[&str; 2]>); 18] = [
     ("bar-on-a-wall", bar_on_wall::measure, None),
     ("bouncing-bar", bouncing_bar::measure, Some(["t", "pressure"])),
     ("slow-bar", slow_bar::measure, None),
@@ -56,9 +63,19 @@ const MEASURES: [(&str, Measure, Option<[&str; 2]>); 8] = [
     ("rest", rest::measure, None),
     ("patch", patch::measure, None),
     ("block", balances::measure, Some(["t", "H over that at the start"])),
+    ("equal-bars", equal_bars::measure, None),
+    ("unequal-bars", unequal_bars::measure, None),
+    ("cradle-of-blocks", cradle::blocks, None),
+    ("cradle-of-bars", cradle::bars, None),
+    ("two-blocks", two_blocks::measure, None),
+    ("two-blocks-peer", two_blocks::peer, None),
+    ("patch-pair", patch_pair::measure, None),
+    ("patch-pair-quadratic", patch_pair::measure, None),
+    ("patch-pair-matching", patch_pair::measure, None),
+    ("balls", balls::measure, None),
 ];
 
-/// Contact with obstacles at rest.
+/// Contact with obstacles at rest, and between bodies.
 pub(super) fn contact(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "contact",

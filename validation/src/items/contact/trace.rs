@@ -1,11 +1,11 @@
-//! Motions with one obstacle, and what is read from them.
+//! Motions with one obstacle or bodies that meet, and what is read from them.
 
 use emmy::body::Body;
 use emmy::motion::{Motion, Record, State};
 use emmy::time::Scheme;
 
 use super::data::{Problem, Run};
-use crate::measure::cpu_seconds;
+use crate::measure::{cpu_seconds, norm};
 
 /// A motion: records at the start and the ends of steps, and forces of the obstacle.
 #[derive(Debug, Default)]
@@ -41,11 +41,26 @@ impl Trace {
     /// # Errors
     /// The message of a step that fails.
     pub(super) fn from(body: &Body, start: State, run: &Run, end: f64) -> Result<Trace, String> {
+        Ok(Trace::with_state(body, start, run, end)?.0)
+    }
+
+    /// The motion of a body from a state, and the state at its end.
+    ///
+    /// # Errors
+    /// The message of a step that fails.
+    pub(super) fn with_state(
+        body: &Body,
+        start: State,
+        run: &Run,
+        end: f64,
+    ) -> Result<(Trace, State), String> {
         let text = |error: emmy::Error| format!("{}: {error}", run.label());
         let scheme =
             Scheme::from_name(&run.scheme).and_then(|own| own.with_degree(run.degree)).map_err(text)?;
         let mut motion = Motion::new(body, scheme).and_then(|motion| motion.from(start)).map_err(text)?;
-        Trace::march(&mut motion, body, run.size, end).map_err(|error| format!("{}: {error}", run.label()))
+        let trace = Trace::march(&mut motion, body, run.size, end)
+            .map_err(|error| format!("{}: {error}", run.label()))?;
+        Ok((trace, motion.state().clone()))
     }
 
     fn march(motion: &mut Motion<'_>, body: &Body, size: f64, end: f64) -> Result<Trace, String> {
@@ -76,6 +91,11 @@ impl Trace {
         crossings(self.normal(), level)
     }
 
+    /// The same of the force against z, that on the first body of a row.
+    pub(super) fn pushes(&self, level: f64) -> Vec<f64> {
+        crossings(self.normal().map(|(time, force)| (time, -force)), level)
+    }
+
     /// Mean normal force over the steps in an interval.
     pub(super) fn mean(&self, from: f64, to: f64) -> f64 {
         let inside = || self.normal().filter(|(time, _)| (from..to).contains(time));
@@ -104,6 +124,22 @@ impl Trace {
         let booked = |record: &Record| record.total_energy - record.external_work + record.dissipated_energy;
         let first = booked(&self.records[0]);
         self.records.iter().map(|record| (booked(record) - first).abs()).fold(0.0, f64::max) / scale
+    }
+
+    /// Largest change of the linear momentum.
+    pub(super) fn momentum_change(&self) -> f64 {
+        self.change(|record| record.linear_momentum)
+    }
+
+    /// Largest change of the angular momentum about the origin.
+    pub(super) fn spin_change(&self) -> f64 {
+        self.change(|record| record.angular_momentum)
+    }
+
+    fn change(&self, vector: impl Fn(&Record) -> [f64; 3]) -> f64 {
+        let first = vector(&self.records[0]);
+        let far = |own: [f64; 3]| norm([0, 1, 2].map(|d| own[d] - first[d]));
+        self.records.iter().map(|record| far(vector(record))).fold(0.0, f64::max)
     }
 
     /// Newton corrections of a step on average.
