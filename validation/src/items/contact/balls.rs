@@ -98,7 +98,7 @@ pub(super) fn measure(_: &Problem, run: &Run) -> Result<Measured, String> {
     })
 }
 
-/// What has been since the start.
+/// Extremes since the start.
 #[derive(Debug)]
 struct Walk {
     end: emmy::motion::Record,
