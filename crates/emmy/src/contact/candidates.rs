@@ -196,6 +196,8 @@ fn near_clear(lists: [&mut Vec<u32>; 3]) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(non_snake_case)]
+
     use super::super::tests::Random;
     use super::super::{Closest, SurfaceFacet};
     use super::*;

@@ -30,6 +30,9 @@ const NEAR: f64 = 2.0;
 /// Gaps in the reference configuration beyond this many thicknesses are not looked for.
 const FARTHEST_GAP: f64 = 128.0;
 
+/// A vector of each entity, or of each node.
+type Vectors = Vec<[f64; 3]>;
+
 /// Layers on surfaces that can touch each other.
 ///
 /// Each point and each guard forms pairs with the triangles, edges and vertices of the other bodies near it, with the
@@ -62,13 +65,13 @@ pub struct SurfaceMemory {
     /// Vectors of the nodes, as a memory.
     nodal: Vec<[f64; 3]>,
     /// Positions of the entities: at the start, at the end, and at the stages or the points of the rule.
-    configurations: Vec<Vec<[f64; 3]>>,
+    configurations: Vec<Vectors>,
     /// Rates of the entities, `[k]`.
-    rates: Vec<Vec<[f64; 3]>>,
+    rates: Vec<Vectors>,
     chunks: Vec<Chunk>,
     n_chunks: usize,
     /// Stage forces on the nodes, `[k][node]`.
-    forces: Vec<Vec<[f64; 3]>>,
+    forces: Vec<Vectors>,
     of_entities: Vec<[f64; 3]>,
 }
 
@@ -122,7 +125,7 @@ impl SurfaceMemory {
     }
 
     /// Stage forces on the nodes as evaluated last, `[k][node]`.
-    pub fn forces(&self) -> &[Vec<[f64; 3]>] {
+    pub fn forces(&self) -> &[Vectors] {
         &self.forces
     }
 
@@ -259,7 +262,7 @@ impl SurfaceLayer {
     fn add_pair(
         &self,
         (number, candidate): (u32, &Candidate),
-        (own, rule, configurations, rates): (&ContactRule, &Rule, &[Vec<[f64; 3]>], &[Vec<[f64; 3]>]),
+        (own, rule, configurations, rates): (&ContactRule, &Rule, &[Vectors], &[Vectors]),
         wants_tangents: bool,
         chunk: &mut Chunk,
     ) {
@@ -515,7 +518,7 @@ fn set_point_forces(
     pair: &Pair,
     points: &FollowerRule,
     candidate: &Candidate,
-    configurations: &[Vec<[f64; 3]>],
+    configurations: &[Vectors],
     forces: &mut [PairVectors],
     tangents: &mut [PairTangent],
 ) {

@@ -87,9 +87,8 @@ const SPOILT: f64 = 2.0;
 impl BoxTree {
     /// Sets the boxes.
     pub fn fit(&mut self, boxes: &[Bounds]) {
-        if self.nodes.is_empty() || self.order.len() != boxes.len() {
-            self.build(boxes);
-        } else if self.refit(boxes) > SPOILT * self.built_area {
+        let is_new = self.nodes.is_empty() || self.order.len() != boxes.len();
+        if is_new || self.refit(boxes) > SPOILT * self.built_area {
             self.build(boxes);
         }
     }
@@ -102,7 +101,7 @@ impl BoxTree {
         self.nodes.resize(2 * self.n_leaves, Bounds::NONE);
         let mut order = std::mem::take(&mut self.order);
         let levels = self.n_leaves.ilog2();
-        split(&mut order, boxes, levels, self.n_leaves);
+        split(&mut order, boxes, levels);
         self.order = order;
         self.built_area = self.refit(boxes);
     }
@@ -159,7 +158,7 @@ impl BoxTree {
 
 /// Orders numbers so that each half of them, down to the leaves, is on one side along the longest extent of the
 /// centres.
-fn split(order: &mut [u32], boxes: &[Bounds], levels: u32, n_leaves: usize) {
+fn split(order: &mut [u32], boxes: &[Bounds], levels: u32) {
     if levels == 0 || order.len() < 2 {
         return;
     }
@@ -174,8 +173,8 @@ fn split(order: &mut [u32], boxes: &[Bounds], levels: u32, n_leaves: usize) {
     order
         .select_nth_unstable_by(middle, |&a, &b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(&b)));
     let (left, right) = order.split_at_mut(middle);
-    split(left, boxes, levels - 1, n_leaves / 2);
-    split(right, boxes, levels - 1, n_leaves / 2);
+    split(left, boxes, levels - 1);
+    split(right, boxes, levels - 1);
 }
 
 #[cfg(test)]
