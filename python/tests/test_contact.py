@@ -266,8 +266,8 @@ def two_blocks(contact):
 
 
 MEET = (
-    emmy.Initial("lower", velocity=(0, 1, 0), angular_velocity=(0.5, -0.3, 0.8), about=(0.5, 0.5, 0.5)),
-    emmy.Initial("upper", velocity=(0.1, -1, 0), angular_velocity=(-0.35, 0.21, -0.56), about=(0.73, 1.57, 0.67)),
+    emmy.Initial(group="lower", velocity=(0, 1, 0), angular_velocity=(0.5, -0.3, 0.8), about=(0.5, 0.5, 0.5)),
+    emmy.Initial(group="upper", velocity=(0.1, -1, 0), angular_velocity=(-0.35, 0.21, -0.56), about=(0.73, 1.57, 0.67)),
 )
 
 
@@ -300,5 +300,5 @@ def test_two_surfaces_as_objects():
         block(emmy.Contact("all"))
     with pytest.raises(emmy.InputError, match="touch or intersect"):
         lower = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
-        mesh = emmy.Mesh.joined({"a": lower, "b": lower.placed(at=(0.5, 0.5, 0.5))})
+        mesh = emmy.Mesh.joined({"a": lower, "b": lower.placed(at=(0.4, 0.3, 0.45))})
         emmy.Body(mesh, REGION, contacts=emmy.Contact("a", "b"))

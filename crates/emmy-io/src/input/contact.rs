@@ -1,11 +1,10 @@
 //! `[[contact]]`: surfaces that meet obstacles, or each other.
 
-use emmy::body::{Body, Contact, LayerLaw, Obstacle, Opponent};
+use emmy::body::{Contact, LayerLaw, Obstacle, Opponent};
 
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
 use super::fault::{Fault, Place};
 use super::table::{Item, Table};
-use crate::units::Units;
 
 /// The word for the whole boundary.
 const ALL: &str = "all";
@@ -159,19 +158,6 @@ impl PlacedContact {
     pub(super) fn not_on_ranks(&self) -> Fault {
         Fault::at(&self.place, "several ranks do not compute a body with contact", "this contact")
     }
-}
-
-/// A note on contacts that act in the reference configuration of a body that does not start in equilibrium.
-pub(super) fn note_on_start(body: &Body, units: Units) -> Option<String> {
-    let contact = body.contacts().next().map(|_| body.strain_state(&vec![0.0; body.n_dofs()]).contact)?;
-    let energy = units.number(contact.energy, "energy");
-    let points = if contact.n_points == 1 { "point is" } else { "points are" };
-    (contact.n_points > 0).then(|| {
-        format!(
-            "contact has the energy {energy} at the start: {} {points} nearer to an opponent than `distance`",
-            contact.n_points
-        )
-    })
 }
 
 /// The fault of an impossible contact.

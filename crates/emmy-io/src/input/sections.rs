@@ -332,9 +332,6 @@ impl Sections {
         let quantities = self.requested.quantities(&body, |name| mechanism.place(name), &mut notes)?;
         let initial = values(self.initial);
         notes.extend(tie::notes_on_start(&body, &initial));
-        if matches!(self.start, Start::Undeformed) {
-            notes.extend(contact::note_on_start(&body, self.units));
-        }
         // The velocities of another run obey its joints.
         if !matches!(self.start, Start::Run(_)) {
             notes.extend(super::mechanism::note_on_start(

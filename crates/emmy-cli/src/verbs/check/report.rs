@@ -182,7 +182,9 @@ impl Report {
                 }
             };
             self.line("contact", &format!("{}: {facets}, {points}{of_bodies}, area {area}", contact.name));
-            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}; {gap}"));
+            let acts =
+                if contact.smallest_gap < contact.distance { ": it pushes from the start" } else { "" };
+            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}; {gap}{acts}"));
         }
     }
 
