@@ -173,4 +173,5 @@ class Contact(Table):
             return {"surfaces": surface} | own
         if isinstance(self.opponent, str):
             return {"surfaces": [surface, opponent]} | own
-        return {"surfaces": surface, "obstacle": {self.opponent._section.removeprefix("obstacle."): self.opponent._tree()}} | own
+        shape = self.opponent._section.removeprefix("obstacle.")
+        return {"surfaces": surface, "obstacle": {shape: self.opponent._tree()}} | own
