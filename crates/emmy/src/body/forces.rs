@@ -161,12 +161,12 @@ impl Body {
     }
 
     /// Memory for a stiffness that is kept while bodies turn against each other: without the forces whose derivatives
-    /// are taken with those of the constraints.
+    /// are taken exactly, with those of the constraints or with their couplings.
     pub(crate) fn assembly_to_keep(&self, rule: &Rule) -> Assembly {
         let mut assembly = self.assembly(rule);
-        if !self.constraints().is_empty() {
-            let acts = self.others().map(|force| !force.acts_on_joint_nodes());
-            assembly.acting.acts.iter_mut().zip(acts).for_each(|(own, acts)| *own = acts);
+        let is_constrained = !self.constraints().is_empty();
+        for (force, acts) in self.others().zip(&mut assembly.acting.acts) {
+            *acts = !(force.has_couplings() || is_constrained && force.acts_on_joint_nodes());
         }
         assembly
     }

@@ -39,25 +39,21 @@ impl Candidate {
 
     /// Whether its sides stay farther apart than a distance in all of some configurations, by their boxes.
     #[inline]
-    pub(super) fn is_apart<'a>(
-        &self,
-        configurations: impl Iterator<Item = &'a [[f64; 3]]>,
-        distance: f64,
-    ) -> bool {
+    pub(super) fn is_apart<X: AsRef<[[f64; 3]]>>(&self, configurations: &[X], distance: f64) -> bool {
         let mut sides = [Bounds::NONE; 2];
         for x in configurations {
             for (a, entity) in self.entities[..self.kind.n_entities()].iter().enumerate() {
                 let side = &mut sides[usize::from(!self.kind.is_first_side(a))];
-                *side = side.with(Bounds::of(x[*entity as usize]));
+                *side = side.with(Bounds::of(x.as_ref()[*entity as usize]));
             }
         }
         !sides[0].inflated(distance).meets(&sides[1])
     }
 }
 
-/// The pairs of a surface that can come nearer than its layer, in an order that does not depend on the motion.
+/// The pairs of a surface that can come nearer than a reach, in an order that does not depend on the motion.
 ///
-/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it have no force,
+/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it are out of reach,
 /// so no result depends on when the list was made.
 #[derive(Debug, Clone, Default)]
 pub struct Candidates {
@@ -73,7 +69,7 @@ pub struct Candidates {
     near: [Vec<u32>; 3],
 }
 
-/// Margin over the thickness of the layer.
+/// Margin over the reach of the points.
 const MARGIN: f64 = 0.5;
 
 /// Multiple of a step that the boxes cover ahead of its start.
@@ -81,35 +77,41 @@ const AHEAD: f64 = 2.0;
 
 impl Candidates {
     /// Makes the list hold for paths through some configurations, `[configuration][entity]`: the start of a step, its
-    /// end, and others. `thickness`: that of the layer. Returns whether it was made anew.
-    pub fn cover(&mut self, surface: &Surface, thickness: f64, configurations: &[&[[f64; 3]]]) -> bool {
+    /// end, and others. `reach`: the distance of interest for each layer. Returns whether the list is a new one.
+    pub fn cover<X: AsRef<[[f64; 3]]>>(
+        &mut self,
+        surface: &Surface,
+        reach: impl Fn(LayerOf) -> f64,
+        configurations: &[X],
+    ) -> bool {
         let holds = self.boxes.len() == surface.n_entities()
             && configurations
                 .iter()
-                .all(|x| self.boxes.iter().zip(*x).all(|(own, x)| own.contains(&Bounds::of(*x))));
+                .all(|x| self.boxes.iter().zip(x.as_ref()).all(|(own, x)| own.contains(&Bounds::of(*x))));
         if !holds {
-            self.set_boxes(surface.n_entities(), thickness, configurations);
-            self.find(surface, thickness);
+            self.set_boxes(surface.n_entities(), MARGIN * reach(LayerOf::Points), configurations);
+            self.find(surface, reach);
         }
         !holds
     }
 
-    fn set_boxes(&mut self, n_entities: usize, thickness: f64, configurations: &[&[[f64; 3]]]) {
+    fn set_boxes<X: AsRef<[[f64; 3]]>>(&mut self, n_entities: usize, margin: f64, configurations: &[X]) {
         self.boxes.clear();
         self.boxes.extend((0..n_entities).map(|entity| {
-            let path = configurations.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(x[entity])));
+            let at = |x: &X| x.as_ref()[entity];
+            let path = configurations.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(at(x))));
             let ahead = match configurations {
                 [start, end, ..] => {
-                    let (start, end) = (start[entity], end[entity]);
+                    let (start, end) = (at(start), at(end));
                     Bounds::of([0, 1, 2].map(|d| start[d] + AHEAD * (end[d] - start[d])))
                 }
                 _ => Bounds::NONE,
             };
-            path.with(ahead).inflated(0.5 * MARGIN * thickness)
+            path.with(ahead).inflated(0.5 * margin)
         }));
     }
 
-    fn find(&mut self, surface: &Surface, thickness: f64) {
+    fn find(&mut self, surface: &Surface, reach: impl Fn(LayerOf) -> f64) {
         let Candidates {
             pairs,
             boxes,
@@ -133,8 +135,8 @@ impl Candidates {
         let [faces, edges, vertices] = near;
         for point in &surface.points {
             let layer = if point.is_guard { LayerOf::Guards } else { LayerOf::Points };
-            let query = boxes[point.entity as usize].inflated(layer.part() * thickness);
-            near_clear([&mut *faces, &mut *edges, &mut *vertices]);
+            let query = boxes[point.entity as usize].inflated(reach(layer));
+            [&mut *faces, &mut *edges, &mut *vertices].into_iter().for_each(Vec::clear);
             triangles.for_each_meeting(boxes_of_triangles, &query, &mut |number| {
                 let triangle = &surface.triangles[number as usize];
                 let is_other = body_of(triangle.corners[0]) != body_of(point.entity);
@@ -170,7 +172,8 @@ impl Candidates {
             }
         }
         for (number, edge) in (0..).zip(&surface.edges) {
-            let query = boxes_of_edges[number as usize].inflated(LayerOf::Guards.part() * thickness);
+            let farthest = reach(if edge.is_sharp { LayerOf::Guards } else { LayerOf::BluntEdges });
+            let query = boxes_of_edges[number as usize].inflated(farthest);
             faces.clear();
             tree_of_edges.for_each_meeting(boxes_of_edges, &query, &mut |other| {
                 let ends = surface.edges[other as usize].ends;
@@ -188,10 +191,6 @@ impl Candidates {
             }
         }
     }
-}
-
-fn near_clear(lists: [&mut Vec<u32>; 3]) {
-    lists.into_iter().for_each(Vec::clear);
 }
 
 #[cfg(test)]
@@ -221,7 +220,7 @@ mod tests {
     }
 
     /// On random paths, the list has every pair whose distance is at some time below that of its layer, in one order;
-    /// and a list that holds is not made anew.
+    /// and a list that holds is kept.
     #[test]
     fn lists_have_all_pairs_that_come_near() {
         const THICKNESS: f64 = 0.15;
@@ -231,11 +230,12 @@ mod tests {
         let mut X = vec![[0.0; 3]; surface.n_entities()];
         surface.combine(&surface.positions, &mut X);
         // A list of everything.
-        all.cover(&surface, 1e3, &[&X]);
+        all.cover(&surface, |_| 1e3, &[&X]);
         let n_points = surface.points.len();
         assert!(all.pairs.len() > 8 * n_points);
         let mut list = Candidates::default();
-        let (mut n_made, mut n_near) = (0, 0);
+        let reach = |layer: LayerOf| layer.part() * THICKNESS;
+        let (mut n_new, mut n_near) = (0, 0);
         for _ in 0..200 {
             let moved = |random: &mut Random, size: f64| -> Vec<[f64; 3]> {
                 let nodal: Vec<[f64; 3]> =
@@ -245,12 +245,12 @@ mod tests {
                 x
             };
             let (start, end) = (moved(&mut random, 0.02), moved(&mut random, 0.05));
-            n_made += usize::from(list.cover(&surface, THICKNESS, &[&start, &end]));
-            assert!(!list.cover(&surface, THICKNESS, &[&start, &end]));
+            n_new += usize::from(list.cover(&surface, reach, &[&start, &end]));
+            assert!(!list.cover(&surface, reach, &[&start, &end]));
             let mut expected = all.pairs.iter().filter(|pair| {
                 [&start, &end].iter().any(|x| {
                     let closest = Closest::new(pair.kind, &pair.vectors(x));
-                    closest.squared_distance.sqrt() < pair.layer.part() * THICKNESS
+                    closest.squared_distance.sqrt() < reach(pair.layer)
                 })
             });
             // Both lists have one order.
@@ -260,6 +260,6 @@ mod tests {
                 own.any(|own| own == pair)
             }));
         }
-        assert!(n_made < 200 && n_near > 500, "{n_made} {n_near}");
+        assert!(n_new < 200 && n_near > 500, "{n_new} {n_near}");
     }
 }

@@ -49,14 +49,15 @@ pub(super) struct Links {
     second: [f64; 4],
     /// Share s of the second link.
     share: f64,
-    /// `phi_1 - phi_2`, or zero where both are equal and s is 1/2.
+    /// `phi_1 - phi_2`, regularised.
     width: f64,
     /// `z_2 - z_1` \[length^2\].
     pub(super) change: f64,
 }
 
-/// Where phi_1 and phi_2 differ by less, relative to `z_1 + z_2`, s is 1/2, its limit for short steps.
-const EQUAL: f64 = 1e-11;
+/// Added to `phi_1 - phi_2` over `z_1 + z_2`, so that s goes to 1/2, its limit for short steps, where both are equal. The
+/// force stays continuous, and the error of `z_2 - z_1` is of this order.
+const EQUAL: f64 = 1e-16;
 
 impl Links {
     /// The links of a step with a displacement, which has more digits than the difference of the positions.
@@ -75,9 +76,9 @@ impl Links {
         let at_end = excess(&end.closest, &first, &end.positions);
         let at_start = excess(&start.closest, &second, &start.positions);
         let sum = start.closest.squared_distance + end.closest.squared_distance;
-        let is_equal = at_start + at_end <= EQUAL * sum;
-        let width = if is_equal { 0.0 } else { at_start + at_end };
-        let share = if is_equal { 0.5 } else { at_end / width };
+        let equal = EQUAL * sum;
+        let width = at_start + at_end + equal;
+        let share = if width > 0.0 { (at_end + 0.5 * equal) / width } else { 0.5 };
         let change = (1.0 - share) * change(&first) + share * change(&second);
         Links { first, second, share, width, change }
     }

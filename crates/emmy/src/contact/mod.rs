@@ -15,6 +15,7 @@ mod path;
 mod step;
 mod surface;
 mod surface_layer;
+mod surface_state;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -28,5 +29,6 @@ pub use pair::Pair;
 pub use path::paths_meet;
 pub use step::PairStage;
 pub use surface::{Surface, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
-pub use surface_layer::{ActingPair, SurfaceLayer, SurfaceMemory, SurfaceSearch, SurfaceState};
+pub use surface_layer::{ActingPair, SurfaceLayer, SurfaceMemory};
+pub use surface_state::{NEAR, SurfaceNode, SurfaceSearch, SurfaceState};
 pub use tree::{Bounds, BoxTree};

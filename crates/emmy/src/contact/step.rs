@@ -39,7 +39,8 @@ struct Step {
 }
 
 impl Pair {
-    /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
+    /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end. `tangents`:
+    /// the derivatives `df_i/dx_j` as `[i k + j]` \[force/length\], not symmetric; empty if they are not wanted.
     ///
     /// The coefficients and weights of the rule's time element give the positions: `q_1 + sum_j a_ij x_j` at the Gauss
     /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)`
@@ -67,6 +68,7 @@ impl Pair {
         rates: &[PairVectors],
         stages: &mut [PairStage],
         forces: &mut [PairVectors],
+        tangents: &mut [PairTangent],
     ) -> PairState {
         let step = self.step(rule, start, rates, stages);
         for (stage, force) in stages.iter().zip(forces) {
@@ -76,20 +78,21 @@ impl Pair {
                 2.0 * self.weight * (of_gradient * stage.spread[a][c] + of_links * links[a][c])
             });
         }
+        if !tangents.is_empty() {
+            self.set_tangents(rule, start, (rates, stages), &step, tangents);
+        }
         step.end
     }
 
-    /// Derivatives of [`Pair::forces`] by the rates, `df_i/dx_j` as `[i k + j]` \[force/length\]; not symmetric.
-    pub fn tangents(
+    fn set_tangents(
         &self,
         rule: &Rule,
         start: &PairState,
-        rates: &[PairVectors],
-        stages: &mut [PairStage],
+        (rates, stages): (&[PairVectors], &mut [PairStage]),
+        step: &Step,
         tangents: &mut [PairTangent],
     ) {
         let (a, b, k) = (rule.coefficients(), rule.weights(), rates.len());
-        let step = self.step(rule, start, rates, stages);
         if step.quotient == 0.0 && stages.iter().all(|stage| stage.slope == 0.0) {
             tangents.fill(PairTangent::default());
             return;
@@ -100,7 +103,7 @@ impl Pair {
         let face = step.end.face();
         let share = step.links.share_derivative(start, &step.end, &face);
         for j in 0..k {
-            let (correction, of_links) = self.factor_derivatives(rule, start, &step, stages, j);
+            let (correction, of_links) = self.factor_derivatives(rule, start, step, stages, j);
             for (i, stage) in stages.iter().enumerate() {
                 let (tangent, a_ij) = (&mut tangents[i * k + j], a[i * k + j]);
                 *tangent = PairTangent::default();

@@ -119,15 +119,21 @@ pub struct Surface {
 impl Surface {
     /// The surface of some facets.
     pub fn new(facets: &[SurfaceFacet<'_>]) -> Surface {
+        let mut surface = Surface::without_triangles(facets);
+        facets.iter().for_each(|facet| surface.add_triangles(facet));
+        surface.connect();
+        surface
+    }
+
+    /// The points and guards of some facets, which are no opponents.
+    pub fn without_triangles(facets: &[SurfaceFacet<'_>]) -> Surface {
         let mut surface = Surface { begin: vec![0], ..Surface::default() };
         surface.add_guards(facets);
         for facet in facets {
             surface.facets.push(surface.points.len());
             surface.add_points(facet);
-            surface.add_triangles(facet);
         }
         surface.facets.push(surface.points.len());
-        surface.connect();
         surface
     }
 
@@ -175,6 +181,31 @@ impl Surface {
                 (0..3).for_each(|d| nodal[node as usize][d] += share * force[d]);
             }
         }
+    }
+
+    /// The pressure at each node, and the reference area around it \[length^2\], from the pressures on points and guards:
+    /// the normal force on the node over the area around it on facets that are pressed.
+    pub fn pressures_at_nodes(&self, pressure: impl Fn(&SurfacePoint) -> f64) -> Vec<[f64; 2]> {
+        // Force, area, and the area of facets that are pressed, of each node.
+        let mut sums = vec![[0.0; 3]; self.nodes.len()];
+        for range in self.facets.windows(2) {
+            let points = &self.points[range[0]..range[1]];
+            let is_pressed = points.iter().any(|point| pressure(point) > 0.0);
+            for point in points {
+                for (node, share) in self.entity(point.entity) {
+                    // Shares of nodes of quadratic facets have a mean of zero, or less than that.
+                    let area = share.abs() * point.area;
+                    sums[node][0] += area * pressure(point);
+                    sums[node][1] += area;
+                    sums[node][2] += if is_pressed { area } else { 0.0 };
+                }
+            }
+        }
+        let of_node = |(guard, [force, area, pressed]): (&SurfacePoint, [f64; 3])| {
+            let around = if pressed > 0.0 { pressed } else { area };
+            [(force + guard.area * pressure(guard)) / around, area]
+        };
+        self.points.iter().zip(sums).map(of_node).collect()
     }
 
     fn add_entity(&mut self, body: u32, terms: impl Iterator<Item = (u32, f64)>) -> u32 {

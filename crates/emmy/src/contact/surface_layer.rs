@@ -1,21 +1,18 @@
 //! The layer between surfaces, and its forces in a step.
 
-#![allow(non_snake_case)]
-
 use rayon::prelude::*;
 
 use super::candidates::{Candidate, Candidates};
-use super::closest::{Closest, PairKind, PairTangent, PairVectors, combination, pair_vectors};
-use super::layer::{Layer, LayerOf};
+use super::closest::{PairTangent, PairVectors};
+use super::layer::Layer;
 use super::links::PairState;
 use super::obstacle::MAX_STAGES;
 use super::pair::Pair;
 use super::path::paths_meet;
 use super::step::PairStage;
 use super::surface::Surface;
-use super::tree::{Bounds, BoxTree};
+use super::tree::Bounds;
 use crate::average::{ContactRule, FollowerRule, Rule};
-use crate::tensor::dot3;
 
 /// Pairs that one thread takes at once: a number that does not depend on the threads.
 const CHUNK: usize = 256;
@@ -23,12 +20,6 @@ const CHUNK: usize = 256;
 /// A step in which an entity moves farther from the mean motion than this multiple of the extent of all surfaces is one
 /// of an iteration that diverges; its list would have all pairs.
 const FARTHEST: f64 = 2.0;
-
-/// Gaps beyond this many thicknesses are not reported.
-const NEAR: f64 = 2.0;
-
-/// Gaps in the reference configuration beyond this many thicknesses are not looked for.
-const FARTHEST_GAP: f64 = 128.0;
 
 /// A vector of each entity, or of each node.
 type Vectors = Vec<[f64; 3]>;
@@ -44,17 +35,6 @@ pub struct SurfaceLayer {
     pub surface: Surface,
     /// Layer of the points.
     pub layer: Layer,
-}
-
-/// Energy and gaps at one configuration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceState {
-    /// Energy.
-    pub energy: f64,
-    /// Smallest distance \[length\]; infinite if nothing is nearer than two thicknesses.
-    pub smallest_gap: f64,
-    /// Number of points in contact.
-    pub n_points: usize,
 }
 
 /// Memory for the steps of a rule.
@@ -93,8 +73,6 @@ struct Chunk {
 pub struct ActingPair<'a> {
     /// The pair.
     pub pair: &'a Candidate,
-    /// Stage forces on its entities, `[k]`.
-    pub forces: &'a [PairVectors],
     /// Derivatives of the stage forces by the rates, `[i k + j]`; empty if they were not wanted.
     pub tangents: &'a [PairTangent],
 }
@@ -104,9 +82,8 @@ impl SurfaceMemory {
     pub fn new(layer: &SurfaceLayer, rule: &Rule) -> Self {
         let (k, own) = (rule.degree(), ContactRule::new(rule));
         let n_inside = match &own {
-            ContactRule::Conserving => k,
             ContactRule::Points(points) => points.n_points(),
-            ContactRule::Kept => 0,
+            _ => k,
         };
         let Surface { nodes, .. } = &layer.surface;
         let of_entities = vec![[0.0; 3]; layer.surface.n_entities()];
@@ -135,7 +112,6 @@ impl SurfaceMemory {
         self.chunks[..self.n_chunks].iter().flat_map(move |chunk| {
             chunk.acting.iter().enumerate().map(move |(at, pair)| ActingPair {
                 pair: &pairs[*pair as usize],
-                forces: &chunk.forces[at * k..(at + 1) * k],
                 tangents: chunk.tangents.get(at * k * k..(at + 1) * k * k).unwrap_or(&[]),
             })
         })
@@ -181,12 +157,8 @@ impl SurfaceMemory {
 }
 
 impl SurfaceLayer {
-    fn layer_of(&self, candidate: &Candidate) -> Layer {
-        self.layer.of(candidate.layer)
-    }
-
-    fn pair(&self, candidate: &Candidate) -> Pair {
-        Pair { kind: candidate.kind, weight: candidate.weight, layer: self.layer_of(candidate) }
+    pub(super) fn pair(&self, candidate: &Candidate) -> Pair {
+        Pair { kind: candidate.kind, weight: candidate.weight, layer: self.layer.of(candidate.layer) }
     }
 
     /// Evaluates the stage forces of a step, and with `tangents` their derivatives by the rates.
@@ -203,9 +175,6 @@ impl SurfaceLayer {
     ) -> Result<(), [f64; 3]> {
         memory.forces.iter_mut().for_each(|forces| forces.fill([0.0; 3]));
         memory.n_chunks = 0;
-        if matches!(memory.rule, ContactRule::Kept) {
-            return Ok(());
-        }
         memory.set_paths(&self.surface, rule, position, rate);
         self.find(memory)?;
         let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
@@ -239,9 +208,6 @@ impl SurfaceLayer {
     /// Makes the list of pairs hold for the paths.
     fn find(&self, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
         let SurfaceMemory { candidates, configurations, .. } = memory;
-        let mut all: [&[[f64; 3]]; 3 * MAX_STAGES + 2] = [&[]; 3 * MAX_STAGES + 2];
-        let n = configurations.len();
-        all.iter_mut().zip(&*configurations).for_each(|(own, x)| *own = x);
         let [start, end] = [&configurations[0], &configurations[1]];
         let moved = |(a, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|d| b[d] - a[d]);
         let mut mean = [0.0; 3];
@@ -254,7 +220,7 @@ impl SurfaceLayer {
         if let Some(far) = start.iter().zip(end).map(moved).position(|motion| !is_near(motion)) {
             return Err(start[far]);
         }
-        candidates.cover(&self.surface, self.layer.thickness, &all[..n]);
+        candidates.cover(&self.surface, |of| self.layer.of(of).thickness, configurations);
         Ok(())
     }
 
@@ -268,8 +234,7 @@ impl SurfaceLayer {
     ) {
         let pair = self.pair(candidate);
         let [start, end] = [&configurations[0], &configurations[1]];
-        let all = configurations.iter().map(|x| &x[..]);
-        if candidate.is_apart(all, pair.layer.thickness) {
+        if candidate.is_apart(configurations, pair.layer.thickness) {
             return;
         }
         let (x_1, x_2) = (candidate.vectors(start), candidate.vectors(end));
@@ -292,10 +257,7 @@ impl SurfaceLayer {
             }
             _ => {
                 let start = PairState::new(pair.kind, x_1);
-                pair.forces(rule, &start, &x[..k], &mut chunk.stages, forces);
-                if wants_tangents {
-                    pair.tangents(rule, &start, &x[..k], &mut chunk.stages, tangents);
-                }
+                pair.forces(rule, &start, &x[..k], &mut chunk.stages, forces, tangents);
             }
         }
         if forces.iter().flatten().flatten().any(|f| *f != 0.0) {
@@ -325,182 +287,6 @@ impl SurfaceLayer {
             self.surface.spread(of_entities, nodal);
         }
     }
-
-    /// Energy and gaps at positions of the nodes, `position` by the number of a node of the surface.
-    pub fn state(&self, position: impl Fn(usize) -> [f64; 3], search: &mut SurfaceSearch) -> SurfaceState {
-        let SurfaceSearch { candidates, nodal, x, .. } = search;
-        nodal.clear();
-        nodal.extend((0..self.surface.nodes.len()).map(position));
-        x.resize(self.surface.n_entities(), [0.0; 3]);
-        self.surface.combine(nodal, x);
-        // Pairs nearer than two thicknesses.
-        candidates.cover(&self.surface, NEAR * self.layer.thickness, &[x]);
-        let mut state = SurfaceState { energy: 0.0, smallest_gap: f64::INFINITY, n_points: 0 };
-        let mut last = None;
-        for candidate in &candidates.pairs {
-            if candidate.is_apart([&x[..]].into_iter(), NEAR * self.layer.thickness) {
-                continue;
-            }
-            let pair = self.pair(candidate);
-            let own = PairState::new(pair.kind, candidate.vectors(x));
-            state.energy += pair.energy(&own);
-            let gap = own.closest.squared_distance.sqrt();
-            if gap < NEAR * self.layer.thickness {
-                state.smallest_gap = state.smallest_gap.min(gap);
-            }
-            // The pairs of a point follow each other.
-            if gap < pair.layer.thickness && last != Some(candidate.entities[0]) {
-                last = Some(candidate.entities[0]);
-                state.n_points += 1;
-            }
-        }
-        state
-    }
-
-    /// Calls a function with the number of each node, the normal force on it over the reference area around it on
-    /// facets that are pressed, this area on all facets, and the distance to the nearest opponent, infinite beyond
-    /// two thicknesses.
-    ///
-    /// A point counts with the force on it alone, twice, as its opponents count half of it.
-    pub fn for_each_node(
-        &self,
-        position: impl Fn(usize) -> [f64; 3],
-        search: &mut SurfaceSearch,
-        visit: &mut dyn FnMut(usize, [f64; 3]),
-    ) {
-        self.state(position, search);
-        let surface = &self.surface;
-        let n = surface.nodes.len();
-        let mut forces = vec![[0.0; 3]; surface.n_entities()];
-        let mut gaps = vec![f64::INFINITY; n];
-        let pairs = search.candidates.pairs.iter().filter(|candidate| candidate.kind != PairKind::EdgeEdge);
-        for candidate in pairs {
-            let (pair, point) = (self.pair(candidate), candidate.entities[0] as usize);
-            let state = PairState::new(pair.kind, candidate.vectors(&search.x));
-            let force = pair.gradient(&state)[0];
-            (0..3).for_each(|d| forces[point][d] += 2.0 * force[d]);
-            let gap = state.closest.squared_distance.sqrt();
-            if candidate.layer == LayerOf::Guards && gap < NEAR * self.layer.thickness {
-                gaps[point] = gaps[point].min(gap);
-            }
-        }
-        let size = |entity: u32| dot3(forces[entity as usize], forces[entity as usize]).sqrt();
-        // Force, area, and the area of facets that are pressed, of each node.
-        let mut sums = vec![[0.0; 3]; n];
-        for range in surface.facets.windows(2) {
-            let points = &surface.points[range[0]..range[1]];
-            let is_pressed = points.iter().any(|point| size(point.entity) > 0.0);
-            for point in points {
-                for (node, share) in surface.entity(point.entity) {
-                    // Shares of nodes of quadratic facets have a mean of zero, or less than that.
-                    let area = share.abs() * point.area;
-                    sums[node][0] += share.abs() * size(point.entity);
-                    sums[node][1] += area;
-                    sums[node][2] += if is_pressed { area } else { 0.0 };
-                }
-            }
-        }
-        for (node, ([force, area, pressed], gap)) in sums.into_iter().zip(gaps).enumerate() {
-            let pressed = if pressed > 0.0 { pressed } else { area };
-            visit(node, [(force + size(node as u32)) / pressed, area, gap]);
-        }
-    }
-
-    /// Smallest distance between two bodies in the reference configuration; infinite beyond 128 times the
-    /// thickness of the layer.
-    pub fn gap(&self) -> f64 {
-        let mut wider = SurfaceLayer { surface: self.surface.clone(), layer: self.layer };
-        let mut search = SurfaceSearch::default();
-        while wider.layer.thickness < FARTHEST_GAP * self.layer.thickness {
-            let state = wider.state(|node| self.surface.positions[node], &mut search);
-            if state.smallest_gap.is_finite() {
-                return state.smallest_gap;
-            }
-            wider.layer.thickness *= 2.0;
-            search = SurfaceSearch::default();
-        }
-        f64::INFINITY
-    }
-
-    /// Where an edge of one body and a triangle of another intersect in the reference configuration: an end of the edge
-    /// and a corner of the triangle.
-    pub fn intersection(&self) -> Option<[[f64; 3]; 2]> {
-        let surface = &self.surface;
-        let mut X = vec![[0.0; 3]; surface.n_entities()];
-        surface.combine(&surface.positions, &mut X);
-        let bounds = |entities: &[u32]| {
-            entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(Bounds::of(X[*entity as usize])))
-        };
-        let boxes: Vec<Bounds> = surface.triangles.iter().map(|triangle| bounds(&triangle.corners)).collect();
-        let mut tree = BoxTree::default();
-        tree.fit(&boxes);
-        let mut found = None;
-        for edge in &surface.edges {
-            let query = bounds(&edge.ends);
-            tree.for_each_meeting(&boxes, &query, &mut |number| {
-                let corners = surface.triangles[number as usize].corners;
-                let is_other = surface.body_of[corners[0] as usize] != surface.body_of[edge.ends[0] as usize];
-                if found.is_some() || !is_other {
-                    return;
-                }
-                // The point that moves along the edge meets the triangle.
-                let [a, b, c] = corners.map(|corner| X[corner as usize]);
-                let [from, to] = edge.ends.map(|end| [X[end as usize], a, b, c]);
-                if paths_meet(PairKind::PointTriangle, &from, &to) {
-                    found = Some([from[0], a]);
-                }
-            });
-        }
-        found
-    }
-
-    /// Largest part, up to 1, of the changes of positions at the end of a step that leaves a part of every gap.
-    /// `position` and `change` by the number of a node of the surface.
-    pub fn largest_part(
-        &self,
-        position: impl Fn(usize) -> [f64; 3],
-        change: impl Fn(usize) -> [f64; 3],
-        left: f64,
-        search: &mut SurfaceSearch,
-    ) -> f64 {
-        let SurfaceSearch { candidates, nodal, x, changed } = search;
-        let n = self.surface.nodes.len();
-        for (vectors, is_changed) in [(&mut *x, false), (&mut *changed, true)] {
-            nodal.clear();
-            nodal.extend((0..n).map(|node| {
-                let (own, moved) = (position(node), if is_changed { change(node) } else { [0.0; 3] });
-                [0, 1, 2].map(|d| own[d] + moved[d])
-            }));
-            vectors.resize(self.surface.n_entities(), [0.0; 3]);
-            self.surface.combine(nodal, vectors);
-        }
-        // All pairs that meet on the way are in the list, whenever it was made.
-        candidates.cover(&self.surface, self.layer.thickness, &[x, changed]);
-        let mut part = 1.0f64;
-        for candidate in candidates.pairs.iter().filter(|candidate| candidate.can_meet()) {
-            let (x, corrected) = (candidate.vectors(x), candidate.vectors(changed));
-            if !paths_meet(candidate.kind, &x, &corrected) {
-                continue;
-            }
-            let changes = pair_vectors(|a, d| corrected[a][d] - x[a][d]);
-            let closest = Closest::new(candidate.kind, &x);
-            let approach = -dot3(closest.link, combination(&closest.weights, &changes));
-            let most = (1.0 - left) * closest.squared_distance;
-            if approach > most && most > 0.0 {
-                part = part.min(most / approach);
-            }
-        }
-        part
-    }
-}
-
-/// Memory for configurations outside of a step.
-#[derive(Debug, Clone, Default)]
-pub struct SurfaceSearch {
-    candidates: Candidates,
-    nodal: Vec<[f64; 3]>,
-    x: Vec<[f64; 3]>,
-    changed: Vec<[f64; 3]>,
 }
 
 impl Chunk {

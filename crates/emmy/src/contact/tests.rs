@@ -64,14 +64,15 @@ impl Step {
     fn forces(&self) -> (Vec<PairVectors>, PairState) {
         let (mut stages, mut forces) =
             (vec![PairStage::default(); self.k()], vec![PairVectors::default(); self.k()]);
-        let end = self.pair.forces(&self.rule, &self.start, &self.rates, &mut stages, &mut forces);
+        let end = self.pair.forces(&self.rule, &self.start, &self.rates, &mut stages, &mut forces, &mut []);
         (forces, end)
     }
 
     fn tangents(&self) -> Vec<PairTangent> {
         let k = self.k();
         let (mut stages, mut tangents) = (vec![PairStage::default(); k], vec![PairTangent::default(); k * k]);
-        self.pair.tangents(&self.rule, &self.start, &self.rates, &mut stages, &mut tangents);
+        let mut forces = vec![PairVectors::default(); k];
+        self.pair.forces(&self.rule, &self.start, &self.rates, &mut stages, &mut forces, &mut tangents);
         tangents
     }
 

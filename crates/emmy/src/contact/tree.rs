@@ -54,7 +54,7 @@ impl Bounds {
 /// logarithm.
 ///
 /// The tree splits at the median along the longest side. [`BoxTree::fit`] gives the boxes other sizes and places at the
-/// cost of one pass, and builds the tree anew where that has spoiled it.
+/// cost of one pass, and rebuilds the tree where its boxes overlap too much.
 ///
 /// ```
 /// use emmy::internals::contact::{Bounds, BoxTree};
@@ -81,7 +81,7 @@ pub struct BoxTree {
 /// Most things in a leaf.
 const IN_LEAF: usize = 4;
 
-/// The tree is built anew where the sum of the areas of its boxes has grown by this factor.
+/// The tree is rebuilt where the sum of the areas of its boxes has grown by this factor.
 const SPOILT: f64 = 2.0;
 
 impl BoxTree {

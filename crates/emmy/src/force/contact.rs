@@ -3,16 +3,13 @@
 mod source;
 mod surfaces;
 
-use std::slice::from_ref;
-
 use super::contact_summary::ContactSummary;
-use super::facets::{FacetTable, MAX_NODES};
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, Side};
 use super::step::StepInput;
 use super::strain_state::{ContactAtNode, ContactState, StrainState};
 use crate::average::{ContactRule, FollowerRule, Request, Rule};
-use crate::contact::{MAX_STAGES, ObstacleLayer, PointPath};
+use crate::contact::{MAX_STAGES, NEAR, ObstacleLayer, PointPath, Surface, SurfacePoint};
 use crate::error::{Error, Result};
 use crate::nodal;
 use crate::sparse::RowPart;
@@ -21,50 +18,41 @@ use crate::tensor::Mat3;
 /// Part of the gap that a correction leaves, at the least.
 const LEFT: f64 = 0.2;
 
-/// Gaps beyond this many thicknesses are not reported.
-const NEAR: f64 = 2.0;
-
 /// A layer on a surface that stores energy where an obstacle is near: at the quadrature points of its facets, and, half
 /// as thick, at its nodes. These guard against nodes that pass between the points.
 #[derive(Debug)]
 struct ObstacleContact {
     summary: ContactSummary,
+    surface: Surface,
     points: ObstacleLayer,
     guards: ObstacleLayer,
-    tables: Vec<FacetTable>,
-    /// Reference areas of the points, for each table `[facet][point]` \[length^2\].
-    areas: Vec<Vec<f64>>,
-    /// Nodes with their reference areas and their places on the diagonal of the pattern, ascending.
-    nodes: Vec<(u32, f64, u32)>,
-    /// Reference positions of these nodes.
-    positions: Vec<[f64; 3]>,
+    /// Places in the pattern of the pairs of nodes of each point, `[A][B]`, where they begin, and the end of all.
+    places: Vec<u32>,
+    begin: Vec<usize>,
 }
 
 /// A point of a surface, a combination of nodes.
 struct ContactPoint<'a> {
     layer: &'a ObstacleLayer,
-    nodes: &'a [u32],
-    /// Reference positions of the nodes.
-    positions: &'a [[f64; 3]],
-    shares: &'a [f64],
-    /// Places of the pairs of nodes in the pattern.
-    pairs: &'a [u32],
-    /// Reference area.
-    area: f64,
+    surface: &'a Surface,
+    point: &'a SurfacePoint,
+    /// Places of the pairs of nodes in the pattern, `[A][B]`.
+    places: &'a [u32],
 }
 
 impl ContactPoint<'_> {
     /// The nodes with their reference positions and shares.
-    fn terms(&self) -> impl Iterator<Item = (usize, [f64; 3], f64)> {
-        let nodes = self.nodes.iter().zip(self.positions).zip(self.shares);
-        nodes.map(|((node, X), share)| (*node as usize, *X, *share))
+    fn terms(&self) -> impl Iterator<Item = (u32, [f64; 3], f64)> {
+        let Surface { nodes, positions, .. } = self.surface;
+        let terms = self.surface.entity(self.point.entity);
+        terms.map(|(number, share)| (nodes[number], positions[number], share))
     }
 
     /// The position at a displacement.
     fn at(&self, displacement: &[f64]) -> [f64; 3] {
         let mut q = [0.0; 3];
         for (node, X, share) in self.terms() {
-            let u = nodal::at(displacement, node);
+            let u = nodal::at(displacement, node as usize);
             (0..3).for_each(|d| q[d] += share * (X[d] + u[d]));
         }
         q
@@ -76,7 +64,7 @@ impl ContactPoint<'_> {
         rates[..k].fill([0.0; 3]);
         for (node, _, share) in self.terms() {
             for (rates, x) in rates.iter_mut().zip(step.rates.chunks_exact(n)) {
-                let x = nodal::at(x, node);
+                let x = nodal::at(x, node as usize);
                 (0..3).for_each(|d| rates[d] += share * x[d]);
             }
         }
@@ -89,16 +77,6 @@ impl ContactPoint<'_> {
     }
 }
 
-/// Sums over the points around a node, or over those of one facet.
-#[derive(Clone, Copy, Default)]
-struct NodalSums {
-    /// Normal force.
-    force: f64,
-    area: f64,
-    /// Area of facets on which a force acts.
-    pressed_area: f64,
-}
-
 /// Forces of a point per area and their derivatives, as many as any step has.
 struct PointForces {
     forces: [[f64; 3]; MAX_STAGES],
@@ -106,30 +84,15 @@ struct PointForces {
 }
 
 impl ObstacleContact {
-    /// The points of the facets, and the guards.
+    /// The guards, and the points of the facets.
     fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
-        let of_facets = self.tables.iter().zip(&self.areas).flat_map(move |(table, areas)| {
-            let facets = table.facets().zip(areas.chunks_exact(table.n_points()));
-            facets.flat_map(move |(facet, areas)| {
-                areas.iter().enumerate().map(move |(point, &area)| ContactPoint {
-                    layer: &self.points,
-                    nodes: facet.nodes,
-                    positions: facet.points,
-                    shares: table.shapes_at(point),
-                    pairs: facet.pairs,
-                    area,
-                })
-            })
-        });
-        let guards = self.nodes.iter().zip(&self.positions).map(|((node, area, place), X)| ContactPoint {
-            layer: &self.guards,
-            nodes: from_ref(node),
-            positions: from_ref(X),
-            shares: &[1.0],
-            pairs: from_ref(place),
-            area: *area,
-        });
-        of_facets.chain(guards)
+        let points = self.surface.points.iter().zip(self.begin.windows(2));
+        points.map(|(point, range)| ContactPoint {
+            layer: if point.is_guard { &self.guards } else { &self.points },
+            surface: &self.surface,
+            point,
+            places: &self.places[range[0]..range[1]],
+        })
     }
 
     /// The error of a path that leads through the obstacle.
@@ -165,7 +128,7 @@ impl ObstacleContact {
             forces: [[0.0; 3]; MAX_STAGES],
             derivatives: [Mat3::default(); MAX_STAGES * MAX_STAGES],
         };
-        for point in self.contact_points().filter(|point| point.nodes.iter().any(|node| is_wanted(*node))) {
+        for point in self.contact_points().filter(|point| point.terms().any(|(node, ..)| is_wanted(node))) {
             let mut rates = [[0.0; 3]; MAX_STAGES];
             let path = point.path(step, &mut rates);
             self.check_path(&path, rule)?;
@@ -242,15 +205,15 @@ impl Force for ObstacleContact {
         let (k, rows) = (step.rule.degree(), sink.rows());
         let is_wanted = |node: u32| rows.contains(&(node as usize));
         self.for_each_force((step, memory.of(), request), is_wanted, &mut |point, own| {
-            let n = point.nodes.len();
-            let nodes = point.nodes.iter().zip(point.shares).enumerate();
-            for (A, (&node, share)) in nodes.filter(|(_, (node, _))| is_wanted(**node)) {
-                let weight = share * point.area;
+            let n = point.places.len().isqrt();
+            let terms = point.terms().enumerate();
+            for (A, (node, _, share)) in terms.filter(|(_, (node, ..))| is_wanted(*node)) {
+                let weight = share * point.point.area;
                 (0..k).for_each(|i| sink.add_force(i, node, own.forces[i].map(|f| weight * f)));
                 if request == Request::Stress {
                     continue;
                 }
-                for (place, other) in point.pairs[A * n..].iter().zip(point.shares) {
+                for (place, (_, _, other)) in point.places[A * n..].iter().zip(point.terms()) {
                     let weight = step.tangent_factor * weight * other;
                     for (stages, derivative) in own.derivatives[..k * k].iter().enumerate() {
                         let entries = sink.block_mut(*place as usize, stages).iter_mut();
@@ -273,7 +236,7 @@ impl Force for ObstacleContact {
             }
             if gap < layer.layer.thickness {
                 contact.n_points += 1;
-                contact.energy += point.area * layer.by_gap(gap)[0];
+                contact.energy += point.point.area * layer.by_gap(gap)[0];
             }
         }
         StrainState { contact, ..StrainState::NONE }
@@ -288,8 +251,8 @@ impl Force for ObstacleContact {
         let input = (step, memory.of(), Request::Stress);
         // A step that is solved leads through no obstacle.
         let _ = self.for_each_force(input, |_| true, &mut |point, own| {
-            for (&node, share) in point.nodes.iter().zip(point.shares) {
-                visit(node as usize, own.forces[stage].map(|f| -share * point.area * f));
+            for (node, _, share) in point.terms() {
+                visit(node as usize, own.forces[stage].map(|f| -share * point.point.area * f));
             }
         });
     }
@@ -301,7 +264,7 @@ impl Force for ObstacleContact {
     fn largest_part(&self, step: &StepInput<'_>, memory: &ForceMemory, correction: &[f64]) -> f64 {
         let (surface, corrected) = (&self.points.surface, StepInput { rates: correction, ..*step });
         let mut part = 1.0f64;
-        for guard in self.contact_points().filter(|point| point.nodes.len() == 1) {
+        for guard in self.contact_points().filter(|point| point.point.is_guard) {
             let (mut rates, mut changes) = ([[0.0; 3]; MAX_STAGES], [[0.0; 3]; MAX_STAGES]);
             let (path, change) = (guard.path(step, &mut rates), guard.path(&corrected, &mut changes));
             let mut at = |integrals: &[f64]| {
@@ -333,39 +296,17 @@ impl Force for ObstacleContact {
     }
 
     fn for_each_contact_node(&self, displacement: &[f64], visit: &mut dyn FnMut(usize, ContactAtNode)) {
-        let mut sums = vec![NodalSums::default(); self.nodes.len()];
-        let place = |node: &u32| self.nodes.partition_point(|(own, ..)| own < node);
-        let mut points = self.contact_points();
-        for (table, areas) in self.tables.iter().zip(&self.areas) {
-            for _ in 0..areas.len() / table.n_points() {
-                let mut of_facet = [NodalSums::default(); MAX_NODES];
-                let mut nodes: &[u32] = &[];
-                for point in points.by_ref().take(table.n_points()) {
-                    let pressure = point.layer.pressure(point.at(displacement));
-                    nodes = point.nodes;
-                    for (sum, share) in of_facet.iter_mut().zip(point.shares) {
-                        // Shares of nodes of quadratic facets have a mean of zero, or less than that.
-                        let area = share.abs() * point.area;
-                        sum.force += area * pressure;
-                        sum.area += area;
-                    }
-                }
-                let is_pressed = of_facet.iter().any(|sum| sum.force != 0.0);
-                for (node, own) in nodes.iter().zip(&of_facet) {
-                    let sum = &mut sums[place(node)];
-                    sum.force += own.force;
-                    sum.area += own.area;
-                    sum.pressed_area += if is_pressed { own.area } else { 0.0 };
-                }
-            }
+        let mut pressures: Vec<f64> = vec![0.0; self.surface.n_entities()];
+        for own in self.contact_points() {
+            pressures[own.point.entity as usize] = own.layer.pressure(own.at(displacement));
         }
         let most = NEAR * self.points.layer.thickness;
-        for (guard, sum) in points.zip(sums) {
-            let (q, node) = (guard.at(displacement), guard.nodes[0] as usize);
-            let gap = Some(guard.layer.surface.gap(q)).filter(|gap| *gap < most).unwrap_or(f64::NAN);
-            let force = sum.force + guard.area * guard.layer.pressure(q);
-            let pressed = if sum.pressed_area > 0.0 { sum.pressed_area } else { sum.area };
-            visit(node, ContactAtNode { pressure: force / pressed, area: sum.area, gap });
+        let nodes = self.surface.pressures_at_nodes(|point| pressures[point.entity as usize]);
+        // The guards are the first points, in the order of the nodes.
+        for ((guard, node), [pressure, area]) in self.contact_points().zip(&self.surface.nodes).zip(nodes) {
+            let gap = guard.layer.surface.gap(guard.at(displacement));
+            let gap = if gap < most { gap } else { f64::NAN };
+            visit(*node as usize, ContactAtNode { pressure, area, gap });
         }
     }
 

@@ -7,7 +7,7 @@ use crate::sparse::Pattern;
 use crate::tensor::cross;
 
 /// Largest number of nodes of a facet.
-pub(super) const MAX_NODES: usize = 9;
+const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
 pub(super) type NodalVectors = [[f64; 3]; MAX_NODES];
@@ -96,11 +96,6 @@ impl FacetTable {
     /// Number of quadrature points of a facet.
     pub(super) fn n_points(&self) -> usize {
         self.reference.weights.len()
-    }
-
-    /// Shape functions at a quadrature point.
-    pub(super) fn shapes_at(&self, point: usize) -> &[f64] {
-        self.reference.shapes_at(point)
     }
 
     /// Reference areas of the quadrature points, `[facet][point]` \[length^2\].

@@ -58,6 +58,12 @@ pub trait Force: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether its derivatives couple nodes that the pattern of the body does not couple, [`Force::add_couplings`]. They
+    /// are taken exactly, not into the kept stiffness.
+    fn has_couplings(&self) -> bool {
+        false
+    }
+
     /// Nodes and quadrature points of a cell, for the memory of an assembly.
     fn scratch_size(&self) -> [usize; 2] {
         [0; 2]

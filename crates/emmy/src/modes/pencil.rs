@@ -8,7 +8,7 @@ use crate::average::Request;
 use crate::body::{Assembly, Body, Interface};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
-use crate::sparse::{BLOCK, BlockCholesky, Pencil, Widened, nested_dissection};
+use crate::sparse::{BLOCK, CoupledCholesky, Pencil};
 use crate::tensor::cross;
 use crate::time::State;
 use crate::time::classic::Forces;
@@ -70,9 +70,7 @@ impl Linearised {
 pub(super) struct BodyPencil<'a> {
     body: &'a Body,
     linearised: &'a mut Linearised,
-    factor: BlockCholesky,
-    /// The stiffness with couplings beyond the pattern, if there are some, and the mass at its positions.
-    widened: Option<(Widened, Vec<f64>)>,
+    factor: CoupledCholesky,
     shift: f64,
 }
 
@@ -82,21 +80,9 @@ impl<'a> BodyPencil<'a> {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(super) fn new(body: &'a Body, linearised: &'a mut Linearised) -> Result<Self> {
-        let matrix = &linearised.assembly.matrix;
-        let widened = (!matrix.couplings.is_empty()).then(|| {
-            let mut widened = Widened::new(body.pattern(), &matrix.couplings);
-            widened.set(body.pattern(), matrix);
-            let mass = widened.spread(body.carried_mass());
-            (widened, mass)
-        });
-        let mut factor = match &widened {
-            None => BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?,
-            Some((own, _)) => {
-                BlockCholesky::new(&own.pattern, 3, body.fixed(), &nested_dissection(&own.pattern)?)?
-            }
-        };
+        let mut factor = CoupledCholesky::new(body.pattern(), body.fixed(), body.node_order()?)?;
         factor.reserve(BLOCK)?;
-        Ok(BodyPencil { body, linearised, factor, widened, shift: 0.0 })
+        Ok(BodyPencil { body, linearised, factor, shift: 0.0 })
     }
 
     /// Number of modes.
@@ -113,16 +99,11 @@ impl<'a> BodyPencil<'a> {
     pub(super) fn factorize(&mut self, shift: f64) -> Result<()> {
         self.shift = shift;
         loop {
-            let (matrix, mass) = match &self.widened {
-                None => (&self.linearised.assembly.matrix, self.body.carried_mass()),
-                Some((own, mass)) => (&own.matrix, &mass[..]),
-            };
-            let shift = self.shift;
-            self.factor.factorize(|entry| {
-                let diagonal = if (entry % 9).is_multiple_of(4) { shift * mass[entry / 9] } else { 0.0 };
-                matrix.block(entry / 9)[entry % 9] + diagonal
-            })?;
-            if self.factor.is_definite() && self.constrain()? {
+            let (mass, shift) = (self.body.carried_mass(), self.shift);
+            let of_body = (self.body.pattern(), self.body.fixed());
+            let matrix = &self.linearised.assembly.matrix;
+            self.factor.factorize(of_body, matrix, |at| shift * mass[at / 9])?;
+            if self.factor.cholesky.is_definite() && self.constrain()? {
                 return Ok(());
             }
             self.shift = (LARGER * self.shift).max(f64::MIN_POSITIVE);
@@ -275,11 +256,11 @@ impl Pencil for BodyPencil<'_> {
 }
 
 /// Applies the inverse of the factorised matrix to columns, `[columns][n_nodes][3]`.
-fn solve(factor: &mut BlockCholesky, body: &Body, b: &mut [f64]) {
+fn solve(factor: &mut CoupledCholesky, body: &Body, b: &mut [f64]) {
     let n = body.n_dofs();
     let read = |b: &&mut [f64], column: usize, row: usize| b[column * n + row];
     let write = |b: &mut &mut [f64], column: usize, row: usize, value: f64| b[column * n + row] = value;
-    factor.solve(b.len() / n, &mut &mut *b, read, write);
+    factor.cholesky.solve(b.len() / n, &mut &mut *b, read, write);
 }
 
 /// Number of degrees of freedom that follow from others in the reference configuration.

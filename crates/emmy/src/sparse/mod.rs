@@ -59,4 +59,5 @@ pub use solver::{SOLVERS, Solver, SolverChoice, SolverKind};
 pub use stages::{BlockRow, RowPart, StageMatrix};
 pub(crate) use sweep::SweepOrder;
 pub(crate) use team_solver::TeamSolver;
+pub(crate) use widened::CoupledCholesky;
 pub use widened::Widened;

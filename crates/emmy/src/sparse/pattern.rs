@@ -51,23 +51,15 @@ impl Pattern {
         let mut further: Vec<[u32; 2]> = pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
         further.sort_unstable();
         let (mut row_begin, mut columns) = (vec![0], Vec::with_capacity(self.columns.len() + further.len()));
-        let mut further = further.into_iter().peekable();
         for row in 0..self.n_rows() {
-            let start = columns.len();
-            columns.extend_from_slice(self.row(row));
-            while let Some([_, column]) = further.next_if(|[own, _]| *own as usize == row) {
-                columns.push(column);
-            }
-            columns[start..].sort_unstable();
-            let mut kept = start;
-            for at in start..columns.len() {
-                if kept == start || columns[kept - 1] != columns[at] {
-                    columns[kept] = columns[at];
-                    kept += 1;
-                }
-            }
-            columns.truncate(kept);
-            row_begin.push(kept);
+            let first = further.partition_point(|[own, _]| (*own as usize) < row);
+            let own = further[first..].iter().take_while(|[own, _]| *own as usize == row);
+            let mut all: Vec<u32> =
+                self.row(row).iter().copied().chain(own.map(|[_, column]| *column)).collect();
+            all.sort_unstable();
+            all.dedup();
+            columns.extend(all);
+            row_begin.push(columns.len());
         }
         Pattern { row_begin, columns, inner_from: self.inner_from }
     }

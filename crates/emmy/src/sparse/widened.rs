@@ -1,7 +1,8 @@
-//! A pattern with further couplings.
+//! Matrices with couplings beyond their pattern, for factorisations and as rows.
 
 use super::stages::BlockRow;
-use super::{Couplings, Pattern, StageMatrix};
+use super::{BlockCholesky, Couplings, Pattern, StageMatrix, nested_dissection};
+use crate::error::Result;
 
 /// A stage matrix whose couplings beyond the pattern are part of a pattern of its own, for factorisations.
 ///
@@ -58,18 +59,79 @@ impl Widened {
         }
     }
 
-    /// The block at a position of the narrow pattern.
-    pub fn block_mut(&mut self, position: usize) -> &mut [f64] {
-        let size = 9 * self.matrix.degree() * self.matrix.degree();
-        let place = self.places[position] * size;
-        &mut self.matrix.parts_mut()[0].blocks_mut().0.as_flattened_mut()[place..place + size]
+    /// Adds to the diagonals of blocks; `entry` by nine times the position in the narrow pattern plus 0, 4 or 8.
+    fn add_diagonals(&mut self, entry: impl Fn(usize) -> f64) {
+        let blocks = self.matrix.parts_mut()[0].blocks_mut().0;
+        for (position, place) in self.places.iter().enumerate() {
+            [0, 4, 8].into_iter().for_each(|at| blocks[*place][at] += entry(9 * position + at));
+        }
+    }
+}
+
+/// A Cholesky factorisation of stage matrices of one stage with their couplings.
+#[derive(Debug)]
+pub(crate) struct CoupledCholesky {
+    /// The factorisation.
+    pub cholesky: BlockCholesky,
+    /// Once a matrix had couplings, its pattern.
+    widened: Option<Widened>,
+    /// Number of right-hand sides for which memory is reserved.
+    n_columns: usize,
+}
+
+impl CoupledCholesky {
+    /// Symbolic factorisation without couplings; `order[new] = old`.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
+    pub(crate) fn new(pattern: &Pattern, fixed: &[bool], order: &[usize]) -> Result<Self> {
+        let cholesky = BlockCholesky::new(pattern, 3, fixed, order)?;
+        Ok(CoupledCholesky { cholesky, widened: None, n_columns: 0 })
     }
 
-    /// Values of the positions of the narrow pattern, with zeros elsewhere.
-    pub fn spread(&self, values: &[f64]) -> Vec<f64> {
-        let mut spread = vec![0.0; self.pattern.n_blocks()];
-        self.places.iter().zip(values).for_each(|(place, value)| spread[*place] = *value);
-        spread
+    /// Reserves memory as [`BlockCholesky::reserve`].
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub(crate) fn reserve(&mut self, n_columns: usize) -> Result<()> {
+        self.n_columns = n_columns;
+        self.cholesky.reserve(n_columns)
+    }
+
+    /// Factorises a matrix with something added to the diagonals of its blocks: `diagonal` by nine times the position
+    /// plus 0, 4 or 8.
+    ///
+    /// # Errors
+    /// As [`BlockCholesky::factorize`], and as [`CoupledCholesky::new`] where couplings are new.
+    pub(crate) fn factorize(
+        &mut self,
+        (pattern, fixed): (&Pattern, &[bool]),
+        matrix: &StageMatrix,
+        diagonal: impl Fn(usize) -> f64,
+    ) -> Result<()> {
+        let has_room = match &self.widened {
+            Some(widened) => widened.covers(&matrix.couplings),
+            None => matrix.couplings.is_empty(),
+        };
+        if !has_room {
+            let widened = Widened::new(pattern, &matrix.couplings);
+            let order = nested_dissection(&widened.pattern)?;
+            self.cholesky = BlockCholesky::new(&widened.pattern, 3, fixed, &order)?;
+            if self.n_columns > 0 {
+                self.cholesky.reserve(self.n_columns)?;
+            }
+            self.widened = Some(widened);
+        }
+        let Some(widened) = &mut self.widened else {
+            return self.cholesky.factorize(|at| {
+                let own = matrix.block(at / 9)[at % 9];
+                // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
+                if (at % 9).is_multiple_of(4) { own + diagonal(at) } else { own }
+            });
+        };
+        widened.set(pattern, matrix);
+        widened.add_diagonals(diagonal);
+        self.cholesky.factorize(|at| widened.matrix.block(at / 9)[at % 9])
     }
 }
 

@@ -7,6 +7,7 @@ use emmy::body::{
 };
 use emmy::internals::time::LocalError;
 use emmy::material::NeoHooke;
+use emmy::mesh::{MeshBuilder, Placement};
 use emmy::motion::{Motion, NewtonSettings, Phase, Solver, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
 
@@ -125,6 +126,41 @@ fn a_step_with_contact_allocates_nothing() {
             assert_eq!((1..1000).map(&mut step).last(), Some(999));
             let counts = measure(|| assert_eq!((1000..1060).map(&mut step).last(), Some(1059)));
             assert!(touched > 500, "{touched}");
+            assert_eq!(counts.count_total, 0, "degree {degree}");
+        }
+    });
+}
+
+/// A block that bounces on another one, which is held, under its weight.
+#[test]
+fn a_step_with_contact_between_bodies_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let block = |n: usize| emmy::mesh::block([1.0; 3], [n; 3]).unwrap();
+    let mut builder = MeshBuilder::new();
+    builder.part("lower", &block(2)).unwrap();
+    let above = Placement::default().shifted([0.0, 1.02, 0.0]);
+    builder.part("upper", &block(2).placed(&above).unwrap()).unwrap();
+    let builder = Body::builder(builder.build().unwrap())
+        .region(rubber)
+        .contact(Contact::between("lower", "upper"))
+        .support(Support::fixed("lower-y-min"))
+        .load(Load::acceleration([0.0, -10.0, 0.0]));
+    let body = pool.install(|| builder.build().unwrap());
+    pool.install(|| {
+        for degree in 1..=2 {
+            let state = State::initial(&body, 0.0, &[]).unwrap();
+            let settings = NewtonSettings { solver: Solver::Iterative, ..NewtonSettings::default() };
+            let mut motion = Motion::starting(&body, at(DGM, degree), settings, state).unwrap();
+            let mut touched = 0;
+            let mut step = |_: usize| {
+                let record = motion.step(0.005).unwrap();
+                touched += usize::from(record.contact_energy > 0.0);
+                record.step
+            };
+            assert_eq!((1..1000).map(&mut step).last(), Some(999));
+            let counts = measure(|| assert_eq!((1000..1060).map(&mut step).last(), Some(1059)));
+            assert!(touched > 300, "{touched}");
             assert_eq!(counts.count_total, 0, "degree {degree}");
         }
     });

@@ -123,6 +123,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "surface",
             "candidates",
             "surface_layer",
+            "surface_state",
         ],
     ),
     ("mass", &["regions", "points", "spread"]),

@@ -2,8 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
-use emmy::body::{Contact, FieldName, Fields, Formulation, LayerLaw, Obstacle, Viscosity};
+use crate::shared::contact::{conserving, others, rubber};
+use crate::shared::schemes::{DGM, at, dgm};
+use emmy::body::{Contact, FieldName, Fields, LayerLaw, Obstacle, Viscosity};
 use emmy::equilibrium::Equilibrium;
 use emmy::internals::time::CentralDifferences;
 use emmy::mesh::{CellKind, MeshBuilder};
@@ -20,10 +21,6 @@ fn block_above(gap: f64) -> Mesh {
     builder.node_group("corner", [at([0.0; 3])]);
     builder.node_group("beside", [at([1.0, 0.0, 0.0])]);
     builder.build().unwrap()
-}
-
-fn rubber() -> Region {
-    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0)
 }
 
 const PLANE: Obstacle = Obstacle::Plane { point: [0.0; 3], normal: [0.0, 1.0, 0.0] };
@@ -203,16 +200,7 @@ fn largest_contact_energy(motion: &mut Motion<'_>, h: f64, n: usize) -> f64 {
 
 #[test]
 fn time_elements_of_every_degree_keep_all_energy() {
-    let projected = || rubber().with_formulation(Formulation::ProjectedVolume(None));
-    let incompatible = || rubber().with_formulation(Formulation::IncompatibleModes);
-    let cases = (1..=8).map(|k| (rubber(), at(DGM, k), 0.0025 * (k + 1) as f64)).chain([
-        (rubber(), at(assumed_strain(4), 1), 0.005),
-        (projected(), at(DGM, 1), 0.005),
-        (projected(), at(DGM, 2), 0.01),
-        (incompatible(), at(DGM, 1), 0.005),
-        (incompatible(), at(DGM, 3), 0.01),
-    ]);
-    for (region, scheme, h) in cases {
+    for (region, scheme, h) in conserving(0.005) {
         let name = format!("{scheme:?} {h}");
         let (body, scheme, start) = thrown(region, scheme);
         let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
@@ -244,15 +232,7 @@ fn other_schemes_rebound_alike() {
         (motion.record().linear_momentum[1], largest, motion.record().clone())
     };
     let (exact, largest, _) = rebound(at(DGM, 3), 0.001);
-    for (scheme, h) in [
-        (at(fe(2), 1), 0.0005),
-        (at(fe(4), 2), 0.001),
-        (at(lobatto(4), 3), 0.001),
-        (Scheme::from_name("HHT(0)").unwrap(), 0.0005),
-        (Scheme::from_name("Bathe").unwrap(), 0.0005),
-        (Scheme::CentralDifferences, 0.0002),
-        (at(dgm(0.8), 2), 0.001),
-    ] {
+    for (scheme, h) in others(0.0005) {
         let (own, most, record) = rebound(scheme, h);
         assert!(record.linear_momentum_residual < 1e-12, "{scheme:?}");
         if scheme == Scheme::CentralDifferences {

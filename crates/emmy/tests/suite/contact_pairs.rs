@@ -4,11 +4,12 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe, lobatto};
-use emmy::body::{Contact, Formulation, Joint, JointEnd, JointKind, LayerLaw, RigidBody};
+use crate::shared::contact::{conserving, others, rubber};
+use crate::shared::schemes::{DGM, at};
+use emmy::body::{Contact, Joint, JointEnd, JointKind, LayerLaw, RigidBody, Tie};
 use emmy::equilibrium::Equilibrium;
 use emmy::mesh::{MeshBuilder, Placement};
-use emmy::motion::NewtonSettings;
+use emmy::motion::{Adaptivity, NewtonSettings};
 use emmy::prelude::*;
 
 /// Meshes at their places as one, with groups of cells `a`, `b`, ...
@@ -26,10 +27,6 @@ fn joined(parts: &[(Mesh, Placement)]) -> Mesh {
         builder.cell_group(name, cells);
     }
     builder.build().unwrap()
-}
-
-fn rubber() -> Region {
-    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0)
 }
 
 fn contact() -> Contact {
@@ -176,6 +173,21 @@ fn cubes_that_meet_edge_on_edge_do_not_pass() {
             gap: 0.018_126_450_961_444_673,
         },
     );
+    assert_impact(
+        two_edges(),
+        2,
+        &Impact {
+            steps: 15,
+            h: 0.02,
+            energies: [0.966_393_125_843_887_5, 0.033_606_874_160_846_08],
+            probe: [
+                [0.0, 0.499_999_999_999_999_94, -0.207_106_781_186_547_46],
+                [-0.002_598_600_654_505_183, 0.503_424_904_467_958_8, -0.216_995_636_619_912_34],
+            ],
+            largest: 0.027_627_819_268_849_708,
+            gap: 0.020_875_514_776_719_718,
+        },
+    );
 }
 
 /// A small block that flies against a larger one, with a formulation.
@@ -188,16 +200,7 @@ fn thrown(region: Region) -> (Body, State) {
 
 #[test]
 fn time_elements_of_every_degree_keep_energy_and_momenta() {
-    let projected = || rubber().with_formulation(Formulation::ProjectedVolume(None));
-    let incompatible = || rubber().with_formulation(Formulation::IncompatibleModes);
-    let cases = (1..=8).map(|k| (rubber(), at(DGM, k), 0.0025 * (k + 1) as f64)).chain([
-        (rubber(), at(assumed_strain(4), 1), 0.01),
-        (projected(), at(DGM, 1), 0.01),
-        (projected(), at(DGM, 2), 0.02),
-        (incompatible(), at(DGM, 1), 0.01),
-        (incompatible(), at(DGM, 3), 0.02),
-    ]);
-    for (region, scheme, h) in cases {
+    for (region, scheme, h) in conserving(0.01) {
         let name = format!("{scheme:?} {h}");
         let (body, start) = thrown(region);
         let mut motion = Motion::new(&body, scheme).unwrap().from(start).unwrap();
@@ -240,15 +243,7 @@ fn other_schemes_rebound_alike() {
     };
     let exact = rebound(at(DGM, 3), 0.002);
     assert!((-1.8..-1.4).contains(&exact), "{exact}");
-    for (scheme, h) in [
-        (at(fe(2), 1), 0.001),
-        (at(fe(4), 2), 0.002),
-        (at(lobatto(4), 3), 0.002),
-        (Scheme::from_name("HHT(0)").unwrap(), 0.001),
-        (Scheme::from_name("Bathe").unwrap(), 0.001),
-        (Scheme::CentralDifferences, 0.0005),
-        (at(dgm(0.8), 2), 0.002),
-    ] {
+    for (scheme, h) in others(0.001) {
         let own = rebound(scheme, h);
         // The lumped mass of central differences strikes with another part of the whole.
         let tolerance = if scheme == Scheme::CentralDifferences { 0.04 } else { 0.02 };
@@ -363,6 +358,95 @@ fn modes_have_the_stiffness_of_the_layer() {
     let mut motion = Motion::new(&body, at(DGM, 2)).unwrap().from(state).unwrap();
     (0..10).for_each(|_| _ = motion.step(0.01).unwrap());
     assert!(motion.record().kinetic_energy < 1e-16);
+}
+
+/// A block of two tied layers that is hit on a side, where nodes follow others.
+#[test]
+fn a_tied_block_is_hit_without_loss() {
+    let layer = |n: usize| mesh::block([1.0, 0.5, 1.0], [n, 1, n]).unwrap();
+    let at = |place: [f64; 3]| Placement::default().shifted(place);
+    let other = mesh::block([1.0; 3], [2; 3]).unwrap();
+    let mesh =
+        joined(&[(layer(2), at([0.0; 3])), (layer(3), at([0.0, 0.5, 0.0])), (other, at([1.06, 0.1, 0.15]))]);
+    let followers = (0..mesh.n_nodes() as u32).filter(|node| {
+        let X = mesh.points()[*node as usize];
+        X[1] == 0.5 && X[0] <= 1.0 && *node >= 18
+    });
+    let followers: Vec<u32> = followers.collect();
+    assert_eq!(followers.len(), 16);
+    let mesh = mesh.with_node_group("upper", followers).unwrap();
+    let contact = Contact::of_all_bodies().with_stiffness(1333.0).with_distance(0.05);
+    let body = Body::builder(mesh).region(rubber()).tie(Tie::nodes("upper", "a")).contact(contact);
+    let body = body.build().unwrap();
+    let thrown = spinning("c", [-2.0, 0.1, 0.0], [0.0, 0.5, 0.0], [1.56, 0.6, 0.65]);
+    for k in [1, 2] {
+        let start = State::initial(&body, 0.0, std::slice::from_ref(&thrown)).unwrap();
+        let mut motion = Motion::new(&body, TimeElement::discrete_gradient(k).unwrap()).unwrap();
+        motion = motion.from(start).unwrap();
+        let first = motion.record().clone();
+        let (mut largest, mut corrections) = (0.0f64, 0);
+        for _ in 0..40 {
+            let record = motion.step(0.005).unwrap();
+            largest = largest.max(record.contact_energy);
+            corrections += record.newton_iterations;
+        }
+        let record = motion.record();
+        assert!(largest > 0.1 && corrections < 40 * 10, "{largest} {corrections}");
+        assert!((record.total_energy - first.total_energy).abs() < 1e-11 * first.total_energy, "{record:?}");
+        for d in 0..3 {
+            assert!((record.linear_momentum[d] - first.linear_momentum[d]).abs() < 1e-12);
+            assert!((record.angular_momentum[d] - first.angular_momentum[d]).abs() < 1e-11);
+        }
+    }
+}
+
+/// Adaptive steps through an impact keep energy and momenta, and approach the motion in fine steps.
+#[test]
+fn adaptive_steps_find_the_impact() {
+    let (body, start) = thrown(rubber());
+    let exact = {
+        let mut motion = Motion::new(&body, at(DGM, 3)).unwrap().from(start.clone()).unwrap();
+        (0..60).for_each(|_| _ = motion.step(0.001).unwrap());
+        motion.state().displacement.clone()
+    };
+    let errors = [1e-3, 1e-5].map(|tolerance| {
+        let mut motion = Motion::new(&body, at(DGM, 2)).unwrap().from(start.clone()).unwrap();
+        let plan = StepPlan::adaptive(0.0, 0.06, Adaptivity::new(tolerance)).unwrap();
+        let first = motion.record().clone();
+        motion.march(&plan, &mut []).unwrap();
+        let record = motion.record();
+        assert!((record.total_energy - first.total_energy).abs() < 1e-10 && record.contact_energy > 0.01);
+        assert!((record.angular_momentum[0] - first.angular_momentum[0]).abs() < 1e-11);
+        let difference = motion.state().displacement.iter().zip(&exact).map(|(u, exact)| (u - exact).abs());
+        difference.fold(0.0, f64::max)
+    });
+    assert!(errors[1] < 0.3 * errors[0] && errors[0] < 0.02, "{errors:?}");
+}
+
+/// Cubes that pass edge over edge: the smallest gap is that of the edges, although no point of a facet is near, and does
+/// not depend on the list of a motion that was resumed.
+#[test]
+fn gaps_of_edges_count() {
+    let (mesh, mut velocities) = two_edges();
+    velocities[0].velocity = [0.0; 3];
+    velocities[1].velocity = [-0.4, -0.5, 0.0];
+    let body = Body::builder(mesh).region(rubber()).contact(contact().with_distance(0.04)).build().unwrap();
+    let start = State::initial(&body, 0.0, &velocities).unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 1)).unwrap().from(start).unwrap();
+    let mut seen = 0;
+    for step in 0..12 {
+        let settings = NewtonSettings::default();
+        let mut resumed = Motion::resumed(&body, at(DGM, 1), settings, motion.snapshot()).unwrap();
+        let record = motion.step(0.01).unwrap();
+        assert_eq!(record, resumed.step(0.01).unwrap());
+        // The edges of the cubes approach along y: 0.1 apart at first.
+        let gap = 0.1 - 0.005 * (step + 1) as f64;
+        if gap < 2.0 * 0.04 - 1e-9 && gap > 0.04 {
+            assert!((record.smallest_gap.unwrap() * 0.04 - gap).abs() < 1e-10, "{record:?}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 4, "{seen}");
 }
 
 /// Triangles of a surface as the contact has them, at current positions, with their edges.

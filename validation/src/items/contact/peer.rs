@@ -8,7 +8,7 @@ use super::trace::Trace;
 use crate::claim::Item;
 use crate::picture::{Pictures, Series};
 
-/// The parameter of the method of Hilber, Hughes and Taylor: none, and that which CalculiX takes if none is given.
+/// Values of alpha in the method of Hilber, Hughes and Taylor: no dissipation, and the default of CalculiX.
 const ALPHAS: [f64; 2] = [0.0, -0.05];
 
 /// Runs of the deck, whose automatic steps are at most as large as those of the run, beside that run with DGM.

@@ -73,34 +73,31 @@ impl Contact {
         let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
         let surface = obstacle.surface().map_err(fail)?;
         let tables = FacetTable::of(site.mesh, site.pattern, facets, site.section);
-        let areas: Vec<Vec<f64>> = tables.iter().map(FacetTable::areas).collect();
-        let nodes = nodes_with_areas(&tables, &areas, site);
-        let positions: Vec<[f64; 3]> =
-            nodes.iter().map(|(node, ..)| site.mesh.points()[*node as usize]).collect();
-        let gaps = positions.iter().map(|X| surface.gap(*X));
+        let bodies: Vec<Vec<u32>> = tables.iter().map(|table| vec![0; table.facets().count()]).collect();
+        let own = surface_of(tables.iter().zip(&bodies), Surface::without_triangles);
+        let gaps = own.positions.iter().map(|X| surface.gap(*X));
         let (nearest, gap) =
             gaps.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
         if gap <= 0.0 {
-            let at = short_vector(positions[nearest]);
+            let at = short_vector(own.positions[nearest]);
             let reason = format!("its surface is not outside of the obstacle at {at}: move the body away");
             return Err(Error::Contact { contact: name, reason });
         }
         let layer = self.limited(layer, gap);
         let points = ObstacleLayer { surface, layer };
         let guards = ObstacleLayer { surface, layer: layer.of(LayerOf::Guards) };
-        let summary = ContactSummary {
-            name,
-            n_facets: facets.len(),
-            n_points: areas.iter().map(Vec::len).sum(),
-            n_triangles: 0,
-            n_sharp_edges: 0,
-            area: areas.iter().flatten().sum(),
-            stiffness: layer.modulus,
-            distance: layer.thickness,
-            law: layer.law,
-            smallest_gap: gap,
-        };
-        Ok(Arc::new(ObstacleContact { summary, points, guards, tables, areas, nodes, positions }))
+        let (mut places, mut begin) = (Vec::new(), vec![0]);
+        for point in &own.points {
+            let nodes = || own.entity(point.entity).map(|(number, _)| own.nodes[number] as usize);
+            places.extend(
+                nodes()
+                    .flat_map(|row| nodes().map(move |column| (row, column)))
+                    .map(|(row, column)| site.pattern.coupling(row, column) as u32),
+            );
+            begin.push(places.len());
+        }
+        let summary = summary(name, facets.len(), &own, layer, gap);
+        Ok(Arc::new(ObstacleContact { summary, surface: own, points, guards, places, begin }))
     }
 
     /// The contact between two surfaces, or between the bodies of the first if the second is empty.
@@ -118,21 +115,8 @@ impl Contact {
             return Err(fail("contact between plane bodies is not there yet; with an obstacle it is".into()));
         }
         let tables = facets.map(|facets| FacetTable::of(mesh, site.pattern, facets, site.section));
-        let areas: Vec<Vec<f64>> = tables.iter().flatten().map(FacetTable::areas).collect();
-        let body_of = self.bodies(&tables, site).map_err(fail)?;
-        let of_tables = tables.iter().flatten().zip(&areas).zip(&body_of);
-        let all = of_tables.flat_map(|((table, areas), bodies)| {
-            let areas = areas.chunks_exact(table.n_points());
-            table.facets().zip(areas).zip(bodies).map(|((facet, areas), &body)| SurfaceFacet {
-                kind: table.kind(),
-                nodes: facet.nodes,
-                positions: facet.points,
-                shapes: table.shapes(),
-                areas,
-                body,
-            })
-        });
-        let surface = Surface::new(&all.collect::<Vec<_>>());
+        let bodies = self.bodies(&tables, site).map_err(fail)?;
+        let surface = surface_of(tables.iter().flatten().zip(&bodies), Surface::new);
         let mut layer = SurfaceLayer { surface, layer };
         if let Some([at, other]) = layer.intersection() {
             return Err(fail(format!(
@@ -149,19 +133,9 @@ impl Contact {
                 short(gap)
             )));
         }
-        let summary = ContactSummary {
-            name,
-            n_facets: facets.iter().map(|facets| facets.len()).sum(),
-            n_points: areas.iter().map(Vec::len).sum(),
-            n_triangles: layer.surface.triangles.len(),
-            n_sharp_edges: layer.surface.n_sharp_edges(),
-            area: areas.iter().flatten().sum(),
-            stiffness: layer.layer.modulus,
-            distance: layer.layer.thickness,
-            law: layer.layer.law,
-            smallest_gap: gap,
-        };
-        let first_body = body_of.iter().flatten().copied().min().unwrap_or(0);
+        let n_facets = facets.iter().map(|facets| facets.len()).sum();
+        let summary = summary(name, n_facets, &layer.surface, layer.layer, gap);
+        let first_body = bodies.iter().flatten().copied().min().unwrap_or(0);
         Ok(Arc::new(SurfaceContact {
             summary,
             layer,
@@ -222,25 +196,41 @@ fn smallest_modulus(facets: &[Facet], site: &Site<'_>) -> Option<f64> {
     moduli.reduce(f64::min)
 }
 
-/// Nodes of some facets, each with an equal part of the area of its facets and its place on the diagonal of the
-/// pattern.
-fn nodes_with_areas(tables: &[FacetTable], areas: &[Vec<f64>], site: &Site<'_>) -> Vec<(u32, f64, u32)> {
-    let mut all: Vec<(u32, f64)> = Vec::new();
-    for (table, areas) in tables.iter().zip(areas) {
-        for (facet, areas) in table.facets().zip(areas.chunks_exact(table.n_points())) {
-            let part = areas.iter().sum::<f64>() / facet.nodes.len() as f64;
-            all.extend(facet.nodes.iter().map(|node| (*node, part)));
-        }
+/// A surface of tables of facets with the body of each facet.
+fn surface_of<'a>(
+    tables: impl Iterator<Item = (&'a FacetTable, &'a Vec<u32>)>,
+    make: impl Fn(&[SurfaceFacet<'_>]) -> Surface,
+) -> Surface {
+    let tables: Vec<_> = tables.map(|(table, bodies)| (table, table.areas(), bodies)).collect();
+    let facets = tables.iter().flat_map(|(table, areas, bodies)| {
+        let areas = areas.chunks_exact(table.n_points());
+        table.facets().zip(areas).zip(*bodies).map(|((facet, areas), &body)| SurfaceFacet {
+            kind: table.kind(),
+            nodes: facet.nodes,
+            positions: facet.points,
+            shapes: table.shapes(),
+            areas,
+            body,
+        })
+    });
+    make(&facets.collect::<Vec<_>>())
+}
+
+/// The summary of a contact on a surface.
+fn summary(name: String, n_facets: usize, surface: &Surface, layer: Layer, gap: f64) -> ContactSummary {
+    let points = || surface.points.iter().filter(|point| !point.is_guard);
+    ContactSummary {
+        name,
+        n_facets,
+        n_points: points().count(),
+        n_triangles: surface.triangles.len(),
+        n_sharp_edges: surface.n_sharp_edges(),
+        area: points().map(|point| point.area).sum(),
+        stiffness: layer.modulus,
+        distance: layer.thickness,
+        law: layer.law,
+        smallest_gap: gap,
     }
-    all.sort_by_key(|(node, _)| *node);
-    let mut nodes: Vec<(u32, f64, u32)> = Vec::new();
-    for (node, part) in all {
-        match nodes.last_mut() {
-            Some(last) if last.0 == node => last.1 += part,
-            _ => nodes.push((node, part, site.pattern.coupling(node as usize, node as usize) as u32)),
-        }
-    }
-    nodes
 }
 
 /// Median length of the edges of some facets.

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::LEFT;
 use crate::average::{Request, Rule};
-use crate::contact::{ActingPair, SurfaceLayer, SurfaceMemory, SurfaceSearch};
+use crate::contact::{ActingPair, SurfaceLayer, SurfaceMemory, SurfaceNode, SurfaceSearch};
 use crate::error::{Error, Result};
 use crate::force::contact_summary::ContactSummary;
 use crate::force::integral::Scratch;
@@ -80,6 +80,10 @@ impl Force for SurfaceContact {
         Side::Inside
     }
 
+    fn has_couplings(&self) -> bool {
+        true
+    }
+
     fn memory(&self, rule: &Rule) -> ForceMemory {
         ForceMemory::new(SurfaceMemory::new(&self.layer, rule))
     }
@@ -141,7 +145,7 @@ impl Force for SurfaceContact {
     }
 
     fn strain_state(&self, displacement: &[f64], _: &[f64]) -> StrainState {
-        // A memory that a panic has left holds for its boxes or is made anew.
+        // A panic leaves a list that holds for its boxes, or none.
         let mut search = self.search.lock().unwrap_or_else(PoisonError::into_inner);
         let state = self.layer.state(|number| self.position(displacement, number), &mut search);
         let contact = ContactState {
@@ -198,10 +202,11 @@ impl Force for SurfaceContact {
     fn for_each_contact_node(&self, displacement: &[f64], visit: &mut dyn FnMut(usize, ContactAtNode)) {
         let mut search = self.search.lock().unwrap_or_else(PoisonError::into_inner);
         let position = |number: usize| self.position(displacement, number);
-        self.layer.for_each_node(position, &mut search, &mut |number, [pressure, area, gap]| {
+        let nodes = self.layer.surface.nodes.iter().zip(self.layer.nodes(position, &mut search));
+        for (node, SurfaceNode { pressure, area, gap }) in nodes {
             let gap = if gap.is_finite() { gap } else { f64::NAN };
-            visit(self.layer.surface.nodes[number] as usize, ContactAtNode { pressure, area, gap });
-        });
+            visit(*node as usize, ContactAtNode { pressure, area, gap });
+        }
     }
 
     fn without_adjoint(&self) -> Option<&'static str> {

@@ -2,6 +2,7 @@
 
 pub(crate) mod blocks;
 pub(crate) mod cells;
+pub(crate) mod contact;
 pub(crate) mod faces;
 pub(crate) mod flight;
 pub(crate) mod joints;

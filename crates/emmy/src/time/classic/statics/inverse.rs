@@ -7,16 +7,13 @@ use std::sync::Arc;
 use crate::body::Body;
 use crate::error::Result;
 use crate::sparse::{
-    BlockCholesky, Condensation, Iterative, SharedRows, Shifted, ShiftedSolver, StageMatrix, SweepOrder,
-    Widened, nested_dissection,
+    Condensation, CoupledCholesky, Iterative, SharedRows, Shifted, ShiftedSolver, StageMatrix, SweepOrder,
 };
 
 /// The inverse, as a preconditioner.
 #[derive(Debug)]
 pub(super) enum Inverse {
-    Factor(Box<BlockCholesky>),
-    /// With couplings beyond the pattern.
-    Wide(Box<(Widened, BlockCholesky)>),
+    Factor(Box<CoupledCholesky>),
     OfRanks(Box<InverseOfRanks>),
 }
 
@@ -57,7 +54,7 @@ impl Inverse {
         if body.space.is_shared() {
             return Ok(Inverse::OfRanks(Box::new(InverseOfRanks::new(body))));
         }
-        let factor = BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?;
+        let factor = CoupledCholesky::new(body.pattern(), body.fixed(), body.node_order()?)?;
         Ok(Inverse::Factor(Box::new(factor)))
     }
 
@@ -66,35 +63,10 @@ impl Inverse {
     /// # Errors
     /// [`crate::Error::Linear`] for a stiffness that is not finite.
     pub(super) fn set(&mut self, body: &Body, stiffness: &StageMatrix) -> Result<bool> {
-        self.widen(body, stiffness)?;
         match self {
-            Inverse::Wide(wide) => {
-                let (widened, factor) = &mut **wide;
-                widened.set(body.pattern(), stiffness);
-                factor.factorize(|source| widened.matrix.block(source / 9)[source % 9])?;
-                Ok(factor.is_definite())
-            }
-            Inverse::Factor(factor) => {
-                factor.factorize(|source| stiffness.block(source / 9)[source % 9])?;
-                Ok(factor.is_definite())
-            }
+            Inverse::Factor(_) => self.set_anchored(body, stiffness, &HashMap::new()),
             Inverse::OfRanks(inverse) => body.space.agree(inverse.set(body, stiffness)).map(|()| true),
         }
-    }
-
-    /// Makes room for all couplings of a stiffness. Once there are some, the pattern stays a wide one.
-    fn widen(&mut self, body: &Body, stiffness: &StageMatrix) -> Result<()> {
-        let has_room = match self {
-            Inverse::Wide(wide) => wide.0.covers(&stiffness.couplings),
-            _ => stiffness.couplings.is_empty(),
-        };
-        if !has_room {
-            let widened = Widened::new(body.pattern(), &stiffness.couplings);
-            let order = nested_dissection(&widened.pattern)?;
-            let factor = BlockCholesky::new(&widened.pattern, 3, body.fixed(), &order)?;
-            *self = Inverse::Wide(Box::new((widened, factor)));
-        }
-        Ok(())
     }
 
     /// The same with a stiffness in addition at some entries of the matrix; not on a team, which has no joints.
@@ -107,33 +79,16 @@ impl Inverse {
         stiffness: &StageMatrix,
         anchors: &HashMap<usize, f64>,
     ) -> Result<bool> {
-        self.widen(body, stiffness)?;
-        match self {
-            Inverse::OfRanks(_) => self.set(body, stiffness),
-            Inverse::Factor(factor) => {
-                factor.factorize(|source| {
-                    let anchor = if (source % 9).is_multiple_of(4) { anchors.get(&source) } else { None };
-                    stiffness.block(source / 9)[source % 9] + anchor.unwrap_or(&0.0)
-                })?;
-                Ok(factor.is_definite())
-            }
-            Inverse::Wide(wide) => {
-                let (widened, factor) = &mut **wide;
-                widened.set(body.pattern(), stiffness);
-                for (&source, anchor) in anchors {
-                    widened.block_mut(source / 9)[source % 9] += anchor;
-                }
-                factor.factorize(|source| widened.matrix.block(source / 9)[source % 9])?;
-                Ok(factor.is_definite())
-            }
-        }
+        let Inverse::Factor(factor) = self else { return self.set(body, stiffness) };
+        let anchor = |at: usize| anchors.get(&at).copied().unwrap_or(0.0);
+        factor.factorize((body.pattern(), body.fixed()), stiffness, anchor)?;
+        Ok(factor.cholesky.is_definite())
     }
 
     /// Cost of setting it, in solutions.
     pub(super) fn cost(&self) -> f64 {
         match self {
-            Inverse::Factor(factor) => factor.cost_over_solution(),
-            Inverse::Wide(wide) => wide.1.cost_over_solution(),
+            Inverse::Factor(factor) => factor.cholesky.cost_over_solution(),
             Inverse::OfRanks(inverse) => inverse.solver.refactorization_cost(),
         }
     }
@@ -141,13 +96,9 @@ impl Inverse {
     /// `y = P^-1 y`, y zero at the fixed degrees of freedom.
     pub(super) fn apply(&mut self, body: &Body, y: &mut [f64]) {
         match self {
-            Inverse::Wide(wide) => {
-                let mut y = y;
-                wide.1.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
-            }
             Inverse::Factor(factor) => {
                 let mut y = y;
-                factor.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
+                factor.cholesky.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
             }
             Inverse::OfRanks(inverse) => {
                 inverse.apply(y);
