@@ -2,14 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import field
 from typing import Any, TypeAlias
 
-from ._words import Table, Vector
+from . import _emmy
+from . import _words as words
+from ._words import Path, Table, Vector
 
 
-class Plane(Table):
-    """An obstacle at rest that fills a half-space.
+class _Obstacle(Table):
+    """What obstacles have in common: they may move."""
+
+    @property
+    def _motion(self) -> Mapping[str, Path] | None:
+        return getattr(self, "move", None)
+
+    def __post_init__(self) -> None:
+        if self._motion is not None and not isinstance(self._motion, Mapping):
+            raise TypeError(f"move: {type(self._motion).__name__} in place of a dict")
+        if not self._motion:
+            object.__setattr__(self, "move", None)
+        super().__post_init__()
+
+    def _check(self) -> None:
+        super()._check()
+        _emmy.check("obstacle", self._of_contact())
+
+    def _tree(self) -> dict[str, Any]:
+        tree = super()._tree()
+        tree.pop("move", None)
+        return tree
+
+    def _of_contact(self) -> dict[str, Any]:
+        """The obstacle with its motion in the words of the input."""
+        moved = {axis: words.path(value, f"move.{axis}") for axis, value in (self._motion or {}).items()}
+        shape = {self._section.removeprefix("obstacle."): self._tree()}
+        return shape | ({"move": moved} if moved else {})
+
+
+class Plane(_Obstacle):
+    """An obstacle that fills a half-space.
 
     Parameters
     ----------
@@ -17,6 +50,8 @@ class Plane(Table):
         A point of its surface.
     normal : vector
         Direction out of it, towards the body, of any length.
+    move : dict, optional
+        Displacement over time of components "x", "y", "z" by name, as in `Support`; the others are at rest.
 
     Raises
     ------
@@ -27,15 +62,18 @@ class Plane(Table):
     --------
     >>> emmy.Plane((0, 0, 0), (0, 0, 1))
     Plane(point=(0, 0, 0), normal=(0, 0, 1))
+    >>> emmy.Plane((0, 0, 1), (0, 0, -1), move={"z": "-0.1*t"}).move
+    {'z': '-0.1*t'}
     """
 
     _section = "obstacle.plane"
     point: Vector = field(kw_only=False)
     normal: Vector = field(kw_only=False)
+    move: Mapping[str, Path] | None = None
 
 
-class Sphere(Table):
-    """A sphere at rest as an obstacle, with the body outside or inside.
+class Sphere(_Obstacle):
+    """A sphere as an obstacle, with the body outside or inside.
 
     Parameters
     ----------
@@ -45,6 +83,8 @@ class Sphere(Table):
         Its radius.
     inside : bool, optional
         Whether the body is inside.
+    move : dict, optional
+        Displacement over time of components "x", "y", "z" by name, as in `Support`; the others are at rest.
 
     Raises
     ------
@@ -61,10 +101,11 @@ class Sphere(Table):
     centre: Vector = field(kw_only=False)
     radius: float = field(kw_only=False)
     inside: bool = field(default=False, kw_only=False)
+    move: Mapping[str, Path] | None = None
 
 
-class Cylinder(Table):
-    """A cylinder without ends, at rest, as an obstacle, with the body outside or inside.
+class Cylinder(_Obstacle):
+    """A cylinder without ends as an obstacle, with the body outside or inside.
 
     Parameters
     ----------
@@ -76,6 +117,8 @@ class Cylinder(Table):
         Its radius.
     inside : bool, optional
         Whether the body is inside.
+    move : dict, optional
+        Displacement over time of components "x", "y", "z" by name, as in `Support`; the others are at rest.
 
     Raises
     ------
@@ -93,6 +136,7 @@ class Cylinder(Table):
     axis: Vector = field(kw_only=False)
     radius: float = field(kw_only=False)
     inside: bool = field(default=False, kw_only=False)
+    move: Mapping[str, Path] | None = None
 
 
 Obstacle: TypeAlias = Plane | Sphere | Cylinder
@@ -173,5 +217,4 @@ class Contact(Table):
             return {"surfaces": surface} | own
         if isinstance(self.opponent, str):
             return {"surfaces": [surface, opponent]} | own
-        shape = self.opponent._section.removeprefix("obstacle.")
-        return {"surfaces": surface, "obstacle": {shape: self.opponent._tree()}} | own
+        return {"surfaces": surface, "obstacle": self.opponent._of_contact()} | own

@@ -67,9 +67,11 @@ def _contact(table: dict[str, Any]) -> Contact:
     surfaces = table["surfaces"]
     surface, opponent = (surfaces, None) if isinstance(surfaces, str) else surfaces
     if "obstacle" in table:
-        ((shape, own),) = table["obstacle"].items()
+        obstacle = dict(table["obstacle"])
+        motion = obstacle.pop("move", None)
+        ((shape, own),) = obstacle.items()
         (kind,) = (kind for kind in OBSTACLES if kind._section == f"obstacle.{shape}")
-        opponent = kind(**own)
+        opponent = kind(**own, move=motion)
     return Contact(surface, opponent, **others)
 
 

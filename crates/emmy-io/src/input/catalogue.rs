@@ -67,8 +67,7 @@ pub(super) static ROOT: Described = Described::new(|| {
 pub(super) static ROOT_KIND: LazyLock<Kind> = LazyLock::new(|| Kind::Table(&ROOT));
 
 /// Keys that a table does not have yet.
-const PLANNED: [(&str, &[&str]); 2] =
-    [("[[contact]]", &["friction", "slip_velocity", "damping"]), ("obstacle", &["move"])];
+const PLANNED: [(&str, &[&str]); 1] = [("[[contact]]", &["friction", "slip_velocity", "damping"])];
 
 /// Whether a word is such a key.
 pub(super) fn is_planned(section: &Section, word: &str) -> bool {

@@ -1,10 +1,14 @@
 //! `[[contact]]`: surfaces that meet obstacles, or each other.
 
-use emmy::body::{Contact, LayerLaw, Obstacle, Opponent};
+use emmy::body::{Contact, LayerLaw, Obstacle, Opponent, TimeFunction};
+use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
-use super::fault::{Fault, Place};
+use super::fault::{Fault, Faults, Place};
+use super::history::Context;
+use super::support;
 use super::table::{Item, Table};
+use super::time::Time;
 
 /// The word for the whole boundary.
 const ALL: &str = "all";
@@ -20,7 +24,7 @@ pub(super) static CONTACT: Described = Described::new(|| {
              the whole boundary; two groups that meet each other; or `\"all\"` alone: all bodies that are not connected \
              meet each other",
         )
-        .may("obstacle", Kind::Table(&OBSTACLE), "", "The obstacle, at rest")
+        .may("obstacle", Kind::Table(&OBSTACLE), "", "The obstacle")
         .absent("two surfaces, or all bodies")
         .may(
             "name",
@@ -45,10 +49,12 @@ pub(super) static CONTACT: Described = Described::new(|| {
 
 /// `obstacle`.
 static OBSTACLE: Described = Described::new(|| {
-    Section::new("obstacle", "Exactly one shape")
+    Section::new("obstacle", "Exactly one shape, which may move")
         .may("plane", Kind::Table(&PLANE), "", "A half-space")
         .may("sphere", Kind::Table(&SPHERE), "", "A sphere")
         .may("cylinder", Kind::Table(&CYLINDER), "", "A cylinder without ends")
+        .may("move", Kind::Table(&support::MOVE), "", "Displacement of components over time, such as `{ z = \"-0.1*t\" }`")
+        .absent("the obstacle is at rest")
         .exactly_one(&["plane", "sphere", "cylinder"])
 });
 
@@ -84,18 +90,27 @@ pub(super) struct PlacedContact {
     pub(super) contact: Contact,
     place: Place,
     groups: Vec<(String, Place)>,
+    /// Where the obstacle is moved.
+    moved: Option<Place>,
 }
 
 /// Reads one contact.
 ///
 /// # Errors
 /// The fault of surfaces that do not go together.
-pub(super) fn read(table: &Table<'_>) -> Result<PlacedContact, Fault> {
+pub(super) fn read(
+    table: &Table<'_>,
+    context: Context<'_>,
+    faults: &mut Faults,
+) -> Result<PlacedContact, Fault> {
     let surfaces: Item<'_> = table.must("surfaces");
     let surfaces = surfaces.of_one_kind().unwrap_or(surfaces);
     let groups: Vec<(String, Place)> =
         surfaces.items().iter().map(|item| (item.name(), item.place().clone())).collect();
-    let obstacle = table.may("obstacle").map(|table| obstacle(&table));
+    let obstacle_table: Option<Table<'_>> = table.may("obstacle");
+    let obstacle = obstacle_table.as_ref().map(obstacle);
+    let (motion, moved) =
+        obstacle_table.as_ref().map(|table| motion(table, context, faults)).unwrap_or_default();
     let named = |(name, _): &(String, Place)| Some(name.clone()).filter(|name| name != ALL);
     let (surface, opponent) = match (&groups[..], obstacle) {
         ([_, other], Some(_)) => {
@@ -128,10 +143,37 @@ pub(super) fn read(table: &Table<'_>) -> Result<PlacedContact, Fault> {
         stiffness: table.may("stiffness"),
         distance: table.may("distance"),
         law,
+        motion,
         ..contact
     };
     let groups = groups.into_iter().filter(|(name, _)| name != ALL).collect();
-    Ok(PlacedContact { contact, place: table.place.clone(), groups })
+    Ok(PlacedContact { contact, place: table.place.clone(), groups, moved })
+}
+
+/// Checks that the scheme permits obstacles that move.
+///
+/// # Errors
+/// The fault of the first that it does not permit.
+pub(super) fn check_scheme(contacts: &[PlacedContact], time: &Time) -> Result<(), Fault> {
+    let Some(place) = contacts.iter().find_map(|own| own.moved.as_ref()) else { return Ok(()) };
+    if time.scheme.check_feature(BodyFeature::PrescribedMotion).is_ok() {
+        return Ok(());
+    }
+    Err(support::cannot_move(time, ("an obstacle", place)))
+}
+
+/// The motion of an obstacle, and its place.
+pub(super) fn motion(
+    table: &Table<'_>,
+    context: Context<'_>,
+    faults: &mut Faults,
+) -> ([Option<TimeFunction>; 3], Option<Place>) {
+    match table.may::<Table<'_>>("move") {
+        Some(components) => {
+            (support::moved_components(&components, context, faults), Some(components.place.clone()))
+        }
+        None => Default::default(),
+    }
 }
 
 fn obstacle(table: &Table<'_>) -> Obstacle {

@@ -12,7 +12,7 @@ use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, catalogue, complete, coupling, joint, load, material, measured, nodal,
+    Overrides, Problem, adaptive, catalogue, complete, contact, coupling, joint, load, material, measured, nodal,
     reading, region, rigid, support, tie, walk,
 };
 
@@ -112,8 +112,8 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
-/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `contact`, `obstacle.plane`, `obstacle.sphere`,
-/// `obstacle.cylinder`, `rigid`, `coupling`, `joint`, `mass`, `initial`, `adaptive`.
+/// `region`, `material`, `viscosity`, `load`, `support`, `tie`, `contact`, `obstacle`, `obstacle.plane`,
+/// `obstacle.sphere`, `obstacle.cylinder`, `rigid`, `coupling`, `joint`, `mass`, `initial`, `adaptive`.
 ///
 /// ```
 /// use emmy_io::input::{Tree, check};
@@ -136,6 +136,10 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
             Some(())
         }
         "tie" => faults.keep(tie::read(table)).map(drop),
+        "obstacle" => {
+            contact::motion(table, context, faults);
+            Some(())
+        }
         "rigid" => faults.keep(rigid::read(table)).map(drop),
         "coupling" => faults.keep(coupling::read(table)).map(drop),
         "mass" => faults.keep(nodal::read(table, 1)).map(drop),

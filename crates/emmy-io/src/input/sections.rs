@@ -97,7 +97,10 @@ impl Sections {
         let supports: Vec<Placed<Support>> = supports.into_iter().flatten().collect();
         let springs = springs.into_iter().flatten().collect();
         let ties = root.each("tie", |table, faults| faults.keep(tie::read(table)));
-        let contacts = root.each("contact", |table, faults| faults.keep(contact::read(table)));
+        let contacts = root.each("contact", |table, faults| {
+            let own = contact::read(table, context, faults);
+            faults.keep(own)
+        });
         let rigid = root.each("rigid", |table, faults| faults.keep(rigid::read(table)));
         let joints = root.tables("joint").into_iter().zip(1..);
         let joints =
@@ -207,6 +210,7 @@ impl Sections {
         let formulations = cells.and_then(|()| Formulations::new(mesh, &self.regions, &self.time));
         let formulations = faults.keep(formulations);
         faults.keep(support::check_together(mesh, &self.supports, &self.time));
+        faults.keep(contact::check_scheme(&self.contacts, &self.time));
         faults.finish()?;
         Ok(formulations.unwrap_or_default())
     }
@@ -268,7 +272,8 @@ impl Sections {
         let mechanism = &self.mechanism;
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal, mechanism);
         let is_moved =
-            derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial, mechanism);
+            derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial, mechanism)
+                || self.contacts.iter().any(|own| own.contact.moves());
         let (rigid, couplings) = (mechanism.rigid_bodies(), mechanism.couplings());
         let joints = mesh.as_ref().map(|mesh| mechanism.joints(mesh)).transpose()?.unwrap_or_default();
         notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
@@ -291,6 +296,8 @@ impl Sections {
             mesh.is_some_and(|(known, own)| Arc::ptr_eq(known, own))
                 && !is_static
                 && !known.is_static()
+                // A function of time has no text that tells it from others.
+                && !contacts.iter().any(Contact::moves)
                 && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
                 && (&known.rigid, &known.couplings, &known.joints) == (&rigid, &couplings, &joints)
                 && known.body.drag() == drag

@@ -44,7 +44,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         .at_least_one(&["fix", "move", "accelerate", "rotate", "symmetry", "spring"])
 });
 
-static MOVE: Described = Described::new(|| {
+pub(super) static MOVE: Described = Described::new(|| {
     components("move", "Displacement of components over time, from 0 on", "length", "Displacement")
 });
 
@@ -125,6 +125,15 @@ fn displacement(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) ->
     displacement
 }
 
+/// Displacements of the components of a table of their own.
+pub(super) fn moved_components(
+    components: &Table<'_>,
+    context: Context<'_>,
+    faults: &mut Faults,
+) -> [Option<TimeFunction>; 3] {
+    COMPONENTS.map(|component| components.item(component).and_then(|item| faults.keep(motion(item, context))))
+}
+
 /// Reads the displacement of a component.
 type ReadMotion = fn(Item<'_>, Context<'_>) -> Result<TimeFunction, Fault>;
 
@@ -192,11 +201,7 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
     }
     let Some(driven) = supports.iter().find(|support| support.value.is_driven()) else { return Ok(()) };
     if time.scheme.check_feature(BodyFeature::PrescribedMotion).is_err() {
-        let is_element = time.scheme.is_time_element();
-        let kind = if is_element { "a scheme without dissipation" } else { "a time element" };
-        let message = format!("the scheme {} cannot move a support: this needs {kind}", time.scheme.name());
-        let other = if is_element { time.scheme.conserving().name() } else { "DGM".to_string() };
-        return Err(Fault::at(&driven.place, message, "moves").help(format!("such as scheme = \"{other}\"")));
+        return Err(cannot_move(time, ("a support", &driven.place)));
     }
     let mut by = vec![None; mesh.n_dofs()];
     for (index, support) in supports.iter().enumerate() {
@@ -216,6 +221,15 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
         }
     }
     Ok(())
+}
+
+/// The fault of something that moves with a scheme that does not permit it.
+pub(super) fn cannot_move(time: &Time, (what, place): (&str, &Place)) -> Fault {
+    let is_element = time.scheme.is_time_element();
+    let kind = if is_element { "a scheme without dissipation" } else { "a time element" };
+    let message = format!("the scheme {} cannot move {what}: this needs {kind}", time.scheme.name());
+    let other = if is_element { time.scheme.conserving().name() } else { "DGM".to_string() };
+    Fault::at(place, message, "moves").help(format!("such as scheme = \"{other}\""))
 }
 
 /// Checks that the group of a support is a plane of symmetry.

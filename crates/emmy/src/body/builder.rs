@@ -142,7 +142,8 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a contact.
+    /// Adds a contact. One with an obstacle that moves adds a node to the mesh, after those of rigid bodies, and a group
+    /// of this node, [`Contact::group_of_obstacle`].
     pub fn contact(mut self, contact: Contact) -> Self {
         self.contacts.push(contact);
         self
@@ -201,7 +202,9 @@ impl BodyBuilder {
         contacts::check_overlaps(&self.mesh, &self.contacts)?;
         let points = self.points()?;
         let frames = self.frames()?;
-        if !(points.is_empty() && frames.is_empty()) {
+        contacts::check_motion(&self.mesh, &self.contacts, &self.supports)?;
+        let has_obstacles = self.obstacles()?;
+        if has_obstacles || !(points.is_empty() && frames.is_empty()) {
             let [n_nodes, n_cells] = [self.mesh.n_nodes(), self.mesh.n_cells()];
             self.ranks = Arc::new(Subdomain::whole(ranks.team().clone(), n_nodes, n_cells));
         }

@@ -14,7 +14,7 @@ use crate::force::{
 use crate::input::Span;
 use crate::quadrature::Quadrature;
 use crate::space::Reaction;
-use crate::sparse::{RowPart, StageMatrix};
+use crate::sparse::{Couplings, RowPart, StageMatrix};
 
 /// Stage forces and matrix of a body, with the working memory of their assembly.
 #[derive(Debug)]
@@ -361,18 +361,32 @@ impl Body {
             rows.par_iter_mut().zip(&mut *parts).enumerate().for_each(work);
         }
         self.space.agree(parts.iter().try_for_each(|part| part.outcome.clone()))?;
-        if input.1 == Request::Tangent {
-            if mass.is_some() {
-                matrix.couplings.clear();
-            }
-            for ((force, memory), acts) in self.others().zip(&acting.memories).zip(&acting.acts) {
-                if *acts && is_wanted(force) {
-                    force.add_couplings(input.0, memory, &mut matrix.couplings);
-                }
-            }
+        if mass.is_some() {
+            self.set_couplings(input.0, acting, &mut matrix.couplings);
         }
         self.space.ties().fold(&self.pattern, matrix, input.1 == Request::Tangent);
         Ok(())
+    }
+
+    /// Sets the couplings of a stage matrix to those at the rates of a step; all else in it stays.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(crate) fn renew_couplings(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> Result<()> {
+        let Assembly { matrix, acting, .. } = assembly;
+        self.prepare(|force| force.has_couplings(), (step, Request::Tangent), acting)?;
+        self.set_couplings(step, acting, &mut matrix.couplings);
+        Ok(())
+    }
+
+    /// Sets the couplings of all forces, as prepared, without nodes that follow others.
+    fn set_couplings(&self, step: &StepInput<'_>, acting: &Acting, couplings: &mut Couplings) {
+        couplings.clear();
+        let forces = self.others().zip(&acting.memories).zip(&acting.acts);
+        for ((force, memory), _) in forces.filter(|((force, _), acts)| **acts && force.has_couplings()) {
+            force.add_couplings(step, memory, couplings);
+        }
+        self.space.ties().fold_couplings(couplings);
     }
 
     /// Lets forces evaluate what all rows share; those that do are refused on a team.

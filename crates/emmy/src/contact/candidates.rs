@@ -65,8 +65,49 @@ pub struct Candidates {
     edges: BoxTree,
     boxes_of_triangles: Vec<Bounds>,
     boxes_of_edges: Vec<Bounds>,
+    bodies: NearBodies,
     /// Memory for what is near a point.
     near: [Vec<u32>; 3],
+}
+
+/// The box of each body, and the bodies near each: a point far from all other bodies is soon done.
+#[derive(Debug, Clone, Default)]
+struct NearBodies {
+    tree: BoxTree,
+    boxes: Vec<Bounds>,
+    /// Bodies near each body, one after another, and where they begin.
+    near: Vec<u32>,
+    begin: Vec<usize>,
+}
+
+impl NearBodies {
+    /// Sets the boxes from those of triangles with their bodies.
+    fn set(&mut self, n_bodies: usize, triangles: impl Iterator<Item = (u32, Bounds)>, reach: f64) {
+        let NearBodies { tree, boxes, near, begin } = self;
+        boxes.clear();
+        boxes.resize(n_bodies, Bounds::NONE);
+        for (body, own) in triangles {
+            boxes[body as usize] = boxes[body as usize].with(own);
+        }
+        tree.fit(boxes);
+        near.clear();
+        begin.clear();
+        begin.push(0);
+        for (body, own) in (0..).zip(&*boxes) {
+            tree.for_each_meeting(boxes, &own.inflated(reach), &mut |other| {
+                if other != body {
+                    near.push(other);
+                }
+            });
+            begin.push(near.len());
+        }
+    }
+
+    /// Whether a box of a body meets that of another one.
+    fn meet(&self, body: u32, query: &Bounds) -> bool {
+        let near = &self.near[self.begin[body as usize]..self.begin[body as usize + 1]];
+        near.iter().any(|other| self.boxes[*other as usize].meets(query))
+    }
 }
 
 /// Margin over the reach of the points.
@@ -119,6 +160,7 @@ impl Candidates {
             edges: tree_of_edges,
             boxes_of_triangles,
             boxes_of_edges,
+            bodies,
             near,
         } = self;
         let hull = |entities: &[u32]| {
@@ -132,10 +174,17 @@ impl Candidates {
         tree_of_edges.fit(boxes_of_edges);
         pairs.clear();
         let body_of = |entity: u32| surface.body_of[entity as usize];
+        let layers = [LayerOf::Points, LayerOf::Guards, LayerOf::BluntEdges];
+        let farthest = layers.into_iter().map(&reach).fold(0.0, f64::max);
+        let bodies_of = surface.triangles.iter().map(|triangle| body_of(triangle.corners[0]));
+        bodies.set(surface.n_bodies(), bodies_of.zip(boxes_of_triangles.iter().copied()), farthest);
         let [faces, edges, vertices] = near;
         for point in &surface.points {
             let layer = if point.is_guard { LayerOf::Guards } else { LayerOf::Points };
             let query = boxes[point.entity as usize].inflated(reach(layer));
+            if !bodies.meet(body_of(point.entity), &query) {
+                continue;
+            }
             [&mut *faces, &mut *edges, &mut *vertices].into_iter().for_each(Vec::clear);
             triangles.for_each_meeting(boxes_of_triangles, &query, &mut |number| {
                 let triangle = &surface.triangles[number as usize];
@@ -174,6 +223,9 @@ impl Candidates {
         for (number, edge) in (0..).zip(&surface.edges) {
             let farthest = reach(if edge.is_sharp { LayerOf::Guards } else { LayerOf::BluntEdges });
             let query = boxes_of_edges[number as usize].inflated(farthest);
+            if !bodies.meet(body_of(edge.ends[0]), &query) {
+                continue;
+            }
             faces.clear();
             tree_of_edges.for_each_meeting(boxes_of_edges, &query, &mut |other| {
                 let ends = surface.edges[other as usize].ends;

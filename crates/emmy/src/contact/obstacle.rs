@@ -37,6 +37,13 @@ pub enum ObstacleSurface {
 }
 
 impl ObstacleSurface {
+    /// A point of the plane or of the axis, or the centre \[length\].
+    pub fn origin(&self) -> [f64; 3] {
+        match *self {
+            ObstacleSurface::Plane { origin, .. } | ObstacleSurface::Round { origin, .. } => origin,
+        }
+    }
+
     /// The gap to a position; negative behind the surface.
     pub fn gap(&self, q: [f64; 3]) -> f64 {
         match *self {

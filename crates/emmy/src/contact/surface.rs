@@ -25,7 +25,7 @@ pub struct SurfaceFacet<'a> {
     pub shapes: &'a [f64],
     /// Reference areas of the quadrature points, `[point]` \[length^2\].
     pub areas: &'a [f64],
-    /// Body to which the facet belongs: facets of one body are not in contact with each other.
+    /// Number of the body to which the facet belongs: facets of one body are not in contact with each other.
     pub body: u32,
 }
 
@@ -142,6 +142,11 @@ impl Surface {
         self.edges.iter().filter(|edge| edge.is_sharp).count()
     }
 
+    /// Number of bodies.
+    pub fn n_bodies(&self) -> usize {
+        self.body_of.iter().max().map_or(0, |body| *body as usize + 1)
+    }
+
     /// Number of entities.
     pub fn n_entities(&self) -> usize {
         self.body_of.len()
@@ -183,8 +188,8 @@ impl Surface {
         }
     }
 
-    /// The pressure at each node, and the reference area around it \[length^2\], from the pressures on points and guards:
-    /// the normal force on the node over the area around it on facets that are pressed.
+    /// The pressure at each node, and the reference area around it \[length^2\], from the pressures on points and
+    /// guards: the normal force on the node over the area around it on facets that are pressed.
     pub fn pressures_at_nodes(&self, pressure: impl Fn(&SurfacePoint) -> f64) -> Vec<[f64; 2]> {
         // Force, area, and the area of facets that are pressed, of each node.
         let mut sums = vec![[0.0; 3]; self.nodes.len()];

@@ -42,8 +42,10 @@ pub struct SurfaceLayer {
 pub struct SurfaceMemory {
     rule: ContactRule,
     candidates: Candidates,
-    /// Vectors of the nodes, as a memory.
-    nodal: Vec<[f64; 3]>,
+    /// Positions of the nodes at the start, and their rates, `[1 + k][node]`.
+    paths: Vec<Vectors>,
+    /// What is evaluated on these paths.
+    evaluated: Evaluated,
     /// Positions of the entities: at the start, at the end, and at the stages or the points of the rule.
     configurations: Vec<Vectors>,
     /// Rates of the entities, `[k]`.
@@ -53,6 +55,15 @@ pub struct SurfaceMemory {
     /// Stage forces on the nodes, `[k][node]`.
     forces: Vec<Vectors>,
     of_entities: Vec<[f64; 3]>,
+}
+
+/// What a memory has on its paths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Evaluated {
+    Nothing,
+    Forces,
+    /// Forces and their derivatives.
+    Tangents,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -73,7 +84,7 @@ struct Chunk {
 pub struct ActingPair<'a> {
     /// The pair.
     pub pair: &'a Candidate,
-    /// Derivatives of the stage forces by the rates, `[i k + j]`; empty if they were not wanted.
+    /// Derivatives of the stage forces by the rates, `[i k + j]`.
     pub tangents: &'a [PairTangent],
 }
 
@@ -96,7 +107,8 @@ impl SurfaceMemory {
             chunks: Vec::new(),
             n_chunks: 0,
             forces: vec![of_nodes.clone(); k],
-            nodal: of_nodes,
+            paths: vec![of_nodes; 1 + k],
+            evaluated: Evaluated::Nothing,
             of_entities,
         }
     }
@@ -112,7 +124,7 @@ impl SurfaceMemory {
         self.chunks[..self.n_chunks].iter().flat_map(move |chunk| {
             chunk.acting.iter().enumerate().map(move |(at, pair)| ActingPair {
                 pair: &pairs[*pair as usize],
-                tangents: chunk.tangents.get(at * k * k..(at + 1) * k * k).unwrap_or(&[]),
+                tangents: &chunk.tangents[at * k * k..(at + 1) * k * k],
             })
         })
     }
@@ -122,20 +134,32 @@ impl SurfaceMemory {
         self.chunks[..self.n_chunks].iter().any(|chunk| !chunk.acting.is_empty())
     }
 
-    /// Sets the positions of the entities on the paths of the nodes: `position` and `rate`, of a stage, by the number
-    /// of a node of the surface.
+    /// Sets the paths of the nodes: `position` and `rate`, of a stage, by the number of a node of the surface. Returns
+    /// whether they change.
     fn set_paths(
         &mut self,
-        surface: &Surface,
-        rule: &Rule,
         position: impl Fn(usize) -> [f64; 3],
         rate: impl Fn(usize, usize) -> [f64; 3],
-    ) {
-        let SurfaceMemory { nodal, configurations, rates, .. } = self;
-        nodal.iter_mut().enumerate().for_each(|(node, own)| *own = position(node));
-        surface.combine(nodal, &mut configurations[0]);
+    ) -> bool {
+        let mut changes = false;
+        let mut set = |own: &mut [f64; 3], new: [f64; 3]| {
+            // A number that is none is new.
+            changes |= *own != new;
+            *own = new;
+        };
+        let (start, rates) = self.paths.split_at_mut(1);
+        start[0].iter_mut().enumerate().for_each(|(node, own)| set(own, position(node)));
         for (stage, rates) in rates.iter_mut().enumerate() {
-            nodal.iter_mut().enumerate().for_each(|(node, own)| *own = rate(stage, node));
+            rates.iter_mut().enumerate().for_each(|(node, own)| set(own, rate(stage, node)));
+        }
+        changes
+    }
+
+    /// Sets the positions of the entities on the paths.
+    fn set_entities(&mut self, surface: &Surface, rule: &Rule) {
+        let SurfaceMemory { paths, configurations, rates, .. } = self;
+        surface.combine(&paths[0], &mut configurations[0]);
+        for (nodal, rates) in paths[1..].iter().zip(rates.iter_mut()) {
             surface.combine(nodal, rates);
         }
         let (start, others) = configurations.split_at_mut(1);
@@ -161,7 +185,8 @@ impl SurfaceLayer {
         Pair { kind: candidate.kind, weight: candidate.weight, layer: self.layer.of(candidate.layer) }
     }
 
-    /// Evaluates the stage forces of a step, and with `tangents` their derivatives by the rates.
+    /// Evaluates the stage forces of a step, and with `tangents` their derivatives by the rates, unless the memory has
+    /// them. `position` and `rate`, of a stage, by the number of a node of the surface.
     ///
     /// # Errors
     /// A position where something would pass, or from which something moves too far.
@@ -173,36 +198,60 @@ impl SurfaceLayer {
         tangents: bool,
         memory: &mut SurfaceMemory,
     ) -> Result<(), [f64; 3]> {
-        memory.forces.iter_mut().for_each(|forces| forces.fill([0.0; 3]));
-        memory.n_chunks = 0;
-        memory.set_paths(&self.surface, rule, position, rate);
-        self.find(memory)?;
+        if memory.set_paths(position, rate) {
+            memory.evaluated = Evaluated::Nothing;
+        }
+        if memory.evaluated < Evaluated::Forces {
+            memory.forces.iter_mut().for_each(|forces| forces.fill([0.0; 3]));
+            memory.n_chunks = 0;
+            memory.set_entities(&self.surface, rule);
+            self.find(memory)?;
+            self.set_forces(rule, memory)?;
+            memory.evaluated = Evaluated::Forces;
+        }
+        if tangents && memory.evaluated < Evaluated::Tangents {
+            self.set_tangents(rule, memory);
+            memory.evaluated = Evaluated::Tangents;
+        }
+        Ok(())
+    }
+
+    /// Sets the forces of the pairs, and their sums.
+    fn set_forces(&self, rule: &Rule, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
         let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
-        let chunks_of = candidates.pairs.chunks(CHUNK);
-        *n_chunks = chunks_of.len();
+        *n_chunks = candidates.pairs.len().div_ceil(CHUNK);
         if chunks.len() < *n_chunks {
             chunks.resize(*n_chunks, Chunk::default());
         }
-        let work = |(number, chunk): (usize, &mut Chunk)| {
+        for_each_chunk(&mut chunks[..*n_chunks], |number, chunk| {
             let first = number * CHUNK;
             let last = (first + CHUNK).min(candidates.pairs.len());
             chunk.clear(rates.len());
             for (at, candidate) in (first..last).zip(&candidates.pairs[first..last]) {
-                let input = (&*own, rule, &configurations[..], &rates[..]);
-                self.add_pair((at as u32, candidate), input, tangents, chunk);
+                self.add_pair((at as u32, candidate), (own, rule, configurations, rates), chunk);
             }
-        };
-        let acting = &mut chunks[..*n_chunks];
-        if acting.len() < 2 {
-            acting.iter_mut().enumerate().for_each(work);
-        } else {
-            acting.par_iter_mut().enumerate().for_each(work);
-        }
-        if let Some(passed) = acting.iter().find_map(|chunk| chunk.passed) {
+        });
+        if let Some(passed) = chunks[..*n_chunks].iter().find_map(|chunk| chunk.passed) {
             return Err(passed);
         }
         self.sum_forces(memory);
         Ok(())
+    }
+
+    /// Sets the derivatives of the forces of the pairs that act.
+    fn set_tangents(&self, rule: &Rule, memory: &mut SurfaceMemory) {
+        let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
+        let k = rates.len();
+        for_each_chunk(&mut chunks[..*n_chunks], |_, Chunk { acting, forces, tangents, stages, .. }| {
+            tangents.clear();
+            tangents.resize(acting.len() * k * k, PairTangent::default());
+            let results = forces.chunks_exact_mut(k).zip(tangents.chunks_exact_mut(k * k));
+            for (number, (forces, tangents)) in acting.iter().zip(results) {
+                let candidate = &candidates.pairs[*number as usize];
+                let paths = (&*own, rule, &configurations[..], &rates[..]);
+                self.set_pair(candidate, paths, stages, forces, tangents);
+            }
+        });
     }
 
     /// Makes the list of pairs hold for the paths.
@@ -225,47 +274,44 @@ impl SurfaceLayer {
     }
 
     /// Adds a pair to its chunk, if it acts.
-    fn add_pair(
-        &self,
-        (number, candidate): (u32, &Candidate),
-        (own, rule, configurations, rates): (&ContactRule, &Rule, &[Vectors], &[Vectors]),
-        wants_tangents: bool,
-        chunk: &mut Chunk,
-    ) {
-        let pair = self.pair(candidate);
-        let [start, end] = [&configurations[0], &configurations[1]];
-        if candidate.is_apart(configurations, pair.layer.thickness) {
+    fn add_pair(&self, (number, candidate): (u32, &Candidate), paths: Paths<'_>, chunk: &mut Chunk) {
+        let (_, _, configurations, rates) = paths;
+        if candidate.is_apart(configurations, self.layer.of(candidate.layer).thickness) {
             return;
         }
-        let (x_1, x_2) = (candidate.vectors(start), candidate.vectors(end));
-        if candidate.can_meet() && paths_meet(pair.kind, &x_1, &x_2) {
+        let [x_1, x_2] = [0, 1].map(|end| candidate.vectors(&configurations[end]));
+        if candidate.can_meet() && paths_meet(candidate.kind, &x_1, &x_2) {
             chunk.passed = chunk.passed.or(Some(x_1[0]));
             return;
         }
-        let k = rates.len();
+        let Chunk { acting, forces, stages, .. } = chunk;
+        let at = forces.len();
+        forces.resize(at + rates.len(), PairVectors::default());
+        self.set_pair(candidate, paths, stages, &mut forces[at..], &mut []);
+        if forces[at..].iter().flatten().flatten().any(|f| *f != 0.0) {
+            acting.push(number);
+        } else {
+            forces.truncate(at);
+        }
+    }
+
+    /// Sets the forces of a pair, and their derivatives unless `tangents` is empty.
+    fn set_pair(
+        &self,
+        candidate: &Candidate,
+        (own, rule, configurations, rates): Paths<'_>,
+        stages: &mut [PairStage],
+        forces: &mut [PairVectors],
+        tangents: &mut [PairTangent],
+    ) {
+        let pair = self.pair(candidate);
+        if let ContactRule::Points(points) = own {
+            return set_point_forces(&pair, points, candidate, &configurations[2..], forces, tangents);
+        }
         let mut x = [PairVectors::default(); MAX_STAGES];
         x.iter_mut().zip(rates).for_each(|(own, rates)| *own = candidate.vectors(rates));
-        let (at, of_tangents) = (chunk.forces.len(), chunk.tangents.len());
-        chunk.forces.resize(at + k, PairVectors::default());
-        if wants_tangents {
-            chunk.tangents.resize(of_tangents + k * k, PairTangent::default());
-        }
-        let (forces, tangents) = (&mut chunk.forces[at..], &mut chunk.tangents[of_tangents..]);
-        match own {
-            ContactRule::Points(points) => {
-                set_point_forces(&pair, points, candidate, &configurations[2..], forces, tangents);
-            }
-            _ => {
-                let start = PairState::new(pair.kind, x_1);
-                pair.forces(rule, &start, &x[..k], &mut chunk.stages, forces, tangents);
-            }
-        }
-        if forces.iter().flatten().flatten().any(|f| *f != 0.0) {
-            chunk.acting.push(number);
-        } else {
-            chunk.forces.truncate(at);
-            chunk.tangents.truncate(of_tangents);
-        }
+        let start = PairState::new(pair.kind, candidate.vectors(&configurations[0]));
+        pair.forces(rule, &start, &x[..rates.len()], stages, forces, tangents);
     }
 
     /// Sums the forces of all pairs, in their order.
@@ -289,11 +335,22 @@ impl SurfaceLayer {
     }
 }
 
+/// Rules, configurations and rates of a memory.
+type Paths<'a> = (&'a ContactRule, &'a Rule, &'a [Vectors], &'a [Vectors]);
+
+fn for_each_chunk(chunks: &mut [Chunk], work: impl Fn(usize, &mut Chunk) + Send + Sync) {
+    let work = |(number, chunk): (usize, &mut Chunk)| work(number, chunk);
+    if chunks.len() < 2 {
+        chunks.iter_mut().enumerate().for_each(work);
+    } else {
+        chunks.par_iter_mut().enumerate().for_each(work);
+    }
+}
+
 impl Chunk {
     fn clear(&mut self, k: usize) {
         self.acting.clear();
         self.forces.clear();
-        self.tangents.clear();
         self.stages.resize(k, PairStage::default());
         self.passed = None;
     }
@@ -309,6 +366,7 @@ fn set_point_forces(
     tangents: &mut [PairTangent],
 ) {
     let k = forces.len();
+    forces.fill(PairVectors::default());
     for (m, x) in configurations.iter().enumerate() {
         let state = PairState::new(pair.kind, candidate.vectors(x));
         if state.closest.squared_distance >= pair.layer.thickness.powi(2) {

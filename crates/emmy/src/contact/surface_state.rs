@@ -67,7 +67,8 @@ impl SurfaceSearch {
 }
 
 impl SurfaceLayer {
-    /// Calls a function with each pair that is nearer than two thicknesses, in its state.
+    /// Calls a function with each pair that is nearer than two thicknesses, in its state; with points, those that are
+    /// nearer than one: guards and edges have the smallest distances.
     fn for_each_near(
         &self,
         position: impl Fn(usize) -> [f64; 3],
@@ -76,9 +77,10 @@ impl SurfaceLayer {
     ) {
         let SurfaceSearch { candidates, nodal, x, .. } = search;
         SurfaceSearch::set(&self.surface, nodal, position, x);
-        let near = NEAR * self.layer.thickness;
-        candidates.cover(&self.surface, |_| near, &[&x]);
+        let near_of = |of: LayerOf| self.layer.thickness * if of == LayerOf::Points { 1.0 } else { NEAR };
+        candidates.cover(&self.surface, near_of, &[&x]);
         for candidate in &candidates.pairs {
+            let near = near_of(candidate.layer);
             if !candidate.is_apart(&[&x], near) {
                 let state = PairState::new(candidate.kind, candidate.vectors(x));
                 if state.closest.squared_distance < near * near {

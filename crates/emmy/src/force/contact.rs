@@ -12,7 +12,7 @@ use crate::average::{ContactRule, FollowerRule, Request, Rule};
 use crate::contact::{MAX_STAGES, NEAR, ObstacleLayer, PointPath, Surface, SurfacePoint};
 use crate::error::{Error, Result};
 use crate::nodal;
-use crate::sparse::RowPart;
+use crate::sparse::{Couplings, RowPart};
 use crate::tensor::Mat3;
 
 /// Part of the gap that a correction leaves, at the least.
@@ -26,26 +26,27 @@ struct ObstacleContact {
     surface: Surface,
     points: ObstacleLayer,
     guards: ObstacleLayer,
-    /// Places in the pattern of the pairs of nodes of each point, `[A][B]`, where they begin, and the end of all.
-    places: Vec<u32>,
-    begin: Vec<usize>,
 }
 
-/// A point of a surface, a combination of nodes.
+/// A point of a surface, a combination of nodes; all positions are relative to the obstacle.
 struct ContactPoint<'a> {
     layer: &'a ObstacleLayer,
     surface: &'a Surface,
     point: &'a SurfacePoint,
-    /// Places of the pairs of nodes in the pattern, `[A][B]`.
-    places: &'a [u32],
+    obstacle: Option<u32>,
 }
 
 impl ContactPoint<'_> {
-    /// The nodes with their reference positions and shares.
-    fn terms(&self) -> impl Iterator<Item = (u32, [f64; 3], f64)> {
+    /// The nodes of the surface with their reference positions and shares.
+    fn own_terms(&self) -> impl Iterator<Item = (u32, [f64; 3], f64)> {
         let Surface { nodes, positions, .. } = self.surface;
         let terms = self.surface.entity(self.point.entity);
         terms.map(|(number, share)| (nodes[number], positions[number], share))
+    }
+
+    /// The same, and the node of an obstacle that moves, with the share -1.
+    fn terms(&self) -> impl Iterator<Item = (u32, [f64; 3], f64)> {
+        self.own_terms().chain(self.obstacle.map(|node| (node, [0.0; 3], -1.0)))
     }
 
     /// The position at a displacement.
@@ -86,21 +87,22 @@ struct PointForces {
 impl ObstacleContact {
     /// The guards, and the points of the facets.
     fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
-        let points = self.surface.points.iter().zip(self.begin.windows(2));
-        points.map(|(point, range)| ContactPoint {
+        self.surface.points.iter().map(|point| ContactPoint {
             layer: if point.is_guard { &self.guards } else { &self.points },
             surface: &self.surface,
             point,
-            places: &self.places[range[0]..range[1]],
+            obstacle: self.summary.obstacle,
         })
     }
 
     /// The error of a path that leads through the obstacle.
-    fn check_path(&self, path: &PointPath<'_>, rule: &ContactRule) -> Result<()> {
+    fn check_path(&self, path: &PointPath<'_>, step: &StepInput<'_>, rule: &ContactRule) -> Result<()> {
         let mut from = path.start;
         let mut visit = |to: [f64; 3]| {
             if self.points.surface.is_passed(from, to) {
-                return Err(Error::Passed { contact: self.summary.name.clone(), at: to });
+                let moved = self.summary.obstacle.map_or([0.0; 3], |node| nodal::at(step.displacement, node as usize));
+                let at = [0, 1, 2].map(|d| to[d] + moved[d]);
+                return Err(Error::Passed { contact: self.summary.name.clone(), at });
             }
             from = to;
             Ok(())
@@ -131,7 +133,7 @@ impl ObstacleContact {
         for point in self.contact_points().filter(|point| point.terms().any(|(node, ..)| is_wanted(node))) {
             let mut rates = [[0.0; 3]; MAX_STAGES];
             let path = point.path(step, &mut rates);
-            self.check_path(&path, rule)?;
+            self.check_path(&path, step, rule)?;
             let forces = &mut own.forces[..k];
             let n_derivatives = if request == Request::Tangent { k * k } else { 0 };
             let derivatives = &mut own.derivatives[..n_derivatives];
@@ -194,9 +196,13 @@ impl Force for ObstacleContact {
         ForceMemory::new(ContactRule::new(rule))
     }
 
+    fn has_couplings(&self) -> bool {
+        true
+    }
+
     fn assemble(
         &self,
-        (step, request): (&StepInput<'_>, Request),
+        (step, _): (&StepInput<'_>, Request),
         memory: &ForceMemory,
         _: usize,
         _: &mut Scratch,
@@ -204,26 +210,28 @@ impl Force for ObstacleContact {
     ) -> Result<()> {
         let (k, rows) = (step.rule.degree(), sink.rows());
         let is_wanted = |node: u32| rows.contains(&(node as usize));
-        self.for_each_force((step, memory.of(), request), is_wanted, &mut |point, own| {
-            let n = point.places.len().isqrt();
-            let terms = point.terms().enumerate();
-            for (A, (node, _, share)) in terms.filter(|(_, (node, ..))| is_wanted(*node)) {
+        self.for_each_force((step, memory.of(), Request::Stress), is_wanted, &mut |point, own| {
+            for (node, _, share) in point.terms().filter(|(node, ..)| is_wanted(*node)) {
                 let weight = share * point.point.area;
                 (0..k).for_each(|i| sink.add_force(i, node, own.forces[i].map(|f| weight * f)));
-                if request == Request::Stress {
-                    continue;
-                }
-                for (place, (_, _, other)) in point.places[A * n..].iter().zip(point.terms()) {
-                    let weight = step.tangent_factor * weight * other;
-                    for (stages, derivative) in own.derivatives[..k * k].iter().enumerate() {
-                        let entries = sink.block_mut(*place as usize, stages).iter_mut();
-                        entries
-                            .zip(derivative.as_flattened())
-                            .for_each(|(sum, entry)| *sum += weight * entry);
-                    }
-                }
             }
         })
+    }
+
+    fn add_couplings(&self, step: &StepInput<'_>, memory: &ForceMemory, couplings: &mut Couplings) {
+        let k = step.rule.degree();
+        let input = (step, memory.of(), Request::Tangent);
+        // Forces are evaluated before, so the paths lead through no obstacle.
+        let _ = self.for_each_force(input, |_| true, &mut |point, own| {
+            for (row, _, share) in point.terms() {
+                for (column, _, other) in point.terms() {
+                    let weight = step.tangent_factor * point.point.area * share * other;
+                    let sums = couplings.block_mut(row, column).iter_mut();
+                    let derivatives = own.derivatives[..k * k].as_flattened().as_flattened();
+                    sums.zip(derivatives).for_each(|(sum, entry)| *sum += weight * entry);
+                }
+            }
+        });
     }
 
     fn strain_state(&self, displacement: &[f64], _: &[f64]) -> StrainState {
@@ -251,7 +259,7 @@ impl Force for ObstacleContact {
         let input = (step, memory.of(), Request::Stress);
         // A step that is solved leads through no obstacle.
         let _ = self.for_each_force(input, |_| true, &mut |point, own| {
-            for (node, _, share) in point.terms() {
+            for (node, _, share) in point.own_terms() {
                 visit(node as usize, own.forces[stage].map(|f| -share * point.point.area * f));
             }
         });

@@ -41,6 +41,8 @@ pub struct ContactSummary {
     /// Smallest gap in the reference configuration \[length\]: between a node and the obstacle, or between two bodies,
     /// where it is infinite beyond 128 default thicknesses.
     pub smallest_gap: f64,
+    /// The node whose displacement is that of an obstacle that moves.
+    pub obstacle: Option<u32>,
 }
 
 impl ContactSummary {

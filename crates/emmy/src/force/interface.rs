@@ -58,8 +58,8 @@ pub trait Force: fmt::Debug + Send + Sync {
         false
     }
 
-    /// Whether its derivatives couple nodes that the pattern of the body does not couple, [`Force::add_couplings`]. They
-    /// are taken exactly, not into the kept stiffness.
+    /// Whether its derivatives are those of [`Force::add_couplings`]: they set in suddenly, between nodes that the
+    /// pattern of the body may not couple. They are taken exactly, not into the kept stiffness.
     fn has_couplings(&self) -> bool {
         false
     }
@@ -112,7 +112,7 @@ pub trait Force: fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Adds the derivatives between nodes that the pattern of the body does not couple, as prepared.
+    /// Adds the derivatives of the stage forces, as prepared, if [`Force::has_couplings`].
     fn add_couplings(&self, _: &StepInput<'_>, _: &ForceMemory, _: &mut Couplings) {}
 
     /// Rate r of a force `-r M v` \[1/time\], which the equations take into the inertia.

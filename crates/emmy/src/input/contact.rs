@@ -1,9 +1,10 @@
 //! Contacts of surfaces.
 
+use super::TimeFunction;
 use crate::contact::{LayerLaw, ObstacleSurface};
 use crate::tensor::dot3;
 
-/// An obstacle at rest.
+/// An obstacle; at rest, unless its contact moves it ([`Contact::moved`]).
 ///
 /// ```
 /// use emmy::body::Obstacle;
@@ -121,6 +122,9 @@ pub struct Contact {
     pub distance: Option<f64>,
     /// How the pressure begins.
     pub law: LayerLaw,
+    /// Displacement of the obstacle over time \[length\], at rest in components without one: without jumps, with a rate,
+    /// and zero at the start.
+    pub motion: [Option<TimeFunction>; 3],
 }
 
 impl Contact {
@@ -157,7 +161,33 @@ impl Contact {
 
     /// The contact of a surface, by default of the whole boundary, with an opponent.
     pub fn new(surface: Option<String>, opponent: Opponent) -> Self {
-        Contact { name: None, surface, opponent, stiffness: None, distance: None, law: LayerLaw::Smooth }
+        let motion = [const { None }; 3];
+        Contact { name: None, surface, opponent, stiffness: None, distance: None, law: LayerLaw::Smooth, motion }
+    }
+
+    /// The same contact with an obstacle that moves by a displacement over time, in the components that are given. Its
+    /// work counts as that of a support.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// use emmy::body::{Contact, Obstacle};
+    /// let press = Obstacle::Plane { point: [0.0, 0.0, 1.1], normal: [0.0, 0.0, -1.0] };
+    /// let down = TimeFunction::smooth("-0.1*t", |t| [-0.1 * t, -0.1, 0.0]);
+    /// let contact = Contact::with_obstacle("top", press).moved([None, None, Some(down)]).named("press");
+    /// assert_eq!((contact.moves(), contact.group_of_obstacle(0)), (true, "press-obstacle".to_string()));
+    /// ```
+    pub fn moved(self, motion: [Option<TimeFunction>; 3]) -> Self {
+        Contact { motion, ..self }
+    }
+
+    /// Whether its obstacle moves.
+    pub fn moves(&self) -> bool {
+        self.motion.iter().any(Option::is_some)
+    }
+
+    /// Group of the node that stands for an obstacle that moves; `number`: the place of the contact, from 0.
+    pub fn group_of_obstacle(&self, number: usize) -> String {
+        format!("{}-obstacle", self.name(number))
     }
 
     /// The same contact with a name.

@@ -68,7 +68,9 @@ pub struct LargestDisplacement {
 
 impl LargestDisplacement {
     fn update(&mut self, body: &Body, state: &State) {
-        let of_mesh = &state.displacement[..body.mesh().n_dofs()];
+        // Nodes that stand for obstacles are no places of the body, either, and the last.
+        let n_obstacles = body.contacts().filter(|contact| contact.obstacle.is_some()).count();
+        let of_mesh = &state.displacement[..body.mesh().n_dofs() - 3 * n_obstacles];
         let squares = of_mesh.as_chunks().0.iter().enumerate();
         // The end of an axis of a rigid body is no place of it.
         let squares =

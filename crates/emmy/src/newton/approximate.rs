@@ -69,7 +69,7 @@ impl Newton {
             let is_done = if is_converged && (run.sizes.scale == 0.0 || run.ending == Ending::Tolerance) {
                 true
             } else if let Some(last) = self.last_correction(run, contraction) {
-                self.finish(system, x, run, last)
+                self.finish(system, x, run, (last, Tangent::Reused))
             } else if run.outcome.at_rounding_floor && run.ending == Ending::Rounding {
                 self.polish(system, x, run)?;
                 true
@@ -152,7 +152,7 @@ impl Newton {
 
     /// The correction that ends the iteration without another residual; `None` if the contraction does not promise that
     /// it suffices, or the system is to be solved to rounding.
-    fn last_correction(&self, run: &Run<'_>, contraction: f64) -> Option<LastCorrection> {
+    pub(super) fn last_correction(&self, run: &Run<'_>, contraction: f64) -> Option<LastCorrection> {
         let residual = run.sizes.residual;
         let has_begun = (1..run.settings.max_iterations).contains(&run.outcome.iterations);
         if run.ending == Ending::Rounding || !(has_begun || run.outcome.converged) {
@@ -180,14 +180,14 @@ impl Newton {
     }
 
     /// Takes the last correction; false without a solution for it.
-    fn finish(
+    pub(super) fn finish(
         &mut self,
         system: &mut impl System,
         x: &mut [f64],
         run: &mut Run<'_>,
-        LastCorrection { tolerance, contraction }: LastCorrection,
+        (LastCorrection { tolerance, contraction }, tangent): (LastCorrection, Tangent),
     ) -> bool {
-        let Ok(iterations) = self.correct(system, x, tolerance, Tangent::Reused) else { return false };
+        let Ok(iterations) = self.correct(system, x, tolerance, tangent) else { return false };
         x.copy_from_slice(&self.trial);
         run.outcome.linear_iterations += iterations;
         run.outcome.iterations += 1;
@@ -312,7 +312,7 @@ impl Newton {
 }
 
 /// A correction that no residual follows.
-struct LastCorrection {
+pub(super) struct LastCorrection {
     /// Relative tolerance of its linear solver.
     tolerance: f64,
     /// Part of the residual that it is expected to leave.

@@ -39,7 +39,7 @@ pub trait System {
         1.0
     }
 
-    /// Whether the derivative changes so much from a starting point on that an approximation is of no use.
+    /// Whether some part of the derivative changes so suddenly from a point on that an approximation is of no use.
     fn wants_exact_tangent(&mut self, _x: &[f64]) -> bool {
         false
     }
@@ -93,6 +93,8 @@ pub enum Tangent {
     Refactorized,
     /// The derivative of R at x.
     Exact,
+    /// The last derivative of R that was computed, with the parts that change suddenly at x.
+    Renewed,
     /// The last derivative of R that was computed.
     LastExact,
 }
@@ -264,15 +266,17 @@ impl Newton {
         self.has_open_end = false;
         let (rounding, ending) = (system.rounding(), system.ending());
         let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
-        let is_exact = line_search || settings.exact_tangent || system.wants_exact_tangent(x);
-        if !is_exact && self.solve_approximately(system, x, &mut run)? {
+        let is_exact = line_search || settings.exact_tangent;
+        let is_approximate = !is_exact && !system.wants_exact_tangent(x);
+        if is_approximate && self.solve_approximately(system, x, &mut run)? {
             return Ok(run.outcome);
         }
         self.solve_exactly(system, x, &mut run, line_search)?;
         Ok(run.outcome)
     }
 
-    /// Corrections with the exact tangent until convergence or failure.
+    /// Corrections with the exact tangent until convergence or failure. Where a part of it changes suddenly, this part
+    /// alone is renewed while that is enough.
     fn solve_exactly(
         &mut self,
         system: &mut impl System,
@@ -280,12 +284,21 @@ impl Newton {
         run: &mut Run<'_>,
         line_search: bool,
     ) -> Result<()> {
+        let renews = !(line_search || run.settings.exact_tangent) && system.wants_exact_tangent(x);
+        let (mut tangent, mut contraction) = (Tangent::Exact, 1.0);
         let mut forcing = FIRST_FORCING;
         self.exact_from = self.history.len();
         // At least half of them, if the approximate tangent used them up.
         let limit = run.settings.max_iterations.max(run.outcome.iterations + run.settings.max_iterations / 2);
         loop {
-            if self.judge(run) {
+            let is_converged = self.judge(run);
+            if renews
+                && let Some(last) = self.last_correction(run, contraction)
+                && self.finish(system, x, run, (last, Tangent::Renewed))
+            {
+                return Ok(());
+            }
+            if is_converged {
                 if run.sizes.scale > 0.0 && run.ending != Ending::Tolerance {
                     self.polish(system, x, run)?;
                 }
@@ -297,11 +310,19 @@ impl Newton {
             // No more digits than the iteration can use: a part of the distance to the target.
             let before = run.sizes.residual;
             let tolerance = forcing.max(0.1 * run.outcome.target / before).min(FIRST_FORCING);
-            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Exact)?;
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, tangent)?;
             run.outcome.took_exact_tangent = true;
             run.outcome.iterations += 1;
             run.sizes = self.advance(system, x, before, line_search)?;
-            forcing = (0.9 * (run.sizes.residual / before).powi(2)).clamp(LAST_FORCING, FIRST_FORCING);
+            contraction = run.sizes.residual / before;
+            let expected = if renews && contraction < LARGEST_RENEWED {
+                tangent = Tangent::Renewed;
+                0.1 * contraction
+            } else {
+                tangent = Tangent::Exact;
+                0.9 * contraction.powi(2)
+            };
+            forcing = expected.clamp(LAST_FORCING, FIRST_FORCING);
         }
     }
 
@@ -445,6 +466,9 @@ impl Run<'_> {
 
 /// Largest relative tolerance of a correction (Eisenstat and Walker 1996, choice 2 with gamma = 0.9).
 const FIRST_FORCING: f64 = 1e-3;
+
+/// Part of the residual from which on a correction asks for the whole tangent anew, not for its sudden parts alone.
+const LARGEST_RENEWED: f64 = 0.1;
 
 /// Smallest relative tolerance of a correction.
 const LAST_FORCING: f64 = 1e-8;

@@ -221,7 +221,7 @@ impl System for Contracting {
         tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        let is_exact = matches!(tangent, Tangent::Exact | Tangent::LastExact);
+        let is_exact = matches!(tangent, Tangent::Exact | Tangent::Renewed | Tangent::LastExact);
         for (a, dx) in dx.iter_mut().enumerate() {
             let left = self.left[a][0] * residual[0] + self.left[a][1] * residual[1];
             *dx = if is_exact { -residual[a] } else { left - residual[a] };

@@ -17,7 +17,7 @@ use crate::input::{Tie, TieKind};
 use crate::mesh::{Facet, Mesh, Nearest, Patch, distance, mortar};
 use crate::nodal;
 use crate::number::{short, short_vector};
-use crate::sparse::{Pattern, StageMatrix};
+use crate::sparse::{Couplings, Pattern, StageMatrix};
 
 /// Followers with their leaders and weights.
 #[derive(Debug, Clone, Default)]
@@ -250,11 +250,15 @@ impl Ties {
             }
         }
         if blocks {
-            if !self.is_empty() {
-                matrix.couplings.fold(|node| self.leaders_of(node));
-            }
             let coupled = self.iter().filter(|(node, _)| is_coupled(pattern, *node));
             coupled.for_each(|(node, leaders)| matrix.fold_column(pattern, node, leaders));
+        }
+    }
+
+    /// Moves couplings of followers to their leaders.
+    pub(crate) fn fold_couplings(&self, couplings: &mut Couplings) {
+        if !self.is_empty() {
+            couplings.fold(|node| self.leaders_of(node));
         }
     }
 

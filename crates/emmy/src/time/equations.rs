@@ -512,6 +512,17 @@ impl<'a> Equations<'a> {
         self.assemble(unknowns, Request::Tangent)?;
         self.add_external_tangent(self.blocks.split(unknowns)[0])
     }
+
+    /// Sets the couplings of the stage matrix to those at other unknowns.
+    ///
+    /// # Errors
+    /// The reason of a force that refuses the step.
+    pub(super) fn renew_couplings(&mut self, unknowns: &[f64]) -> Result<()> {
+        let rates = self.blocks.split(unknowns)[0];
+        let step =
+            step_input(&self.coefficients, self.time_scale, (&self.displacement, &self.coordinates), rates);
+        self.body.renew_couplings(&step, &mut self.assembly)
+    }
 }
 
 /// The coefficients of the inertia in two parts, `[i k + j]`.

@@ -7,6 +7,7 @@ mod architecture;
 mod balances;
 mod classic_steppers;
 mod contact;
+mod contact_moving;
 mod contact_pairs;
 mod couplings;
 mod damping;

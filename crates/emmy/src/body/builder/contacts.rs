@@ -1,7 +1,9 @@
-//! Names of contacts, by which their forces count as reactions beside those of supports.
+//! What contacts ask of a body before it has forces: names, by which their forces count as reactions beside those of
+//! supports; something that can move; and a driven node for each obstacle that moves.
 
 use std::collections::HashSet;
 
+use super::BodyBuilder;
 use crate::error::{Error, Result};
 use crate::input::{Contact, GroundSpring, Opponent, Support};
 use crate::mesh::{Facet, Mesh};
@@ -55,6 +57,63 @@ pub(super) fn check_overlaps(mesh: &Mesh, contacts: &[Contact]) -> Result<()> {
         known.push((number, sides));
     }
     Ok(())
+}
+
+/// Checks that something of both sides of each contact can move.
+pub(super) fn check_motion(mesh: &Mesh, contacts: &[Contact], supports: &[Support]) -> Result<()> {
+    if contacts.is_empty() {
+        return Ok(());
+    }
+    let mut given = vec![[false; 3]; mesh.n_nodes()];
+    for support in supports.iter().filter(|support| support.until.is_none()) {
+        let fixed = support.fixed_components(mesh)?;
+        for node in mesh.group_nodes(&support.group)? {
+            let own = &mut given[node as usize];
+            (0..3).for_each(|d| own[d] |= fixed[d] || support.drives(d));
+        }
+    }
+    let can_move = |group: Option<&str>| -> Result<bool> {
+        let facets = mesh.surface_facets(group)?;
+        let mut nodes = facets.iter().flat_map(|facet| mesh.facet_nodes(*facet));
+        Ok(facets.is_empty() || nodes.any(|node| given[node as usize] != [true; 3]))
+    };
+    for (number, contact) in contacts.iter().enumerate() {
+        let own = contact.surface.as_deref();
+        let surfaces = match (&contact.opponent, own) {
+            (Opponent::Surface(other), Some(own)) if !(can_move(Some(own))? || can_move(Some(other))?) => {
+                format!("\"{own}\" and \"{other}\"")
+            }
+            (Opponent::Obstacle(_) | Opponent::Bodies, _) if !can_move(own)? => match own {
+                Some(own) => format!("\"{own}\""),
+                None => "the boundary".to_string(),
+            },
+            _ => continue,
+        };
+        let reason = format!("nothing of {surfaces} can move: supports give the motion of all nodes");
+        return Err(Error::Contact { contact: contact.name(number), reason });
+    }
+    Ok(())
+}
+
+impl BodyBuilder {
+    /// Adds a node for each obstacle that moves, and a support that moves it. Returns whether there are some.
+    pub(super) fn obstacles(&mut self) -> Result<bool> {
+        let BodyBuilder { mesh, contacts, supports, .. } = self;
+        let moving = contacts.iter().enumerate().filter(|(_, contact)| contact.moves());
+        let n_nodes = mesh.n_nodes();
+        for (number, contact) in moving {
+            let fail = |reason: String| Error::Contact { contact: contact.name(number), reason };
+            let Opponent::Obstacle(obstacle) = &contact.opponent else {
+                return Err(fail("a motion is one of an obstacle; supports move surfaces".to_string()));
+            };
+            let group = contact.group_of_obstacle(number);
+            mesh.add_nodes(&group, std::iter::once(obstacle.surface().map_err(fail)?.origin()))?;
+            let fix = contact.motion.each_ref().map(Option::is_none);
+            let displacement = contact.motion.clone();
+            supports.push(Support { group, fix, displacement, ..Support::default() });
+        }
+        Ok(mesh.n_nodes() > n_nodes)
+    }
 }
 
 /// Names of the groups of springs and of the contacts, each with its place among the forces: these come first.

@@ -1,6 +1,6 @@
 //! Contacts, from groups to points with their areas.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex};
 
 use super::ObstacleContact;
@@ -48,7 +48,7 @@ impl ForceSource for Contact {
         let distance = self.distance.unwrap_or_else(|| PART_OF_EDGE * median_edge(mesh, &all));
         let layer = Layer { modulus, thickness: distance, law: self.law };
         match &self.opponent {
-            Opponent::Obstacle(obstacle) => self.of_obstacle(obstacle, layer, &own, name.clone(), site),
+            Opponent::Obstacle(obstacle) => self.of_obstacle((obstacle, number), layer, &own, site),
             Opponent::Surface(other) => {
                 if of_other.is_empty() {
                     return Err(fail(format!("\"{other}\" has no facets on the boundary")));
@@ -64,12 +64,12 @@ impl Contact {
     /// The contact with an obstacle; `layer`: with the thickness before it is limited by the gap.
     fn of_obstacle(
         &self,
-        obstacle: &Obstacle,
+        (obstacle, number): (&Obstacle, usize),
         layer: Layer,
         facets: &[Facet],
-        name: String,
         site: &Site<'_>,
     ) -> Result<Arc<dyn Force>> {
+        let name = self.name(number);
         let fail = |reason: String| Error::Contact { contact: name.clone(), reason };
         let surface = obstacle.surface().map_err(fail)?;
         let tables = FacetTable::of(site.mesh, site.pattern, facets, site.section);
@@ -86,18 +86,10 @@ impl Contact {
         let layer = self.limited(layer, gap);
         let points = ObstacleLayer { surface, layer };
         let guards = ObstacleLayer { surface, layer: layer.of(LayerOf::Guards) };
-        let (mut places, mut begin) = (Vec::new(), vec![0]);
-        for point in &own.points {
-            let nodes = || own.entity(point.entity).map(|(number, _)| own.nodes[number] as usize);
-            places.extend(
-                nodes()
-                    .flat_map(|row| nodes().map(move |column| (row, column)))
-                    .map(|(row, column)| site.pattern.coupling(row, column) as u32),
-            );
-            begin.push(places.len());
-        }
-        let summary = summary(name, facets.len(), &own, layer, gap);
-        Ok(Arc::new(ObstacleContact { summary, surface: own, points, guards, places, begin }))
+        let moving = self.moves().then(|| site.mesh.group_nodes(&self.group_of_obstacle(number)));
+        let obstacle = moving.transpose()?.and_then(|nodes| nodes.first().copied());
+        let summary = ContactSummary { obstacle, ..summary(name, facets.len(), &own, layer, gap) };
+        Ok(Arc::new(ObstacleContact { summary, surface: own, points, guards }))
     }
 
     /// The contact between two surfaces, or between the bodies of the first if the second is empty.
@@ -135,14 +127,8 @@ impl Contact {
         }
         let n_facets = facets.iter().map(|facets| facets.len()).sum();
         let summary = summary(name, n_facets, &layer.surface, layer.layer, gap);
-        let first_body = bodies.iter().flatten().copied().min().unwrap_or(0);
-        Ok(Arc::new(SurfaceContact {
-            summary,
-            layer,
-            first_body,
-            search: Mutex::default(),
-            bound: Mutex::default(),
-        }))
+        let [search, bound] = [Mutex::default(), Mutex::default()];
+        Ok(Arc::new(SurfaceContact { summary, layer, search, bound }))
     }
 
     /// The body of each facet, `[table][facet]`: the two surfaces, or the connected parts of the first if there is no
@@ -176,7 +162,10 @@ impl Contact {
                           another surface or an obstacle"
                     .to_string(),
             ),
-            _ => Ok(all),
+            _ => {
+                let numbers: BTreeMap<u32, u32> = different.into_iter().zip(0..).collect();
+                Ok(all.iter().map(|of_table| of_table.iter().map(|body| numbers[body]).collect()).collect())
+            }
         }
     }
 
@@ -230,6 +219,7 @@ fn summary(name: String, n_facets: usize, surface: &Surface, layer: Layer, gap: 
         distance: layer.thickness,
         law: layer.law,
         smallest_gap: gap,
+        obstacle: None,
     }
 }
 

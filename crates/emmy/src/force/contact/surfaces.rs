@@ -20,8 +20,6 @@ use crate::tensor::Mat3;
 pub(super) struct SurfaceContact {
     pub summary: ContactSummary,
     pub layer: SurfaceLayer,
-    /// The body whose force counts as that of the contact.
-    pub first_body: u32,
     /// Memory for states, and for bounds; no result depends on it.
     pub search: Mutex<SurfaceSearch>,
     pub bound: Mutex<SurfaceSearch>,
@@ -164,7 +162,8 @@ impl Force for SurfaceContact {
     ) {
         let (memory, surface): (&SurfaceMemory, _) = (memory.of(), &self.layer.surface);
         let forces = surface.nodes.iter().zip(&surface.body_of).zip(&memory.forces()[stage]);
-        for ((node, _), force) in forces.filter(|((_, body), _)| **body == self.first_body) {
+        // The force on the first body counts as that of the contact.
+        for ((node, _), force) in forces.filter(|((_, body), _)| **body == 0) {
             visit(*node as usize, force.map(|f| -f));
         }
     }

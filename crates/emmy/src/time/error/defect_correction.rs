@@ -65,7 +65,7 @@ impl DefectCorrection {
             if size == 0.0 {
                 return Ok(true);
             }
-            let is_exact = matches!(tangent, Tangent::Exact | Tangent::LastExact);
+            let is_exact = matches!(tangent, Tangent::Exact | Tangent::Renewed | Tangent::LastExact);
             let tolerance = if is_exact { EXACT_TOLERANCE } else { TOLERANCE };
             match system.correction(unknowns, &self.residual, tolerance, tangent, &mut self.correction) {
                 Err(_) if is_exact => break,

@@ -243,6 +243,10 @@ impl System for StageSystem<'_> {
                 self.equations.assemble_tangent(x)?;
                 self.solve_exactly(tolerance, dx)
             }
+            Tangent::Renewed => {
+                self.equations.renew_couplings(x)?;
+                self.solve_exactly(tolerance, dx)
+            }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),
         }?;
         self.equations.body.space.complete("correction", &mut dx[..n_rates]);
