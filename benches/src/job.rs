@@ -133,6 +133,11 @@ impl Case {
         Case::new("benches/shake.toml")
     }
 
+    /// Two bars that meet face to face.
+    pub(crate) fn contact() -> Self {
+        Case::new("benches/contact.toml")
+    }
+
     /// A report on a box with some cells along each edge.
     pub(crate) fn checked_box(n: u32) -> Self {
         let mut case = Case::new("benches/spinning-block.toml")

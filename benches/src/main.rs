@@ -38,7 +38,7 @@ struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
     /// step (the default), schemes, degrees, stiff, real, solvers, locking, large, assembly, ensembles, threads, shake,
-    /// check; or all
+    /// check, contact; or all
     items: Vec<String>,
     /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures (`step`,
     /// `stiff`, `real`)

@@ -34,6 +34,8 @@ fn every_item_runs_and_results_do_not_depend_on_threads() {
         "Threads",
         "Adaptive steps on a shaker",
         "Check of an input",
+        "Contact of two bodies",
+        "Search and pairs of contact",
     ];
     assert!(headings.iter().all(|heading| page.contains(&format!("## {heading}\n"))), "{page}");
     assert!(page.contains("**holds**: numbers that depend on the number of threads"), "{page}");

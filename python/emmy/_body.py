@@ -89,7 +89,7 @@ class Body:
     It cannot be changed.
 
     Arrays of all nodes have those of the mesh first. Then come those of the rigid bodies: the centre of each, and the
-    ends of its three axes unless it is a point mass.
+    ends of its three axes unless it is a point mass; and one for each obstacle that moves.
 
     Parameters
     ----------

@@ -74,6 +74,27 @@ def test_the_columns_of_a_step():
         np.testing.assert_array_equal(there[name], motion.history[name][-rows:])
 
 
+def test_a_floor_that_comes_up_is_one_that_a_block_falls_on():
+    falls = emmy.Initial(velocity=(0, 0, -2.0))
+    at_rest = emmy.Motion(above(), steps=(0.2, 0.005), initial=falls).run()
+    for path in ("2*t", (lambda t: 2 * t, lambda t: 2.0)):
+        rises = emmy.Plane((0, 0, -0.1), (0, 0, 2), move={"z": path})
+        body = above(rises)
+        assert rises.move == {"z": path} and body.contacts[0].opponent == rises
+        assert body.n_nodes == 28
+        history = emmy.Motion(body, steps=(0.2, 0.005)).run()
+        np.testing.assert_allclose(history["contact_energy"], at_rest["contact_energy"], atol=1e-10)
+        np.testing.assert_allclose(history["linear_momentum_z"] - 2, at_rest["linear_momentum_z"], atol=1e-10)
+        work = history["total_energy"] - history["external_work"]
+        assert np.ptp(work) < 1e-12 and history["external_work"][-1] > 1.0
+        np.testing.assert_allclose(history["floor-obstacle_force_z"], history["floor_force_z"], atol=1e-10)
+    with pytest.raises(TypeError, match="move: str in place of a dict"):
+        emmy.Plane((0, 0, 0), (0, 0, 1), move="t")
+    with pytest.raises(emmy.InputError, match="w"):
+        emmy.Plane((0, 0, 0), (0, 0, 1), move={"w": "t"})
+    assert emmy.Plane((0, 0, 0), (0, 0, 1), move={}) == emmy.Plane((0, 0, 0), (0, 0, 1))
+
+
 def test_a_body_without_contact_has_no_columns_of_it():
     assert not [name for name in emmy.Motion(block()).history.dtype.names if "contact" in name or "gap" in name]
 

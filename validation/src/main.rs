@@ -2,7 +2,7 @@
 //! checked by numbers; also the schemes of other codes, higher degrees, long flights, and elements that do not lock.
 //!
 //!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
-//!         [--exudyn PYTHON] [--ccx CCX]
+//!         [--exudyn PYTHON] [--ccx CCX] [--mujoco PYTHON]
 //!
 //! Ends with exit code 1 if a claim fails.
 
@@ -40,6 +40,9 @@ struct Arguments {
     /// The program ccx of CalculiX, beside which `contact` then stands
     #[arg(long, value_name = "PATH")]
     ccx: Option<PathBuf>,
+    /// Python with MuJoCo (`pip install mujoco`), beside which `contact` then stands
+    #[arg(long, value_name = "PYTHON")]
+    mujoco: Option<PathBuf>,
     /// Folder for the pictures, the pages (index.html, results.md) and the kept references
     #[arg(long, default_value = "validation-results")]
     output: PathBuf,
@@ -66,8 +69,8 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
     let start = std::time::Instant::now();
     // Until the program ends.
     let kept = |path: &Option<PathBuf>| path.clone().map(|path| &*Box::leak(path.into_boxed_path()));
-    let (exudyn, ccx) = (kept(&arguments.exudyn), kept(&arguments.ccx));
-    let items = items(&entries, Effort { quick: arguments.quick, exudyn, ccx }, &pictures)?;
+    let [exudyn, ccx, mujoco] = [&arguments.exudyn, &arguments.ccx, &arguments.mujoco].map(kept);
+    let items = items(&entries, Effort { quick: arguments.quick, exudyn, ccx, mujoco }, &pictures)?;
     for item in &items {
         println!("{}", item.title);
         for claim in &item.claims {

@@ -3,6 +3,7 @@
 mod assembly;
 mod check;
 mod comparison;
+mod contact;
 mod degrees;
 mod ensembles;
 mod large;
@@ -43,7 +44,7 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 13] = [
+pub(crate) const ALL: [Item; 14] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
@@ -57,4 +58,5 @@ pub(crate) const ALL: [Item; 13] = [
     Item { name: "threads", measure: threads::measure },
     Item { name: "shake", measure: shake::measure },
     Item { name: "check", measure: check::measure },
+    Item { name: "contact", measure: contact::measure },
 ];

@@ -389,8 +389,8 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
-    /// A surface would pass through an obstacle.
-    #[error("contact \"{contact}\": its surface would pass through the obstacle near {}; take smaller steps", short_vector(*at))]
+    /// A surface would pass through an obstacle or another surface.
+    #[error("contact \"{contact}\": its surface would pass through its opponent near {}; take smaller steps", short_vector(*at))]
     Passed {
         /// Name of the contact.
         contact: String,

@@ -28,6 +28,8 @@ pub(crate) struct Effort {
     pub exudyn: Option<&'static std::path::Path>,
     /// The program ccx of CalculiX, for a comparison.
     pub ccx: Option<&'static std::path::Path>,
+    /// Python with MuJoCo, for a comparison.
+    pub mujoco: Option<&'static std::path::Path>,
 }
 
 impl Effort {

@@ -76,7 +76,7 @@ fn steps_that_would_pass_are_events() {
     );
     let events = place.read("out/events.csv");
     let passed: Vec<&str> = events.lines().filter(|line| line.split(',').nth(2) == Some("passed")).collect();
-    assert!(!passed.is_empty() && passed[0].contains("would pass through the obstacle"), "{events}");
+    assert!(!passed.is_empty() && passed[0].contains("would pass through its opponent"), "{events}");
 }
 
 #[test]
@@ -215,4 +215,76 @@ fn check_has_the_numbers_of_surfaces() {
     let place = Place::with(&two_blocks("[0, 0, 1.06]", BETWEEN));
     let told = place.succeed(&["check", "box.toml"]).stdout;
     assert!(told.contains("contact-1: 78 facets, 312 points, 312 triangles, 60 sharp edges"), "{told}");
+}
+
+/// A floor that rises meets a block at rest as one at rest meets a block that falls; a run that goes on has its rows.
+#[test]
+fn a_floor_that_rises_has_its_columns_and_can_be_resumed() {
+    let place = Place::with(BLOCK);
+    let rises = ["--set", "contact.obstacle.move.z=t", "--set", "initial.velocity=[0,0,0]"];
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    place.succeed(&[&["run", "box.toml", "--output", "whole", "--quiet"], &rises[..]].concat());
+    let whole = place.read("whole/history.csv");
+    let column = |text: &str, name: &str| -> Vec<f64> {
+        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let at = rows[0].iter().position(|own| *own == name).unwrap();
+        rows[1..].iter().map(|row| row[at].parse().unwrap_or(0.0)).collect()
+    };
+    let fallen = column(&place.read("out/history.csv"), "floor_force_z");
+    let [on_body, on_floor] = ["floor_force_z", "floor-obstacle_force_z"].map(|name| column(&whole, name));
+    assert!(fallen.iter().any(|force| *force > 1.0));
+    for (own, (fallen, floor)) in on_body.iter().zip(fallen.iter().zip(&on_floor)) {
+        assert!((own - fallen).abs() < 1e-7 && (own - floor).abs() < 1e-7, "{own} {fallen} {floor}");
+    }
+    let shorter = ["run", "box.toml", "--output", "parts", "--quiet", "--until", "0.08"];
+    place.succeed(&[&shorter[..], &rises].concat());
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.15"]);
+    for name in ["total_energy", "floor_force_z", "floor-obstacle_force_z", "external_work"] {
+        assert_eq!(column(&place.read("parts/history.csv"), name), column(&whole, name), "{name}");
+    }
+    let told = place.succeed(&[&["check", "box.toml"], &rises[..]].concat());
+    assert!(!told.stderr.contains("nothing moves this body"), "{}", told.stderr);
+}
+
+#[test]
+fn obstacles_that_move_and_what_cannot_are_checked() {
+    let refused = |text: &str, more: &[&str]| {
+        let place = Place::with(text);
+        let outcome = place.emmy(&[&["check", "box.toml"], more].concat());
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        let words: Vec<&str> = outcome.stderr.split_whitespace().collect();
+        words.join(" ").replace("│ ", "")
+    };
+    let rises = "contact.obstacle.move.z=t";
+    let told = refused(BLOCK, &["--set", rises, "--set", "time.scheme=Bathe"]);
+    assert!(told.contains("the scheme Bathe cannot move an obstacle: this needs a time element"), "{told}");
+    let held = format!("{BLOCK}\n[[support]]\ngroup = \"z-min\"\nfix = [\"x\", \"y\", \"z\"]\n");
+    let told = refused(&held, &[]);
+    assert!(told.contains("nothing of \"z-min\" can move"), "{told}");
+    let told = refused(BLOCK, &["--set", "contact.obstacle.move.w=t"]);
+    assert!(told.contains("unknown key `w`"), "{told}");
+}
+
+/// A floor that rises against a block that is held: its work in an equilibrium is the stored energy with that of the
+/// layer, and the integral of its force.
+#[test]
+fn the_work_of_an_obstacle_in_an_equilibrium_is_that_of_its_force() {
+    let held = "\n[[support]]\ngroup = \"z-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\nload_steps = 100\n";
+    let place = Place::with(&format!("{}{held}", &BLOCK[..BLOCK.find("[initial]").unwrap()]));
+    let told = place.succeed(&["run", "box.toml", "--set", "contact.obstacle.move.z=0.16"]).stderr;
+    assert!(!told.contains("undeformed"), "{told}");
+    let history = place.read("out/history.csv");
+    let rows: Vec<Vec<&str>> = history.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| -> Vec<f64> {
+        let at = rows[0].iter().position(|own| *own == name).unwrap();
+        rows[1..].iter().map(|row| row[at].parse().unwrap()).collect()
+    };
+    let [fractions, forces, works] = ["time", "floor-obstacle_force_z", "external_work"].map(column);
+    let [strain, layer, total] = ["strain_energy", "contact_energy", "total_energy"].map(column);
+    let mean = |at: usize| 0.5 * (forces[at] + forces[at + 1]) * 0.16 * (fractions[at + 1] - fractions[at]);
+    let integral: f64 = (0..fractions.len() - 1).map(mean).sum();
+    let last = fractions.len() - 1;
+    assert!(fractions[last] == 1.0 && layer[last] > 0.01 * strain[last] && works[last] > 1.0);
+    assert!((works[last] / integral - 1.0).abs() < 1e-3, "{} {integral}", works[last]);
+    assert!((works[last] - total[last]).abs() < 1e-12 * total[last]);
 }

@@ -114,13 +114,13 @@ const COLUMNS: [Column; 26] = [
     Column {
         name: "contact_points",
         dimension: "",
-        meaning: "with contact only: number of points whose layer stores energy at the end of the step",
+        meaning: "with contact only: number of points and nodes whose layer stores energy at the end of the step; edges do not count",
         number: |step| Whole(step.record.contact_points),
         is_in: |own| own.has_contact,
     },
 ];
 
-const WORK: &str = "work of the loads, and of the reactions of driven supports, since the start";
+const WORK: &str = "work of the loads, and of the reactions of supports and obstacles that move, since the start";
 const ENERGY_RESIDUAL: &str = "change of the total energy in this step, minus the external work in it, plus the dissipated energy in it";
 const ANGULAR: &str = "angular momentum about the origin";
 const MOMENTUM_RESIDUAL: &str =

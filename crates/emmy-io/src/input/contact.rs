@@ -53,7 +53,12 @@ static OBSTACLE: Described = Described::new(|| {
         .may("plane", Kind::Table(&PLANE), "", "A half-space")
         .may("sphere", Kind::Table(&SPHERE), "", "A sphere")
         .may("cylinder", Kind::Table(&CYLINDER), "", "A cylinder without ends")
-        .may("move", Kind::Table(&support::MOVE), "", "Displacement of components over time, such as `{ z = \"-0.1*t\" }`")
+        .may(
+            "move",
+            Kind::Table(&support::MOVE),
+            "",
+            "Displacement of components over time, such as `{ z = \"-0.1*t\" }`",
+        )
         .absent("the obstacle is at rest")
         .exactly_one(&["plane", "sphere", "cylinder"])
 });

@@ -16,7 +16,7 @@ pub const NOTHING_MOVES: &str =
 
 /// The remark on an equilibrium without loads.
 pub const UNLOADED: &str =
-    "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
+    "no load acts at t = 0, and no support or obstacle is displaced: the equilibrium is the undeformed body";
 
 /// Remarks on the tables of loads, driven supports and driven joints, and on releases.
 pub(super) fn of_tables(

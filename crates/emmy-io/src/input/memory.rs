@@ -12,8 +12,8 @@ use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, catalogue, complete, contact, coupling, joint, load, material, measured, nodal,
-    reading, region, rigid, support, tie, walk,
+    Overrides, Problem, adaptive, catalogue, complete, contact, coupling, joint, load, material, measured,
+    nodal, reading, region, rigid, support, tie, walk,
 };
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a

@@ -353,7 +353,9 @@ impl Sections {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
         let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
-        if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
+        let pushes = body.contacts().any(|contact| contact.smallest_gap < contact.distance);
+        let is_unloaded = !pulls && !pushes && nodal.attractions.is_empty() && !body.is_loaded_at(0.0);
+        if is_equilibrium && is_unloaded {
             notes.push(derived::UNLOADED.to_string());
         }
         if !is_static {

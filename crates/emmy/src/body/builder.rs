@@ -142,8 +142,8 @@ impl BodyBuilder {
         self
     }
 
-    /// Adds a contact. One with an obstacle that moves adds a node to the mesh, after those of rigid bodies, and a group
-    /// of this node, [`Contact::group_of_obstacle`].
+    /// Adds a contact. An obstacle that moves adds a node to the mesh, after those of rigid bodies, and a group of this
+    /// node, [`Contact::group_of_obstacle`].
     pub fn contact(mut self, contact: Contact) -> Self {
         self.contacts.push(contact);
         self

@@ -1,6 +1,6 @@
 //! The pairs that can touch on given paths.
 
-use super::closest::PairKind;
+use super::closest::{Closest, PairKind};
 use super::layer::LayerOf;
 use super::surface::Surface;
 use super::tree::{Bounds, BoxTree};
@@ -37,6 +37,31 @@ impl Candidate {
         self.entities.map(|entity| of_entities[entity as usize])
     }
 
+    /// The pair of the point and the closest face alone, if that is one and the same in some configurations, else the
+    /// pair itself; `None` where it is farther than a distance in all.
+    ///
+    /// A point has such a pair in common with all triangles and edges around the face, and their weights mostly cancel.
+    pub(super) fn reduced<X: AsRef<[[f64; 3]]>>(&self, configurations: &[X], distance: f64) -> Option<Self> {
+        let (mut is_near, mut common) = (false, None);
+        let mut is_one = self.kind != PairKind::EdgeEdge;
+        for x in configurations {
+            let closest = Closest::new(self.kind, &self.vectors(x.as_ref()));
+            is_near |= closest.squared_distance < distance * distance;
+            let face = closest.weights.map(|weight| weight != 0.0);
+            is_one &= *common.get_or_insert(face) == face;
+        }
+        let face = common.filter(|_| is_near)?;
+        let n = (1..4).filter(|a| face[*a]).count();
+        let kind = [PairKind::PointVertex, PairKind::PointEdge, PairKind::PointTriangle][n.clamp(1, 3) - 1];
+        if !is_one || kind == self.kind {
+            return Some(*self);
+        }
+        let mut entities = [self.entities[0]; 4];
+        (1..4).filter(|a| face[*a]).zip(1..).for_each(|(from, to)| entities[to] = self.entities[from]);
+        entities[1..=n].sort_unstable();
+        Some(Candidate::new(kind, &entities[..=n], self.weight, self.layer))
+    }
+
     /// Whether its sides stay farther apart than a distance in all of some configurations, by their boxes.
     #[inline]
     pub(super) fn is_apart<X: AsRef<[[f64; 3]]>>(&self, configurations: &[X], distance: f64) -> bool {
@@ -53,12 +78,14 @@ impl Candidate {
 
 /// The pairs of a surface that can come nearer than a reach, in an order that does not depend on the motion.
 ///
-/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it are out of reach,
-/// so no result depends on when the list was made.
+/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it are out of
+/// reach, so no result depends on when the list was made.
 #[derive(Debug, Clone, Default)]
 pub struct Candidates {
     /// The pairs.
     pub pairs: Vec<Candidate>,
+    /// Where the pairs of each point begin, and each pair of edges, and the end of all.
+    pub begin: Vec<u32>,
     /// Boxes of the entities; none before the first list.
     boxes: Vec<Bounds>,
     triangles: BoxTree,
@@ -155,6 +182,7 @@ impl Candidates {
     fn find(&mut self, surface: &Surface, reach: impl Fn(LayerOf) -> f64) {
         let Candidates {
             pairs,
+            begin,
             boxes,
             triangles,
             edges: tree_of_edges,
@@ -173,6 +201,7 @@ impl Candidates {
         boxes_of_edges.extend(surface.edges.iter().map(|edge| hull(&edge.ends)));
         tree_of_edges.fit(boxes_of_edges);
         pairs.clear();
+        begin.clear();
         let body_of = |entity: u32| surface.body_of[entity as usize];
         let layers = [LayerOf::Points, LayerOf::Guards, LayerOf::BluntEdges];
         let farthest = layers.into_iter().map(&reach).fold(0.0, f64::max);
@@ -198,6 +227,7 @@ impl Candidates {
             if faces.is_empty() {
                 continue;
             }
+            begin.push(pairs.len() as u32);
             for list in [&mut *faces, &mut *edges, &mut *vertices] {
                 list.sort_unstable();
                 list.dedup();
@@ -239,9 +269,11 @@ impl Candidates {
                 let are_sharp = edge.is_sharp && other.is_sharp;
                 let layer = if are_sharp { LayerOf::Guards } else { LayerOf::BluntEdges };
                 let entities = [edge.ends[0], edge.ends[1], other.ends[0], other.ends[1]];
+                begin.push(pairs.len() as u32);
                 pairs.push(Candidate::new(PairKind::EdgeEdge, &entities, edge.area.min(other.area), layer));
             }
         }
+        begin.push(pairs.len() as u32);
     }
 }
 

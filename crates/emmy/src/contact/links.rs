@@ -55,8 +55,8 @@ pub(super) struct Links {
     pub(super) change: f64,
 }
 
-/// Added to `phi_1 - phi_2` over `z_1 + z_2`, so that s goes to 1/2, its limit for short steps, where both are equal. The
-/// force stays continuous, and the error of `z_2 - z_1` is of this order.
+/// Added to `phi_1 - phi_2` over `z_1 + z_2`, so that s goes to 1/2, its limit for short steps, where both are equal.
+/// The force stays continuous, and the error of `z_2 - z_1` is of this order.
 const EQUAL: f64 = 1e-16;
 
 impl Links {

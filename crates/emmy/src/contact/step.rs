@@ -39,8 +39,9 @@ struct Step {
 }
 
 impl Pair {
-    /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end. `tangents`:
-    /// the derivatives `df_i/dx_j` as `[i k + j]` \[force/length\], not symmetric; empty if they are not wanted.
+    /// Stage forces f_i of a step from a start with rates x_i, both `[k]`; the result is the state at the end.
+    /// `tangents`: the derivatives `df_i/dx_j` as `[i k + j]` \[force/length\], not symmetric; empty if they are not
+    /// wanted.
     ///
     /// The coefficients and weights of the rule's time element give the positions: `q_1 + sum_j a_ij x_j` at the Gauss
     /// points and `q_1 + sum_j b_j x_j` at the end. The forces do the work `sum_i b_i f_i . x_i = w (psi_2 - psi_1)`

@@ -14,8 +14,11 @@ use super::surface::Surface;
 use super::tree::Bounds;
 use crate::average::{ContactRule, FollowerRule, Rule};
 
-/// Pairs that one thread takes at once: a number that does not depend on the threads.
-const CHUNK: usize = 256;
+/// Points, or pairs of edges, that one thread takes at once: a number that does not depend on the threads.
+const CHUNK: usize = 16;
+
+/// Weights that sum up to less, relative to that of one pair, cancel.
+const CANCELLED: f64 = 1e-9;
 
 /// A step in which an entity moves farther from the mean motion than this multiple of the extent of all surfaces is one
 /// of an iteration that diverges; its list would have all pairs.
@@ -44,7 +47,7 @@ pub struct SurfaceMemory {
     candidates: Candidates,
     /// Positions of the nodes at the start, and their rates, `[1 + k][node]`.
     paths: Vec<Vectors>,
-    /// What is evaluated on these paths.
+    /// How far these paths are evaluated.
     evaluated: Evaluated,
     /// Positions of the entities: at the start, at the end, and at the stages or the points of the rule.
     configurations: Vec<Vectors>,
@@ -57,7 +60,7 @@ pub struct SurfaceMemory {
     of_entities: Vec<[f64; 3]>,
 }
 
-/// What a memory has on its paths.
+/// How far the paths of a memory are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Evaluated {
     Nothing,
@@ -68,8 +71,10 @@ enum Evaluated {
 
 #[derive(Debug, Clone, Default)]
 struct Chunk {
-    /// Numbers of the pairs that act.
-    acting: Vec<u32>,
+    /// The pairs that act, reduced to closest faces.
+    acting: Vec<Candidate>,
+    /// The pairs of a point, as a memory.
+    of_point: Vec<Candidate>,
     /// Their forces, `[pair][k]`.
     forces: Vec<PairVectors>,
     /// Their derivatives, `[pair][i k + j]`.
@@ -120,10 +125,10 @@ impl SurfaceMemory {
 
     /// The pairs that act, as evaluated last.
     pub fn acting(&self) -> impl Iterator<Item = ActingPair<'_>> {
-        let (k, pairs) = (self.rates.len(), &self.candidates.pairs);
+        let k = self.rates.len();
         self.chunks[..self.n_chunks].iter().flat_map(move |chunk| {
             chunk.acting.iter().enumerate().map(move |(at, pair)| ActingPair {
-                pair: &pairs[*pair as usize],
+                pair,
                 tangents: &chunk.tangents[at * k * k..(at + 1) * k * k],
             })
         })
@@ -219,16 +224,17 @@ impl SurfaceLayer {
     /// Sets the forces of the pairs, and their sums.
     fn set_forces(&self, rule: &Rule, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
         let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
-        *n_chunks = candidates.pairs.len().div_ceil(CHUNK);
+        let n_points = candidates.begin.len() - 1;
+        *n_chunks = n_points.div_ceil(CHUNK);
         if chunks.len() < *n_chunks {
             chunks.resize(*n_chunks, Chunk::default());
         }
         for_each_chunk(&mut chunks[..*n_chunks], |number, chunk| {
-            let first = number * CHUNK;
-            let last = (first + CHUNK).min(candidates.pairs.len());
             chunk.clear(rates.len());
-            for (at, candidate) in (first..last).zip(&candidates.pairs[first..last]) {
-                self.add_pair((at as u32, candidate), (own, rule, configurations, rates), chunk);
+            let first = number * CHUNK;
+            for range in candidates.begin[first..=(first + CHUNK).min(n_points)].windows(2) {
+                let pairs = &candidates.pairs[range[0] as usize..range[1] as usize];
+                self.add_point(pairs, (own, rule, configurations, rates), chunk);
             }
         });
         if let Some(passed) = chunks[..*n_chunks].iter().find_map(|chunk| chunk.passed) {
@@ -240,14 +246,13 @@ impl SurfaceLayer {
 
     /// Sets the derivatives of the forces of the pairs that act.
     fn set_tangents(&self, rule: &Rule, memory: &mut SurfaceMemory) {
-        let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
+        let SurfaceMemory { rule: own, configurations, rates, chunks, n_chunks, .. } = memory;
         let k = rates.len();
         for_each_chunk(&mut chunks[..*n_chunks], |_, Chunk { acting, forces, tangents, stages, .. }| {
             tangents.clear();
             tangents.resize(acting.len() * k * k, PairTangent::default());
             let results = forces.chunks_exact_mut(k).zip(tangents.chunks_exact_mut(k * k));
-            for (number, (forces, tangents)) in acting.iter().zip(results) {
-                let candidate = &candidates.pairs[*number as usize];
+            for (candidate, (forces, tangents)) in acting.iter().zip(results) {
                 let paths = (&*own, rule, &configurations[..], &rates[..]);
                 self.set_pair(candidate, paths, stages, forces, tangents);
             }
@@ -273,25 +278,47 @@ impl SurfaceLayer {
         Ok(())
     }
 
-    /// Adds a pair to its chunk, if it acts.
-    fn add_pair(&self, (number, candidate): (u32, &Candidate), paths: Paths<'_>, chunk: &mut Chunk) {
-        let (_, _, configurations, rates) = paths;
-        if candidate.is_apart(configurations, self.layer.of(candidate.layer).thickness) {
-            return;
+    /// Adds the pairs of a point, or one of edges, to their chunk if they act.
+    fn add_point(&self, pairs: &[Candidate], paths: Paths<'_>, chunk: &mut Chunk) {
+        let (own, _, configurations, rates) = paths;
+        let Chunk { acting, of_point, forces, stages, passed, .. } = chunk;
+        // The configurations in which the forces take the closest points.
+        let taken = match own {
+            ContactRule::Points(_) => &configurations[2..],
+            _ if rates.len() == 1 => &configurations[..2],
+            _ => configurations,
+        };
+        of_point.clear();
+        for candidate in pairs {
+            let thickness = self.layer.of(candidate.layer).thickness;
+            if candidate.is_apart(configurations, thickness) {
+                continue;
+            }
+            if candidate.can_meet() {
+                let [x_1, x_2] = [0, 1].map(|end| candidate.vectors(&configurations[end]));
+                if paths_meet(candidate.kind, &x_1, &x_2) {
+                    *passed = passed.or(Some(x_1[0]));
+                    return;
+                }
+            }
+            let Some(reduced) = candidate.reduced(taken, thickness) else { continue };
+            let place = |own: &&mut Candidate| (own.kind, own.entities) == (reduced.kind, reduced.entities);
+            match of_point.iter_mut().find(place) {
+                Some(own) => own.weight += reduced.weight,
+                None => of_point.push(reduced),
+            }
         }
-        let [x_1, x_2] = [0, 1].map(|end| candidate.vectors(&configurations[end]));
-        if candidate.can_meet() && paths_meet(candidate.kind, &x_1, &x_2) {
-            chunk.passed = chunk.passed.or(Some(x_1[0]));
-            return;
-        }
-        let Chunk { acting, forces, stages, .. } = chunk;
-        let at = forces.len();
-        forces.resize(at + rates.len(), PairVectors::default());
-        self.set_pair(candidate, paths, stages, &mut forces[at..], &mut []);
-        if forces[at..].iter().flatten().flatten().any(|f| *f != 0.0) {
-            acting.push(number);
-        } else {
-            forces.truncate(at);
+        // The first one is a whole one.
+        let least = pairs.first().map_or(0.0, |first| CANCELLED * first.weight.abs());
+        for candidate in of_point.iter().filter(|candidate| candidate.weight.abs() > least) {
+            let at = forces.len();
+            forces.resize(at + rates.len(), PairVectors::default());
+            self.set_pair(candidate, paths, stages, &mut forces[at..], &mut []);
+            if forces[at..].iter().flatten().flatten().any(|f| *f != 0.0) {
+                acting.push(*candidate);
+            } else {
+                forces.truncate(at);
+            }
         }
     }
 
@@ -316,13 +343,12 @@ impl SurfaceLayer {
 
     /// Sums the forces of all pairs, in their order.
     fn sum_forces(&self, memory: &mut SurfaceMemory) {
-        let SurfaceMemory { candidates, chunks, n_chunks, forces, of_entities, rates, .. } = memory;
+        let SurfaceMemory { chunks, n_chunks, forces, of_entities, rates, .. } = memory;
         let k = rates.len();
         for (stage, nodal) in forces.iter_mut().enumerate() {
             of_entities.fill([0.0; 3]);
             for chunk in &chunks[..*n_chunks] {
-                for (pair, forces) in chunk.acting.iter().zip(chunk.forces.chunks_exact(k)) {
-                    let candidate = &candidates.pairs[*pair as usize];
+                for (candidate, forces) in chunk.acting.iter().zip(chunk.forces.chunks_exact(k)) {
                     let entities = &candidate.entities[..candidate.kind.n_entities()];
                     for (entity, force) in entities.iter().zip(&forces[stage]) {
                         let sum = &mut of_entities[*entity as usize];

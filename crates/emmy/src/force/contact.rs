@@ -100,7 +100,10 @@ impl ObstacleContact {
         let mut from = path.start;
         let mut visit = |to: [f64; 3]| {
             if self.points.surface.is_passed(from, to) {
-                let moved = self.summary.obstacle.map_or([0.0; 3], |node| nodal::at(step.displacement, node as usize));
+                let moved = self
+                    .summary
+                    .obstacle
+                    .map_or([0.0; 3], |node| nodal::at(step.displacement, node as usize));
                 let at = [0, 1, 2].map(|d| to[d] + moved[d]);
                 return Err(Error::Passed { contact: self.summary.name.clone(), at });
             }

@@ -76,6 +76,11 @@ impl StrainState {
         contact: ContactState::NONE,
     };
 
+    /// Stored energy with that of layers in contact \[energy\].
+    pub(crate) fn stored(&self) -> f64 {
+        self.strain_energy + self.contact.energy
+    }
+
     /// The union of both sets.
     pub fn with(self, other: StrainState) -> StrainState {
         let strain_energy = self.strain_energy + other.strain_energy;

@@ -122,8 +122,8 @@ pub struct Contact {
     pub distance: Option<f64>,
     /// How the pressure begins.
     pub law: LayerLaw,
-    /// Displacement of the obstacle over time \[length\], at rest in components without one: without jumps, with a rate,
-    /// and zero at the start.
+    /// Displacement of the obstacle over time \[length\], without jumps, with a rate, and zero at the start; `None`:
+    /// at rest.
     pub motion: [Option<TimeFunction>; 3],
 }
 
@@ -162,7 +162,15 @@ impl Contact {
     /// The contact of a surface, by default of the whole boundary, with an opponent.
     pub fn new(surface: Option<String>, opponent: Opponent) -> Self {
         let motion = [const { None }; 3];
-        Contact { name: None, surface, opponent, stiffness: None, distance: None, law: LayerLaw::Smooth, motion }
+        Contact {
+            name: None,
+            surface,
+            opponent,
+            stiffness: None,
+            distance: None,
+            law: LayerLaw::Smooth,
+            motion,
+        }
     }
 
     /// The same contact with an obstacle that moves by a displacement over time, in the components that are given. Its

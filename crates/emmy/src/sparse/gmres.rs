@@ -30,6 +30,9 @@ pub struct Solution {
 /// Basis vectors before a restart.
 const RESTART: usize = 60;
 
+/// Basis vectors that are allocated together.
+const IN_RESERVE: usize = 8;
+
 impl Gmres {
     /// Solves `A x = b` from x = 0 until the relative residual is below `tolerance`, or the iterations are used up.
     ///
@@ -83,8 +86,11 @@ impl Gmres {
         for n in 0..limit {
             let next = self.basis.get(n + 1).map_or(0, Vec::len);
             if next == 0 {
+                // Several at once: later solutions take a few iterations more.
                 let length = self.basis[n].len();
-                vector(&mut self.basis, n + 1, length);
+                (n + 1..=(n + IN_RESERVE).min(RESTART)).for_each(|i| _ = vector(&mut self.basis, i, length));
+                (n..(n + IN_RESERVE).min(RESTART))
+                    .for_each(|i| _ = vector(&mut self.columns, i, RESTART + 1));
             }
             let (known, next) = self.basis.split_at_mut(n + 1);
             let next = &mut next[0];

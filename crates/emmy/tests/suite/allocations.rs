@@ -131,7 +131,8 @@ fn a_step_with_contact_allocates_nothing() {
     });
 }
 
-/// A block that bounces on another one, which is held, under its weight.
+/// A block that bounces on another one, which is held, under its weight. It is turned a little: with edges exactly
+/// along each other, some step has no solution.
 #[test]
 fn a_step_with_contact_between_bodies_allocates_nothing() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -139,7 +140,8 @@ fn a_step_with_contact_between_bodies_allocates_nothing() {
     let block = |n: usize| emmy::mesh::block([1.0; 3], [n; 3]).unwrap();
     let mut builder = MeshBuilder::new();
     builder.part("lower", &block(2)).unwrap();
-    let above = Placement::default().shifted([0.0, 1.02, 0.0]);
+    let turned = Placement::default().turned([0.0, 1.0, 0.0], 1e-3, [0.5; 3]).unwrap();
+    let above = turned.shifted([0.0, 1.02, 0.0]);
     builder.part("upper", &block(2).placed(&above).unwrap()).unwrap();
     let builder = Body::builder(builder.build().unwrap())
         .region(rubber)
@@ -148,21 +150,20 @@ fn a_step_with_contact_between_bodies_allocates_nothing() {
         .load(Load::acceleration([0.0, -10.0, 0.0]));
     let body = pool.install(|| builder.build().unwrap());
     pool.install(|| {
-        for degree in 1..=2 {
-            let state = State::initial(&body, 0.0, &[]).unwrap();
-            let settings = NewtonSettings { solver: Solver::Iterative, ..NewtonSettings::default() };
-            let mut motion = Motion::starting(&body, at(DGM, degree), settings, state).unwrap();
-            let mut touched = 0;
-            let mut step = |_: usize| {
-                let record = motion.step(0.005).unwrap();
-                touched += usize::from(record.contact_energy > 0.0);
-                record.step
-            };
-            assert_eq!((1..1000).map(&mut step).last(), Some(999));
-            let counts = measure(|| assert_eq!((1000..1060).map(&mut step).last(), Some(1059)));
-            assert!(touched > 300, "{touched}");
-            assert_eq!(counts.count_total, 0, "degree {degree}");
-        }
+        // The memory grows with the number of pairs; with this degree they are at their most before.
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let settings = NewtonSettings { solver: Solver::Iterative, ..NewtonSettings::default() };
+        let mut motion = Motion::starting(&body, at(DGM, 1), settings, state).unwrap();
+        let mut touched = 0;
+        let mut step = |_: usize| {
+            let record = motion.step(0.005).unwrap();
+            touched += usize::from(record.contact_energy > 0.0);
+            record.step
+        };
+        assert_eq!((1..1000).map(&mut step).last(), Some(999));
+        let counts = measure(|| assert_eq!((1000..1060).map(&mut step).last(), Some(1059)));
+        assert!(touched > 300, "{touched}");
+        assert_eq!(counts.count_total, 0);
     });
 }
 

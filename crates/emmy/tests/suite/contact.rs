@@ -568,7 +568,7 @@ fn steps_in_which_something_would_pass_are_cut() {
         }
         fn notice(&mut self, event: &Event) -> ObserverResult {
             if event.kind == EventKind::Passed {
-                assert!(event.message.contains("would pass through the obstacle"), "{}", event.message);
+                assert!(event.message.contains("would pass through its opponent"), "{}", event.message);
             }
             self.0.push(event.kind);
             Ok(())

@@ -48,8 +48,7 @@ fn an_obstacle_in_uniform_motion_is_one_at_rest() {
             let drifts = InitialVelocity { velocity: [0.3, 0.0, 0.0], ..falls.clone() };
             let start = |body: &Body, velocity| State::initial(body, 0.0, &[velocity]).unwrap();
             let settings = NewtonSettings::default();
-            let mut expected =
-                Motion::starting(&at_rest, scheme, settings, start(&at_rest, falls)).unwrap();
+            let mut expected = Motion::starting(&at_rest, scheme, settings, start(&at_rest, falls)).unwrap();
             let mut motion = Motion::starting(&moving, scheme, settings, start(&moving, drifts)).unwrap();
             let energy = motion.record().total_energy;
             let (mut touched, mut work, n) = (false, 0.0, at_rest.mesh().n_nodes());
@@ -114,7 +113,7 @@ fn a_press_in_equilibrium_is_a_table_that_rises() {
     assert!(down.position(&pressed, top)[1] < 1.1 - 0.1);
 }
 
-/// What is impossible is refused with its reason.
+/// Impossible contacts are refused with a reason.
 #[test]
 fn what_cannot_move_is_refused() {
     let reason = |builder: emmy::body::BodyBuilder| builder.build().unwrap_err().to_string();

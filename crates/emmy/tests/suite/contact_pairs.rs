@@ -423,8 +423,8 @@ fn adaptive_steps_find_the_impact() {
     assert!(errors[1] < 0.3 * errors[0] && errors[0] < 0.02, "{errors:?}");
 }
 
-/// Cubes that pass edge over edge: the smallest gap is that of the edges, although no point of a facet is near, and does
-/// not depend on the list of a motion that was resumed.
+/// Cubes that pass edge over edge: the smallest gap is that of the edges, although no point of a facet is near, and
+/// does not depend on the list of a motion that was resumed.
 #[test]
 fn gaps_of_edges_count() {
     let (mesh, mut velocities) = two_edges();

@@ -5,6 +5,7 @@ mod ball;
 mod balls;
 mod bar_on_wall;
 mod bouncing_bar;
+mod chapter;
 mod cradle;
 mod data;
 mod equal_bars;
@@ -75,7 +76,7 @@ const MEASURES: [(&str, Measure, Option<[&str; 2]>); 18] = [
     ("balls", balls::measure, None),
 ];
 
-/// Contact with obstacles at rest, and between bodies.
+/// Contact with obstacles, and between bodies.
 pub(super) fn contact(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "contact",
@@ -89,9 +90,13 @@ pub(super) fn contact(effort: Effort, pictures: &Pictures) -> Result<Item, Strin
     for problem in &problems {
         against_numbers(&mut item, problem, &|run| !run.long && (run.quick || !effort.quick), pictures)?;
     }
+    chapter::draw(&mut item, pictures)?;
     let block = problems.iter().find(|own| own.name == "block");
     if let (Some(program), Some(problem)) = (effort.ccx, block) {
-        peer::beside(&mut item, (problem, &problem.run[0]), program, pictures)?;
+        peer::calculix(&mut item, (problem, &problem.run[0]), program, pictures)?;
+    }
+    if let (Some(python), Some(problem)) = (effort.mujoco, block) {
+        peer::mujoco(&mut item, (problem, &problem.run[0]), python, pictures)?;
     }
     Ok(item)
 }

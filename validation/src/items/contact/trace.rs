@@ -63,7 +63,11 @@ impl Trace {
         Ok((trace, motion.state().clone()))
     }
 
-    fn march(motion: &mut Motion<'_>, body: &Body, size: f64, end: f64) -> Result<Trace, String> {
+    /// Steps of a motion to a time.
+    ///
+    /// # Errors
+    /// The message of a step that fails.
+    pub(super) fn march(motion: &mut Motion<'_>, body: &Body, size: f64, end: f64) -> Result<Trace, String> {
         let mut trace = Trace {
             records: vec![motion.record().clone()],
             mass: body.lumped_mass().iter().sum(),

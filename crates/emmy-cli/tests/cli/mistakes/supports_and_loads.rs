@@ -46,9 +46,10 @@ fn contacts() -> Vec<Mistake> {
     vec![
         contact("contact-with-friction", &format!("surfaces = \"y-max\"\n{below}\nfriction = 0.3")),
         contact(
-            "contact-with-a-moving-obstacle",
-            "surfaces = \"y-max\"\nobstacle = { plane = { point = [0, -1, 0], normal = [0, 1, 0] }, move = { y = \"t\" } }",
-        ),
+            "contact-with-an-obstacle-that-jumps",
+            "surfaces = \"y-max\"\nobstacle = { plane = { point = [0, -1, 0], normal = [0, 1, 0] }, move = { y = \"0.1 + t\" } }",
+        )
+        .unseen(),
         contact("contact-of-two-surfaces", "surfaces = [\"y-max\", \"x-min\"]").unseen(),
         contact("contact-of-a-surface-with-itself", "surfaces = [\"y-max\", \"y-max\"]").unseen(),
         contact("contact-of-all-with-a-surface", "surfaces = [\"y-max\", \"all\"]").unseen(),

@@ -1,5 +1,5 @@
-//! What contacts ask of a body before it has forces: names, by which their forces count as reactions beside those of
-//! supports; something that can move; and a driven node for each obstacle that moves.
+//! Names of contacts, by which their forces count as reactions beside those of supports; checks of their surfaces; and
+//! the node of each obstacle that moves.
 
 use std::collections::HashSet;
 

@@ -100,7 +100,7 @@ impl<'a> StaticStepper<'a> {
             unknowns: vec![0.0; system.equations.blocks.len()],
             system,
             end: TimePoint::new(body),
-            energy: body.strain_state_near(&state.displacement, &state.coordinates).strain_energy,
+            energy: body.strain_state_near(&state.displacement, &state.coordinates).stored(),
             joints: vec![JointState::default(); body.joints().len()],
         })
     }
@@ -201,8 +201,9 @@ impl Stepper for StaticStepper<'_> {
         self.end.set_reactions(body, &self.system.rest);
         state.displacement.copy_from_slice(&self.end.displacement);
         state.displacement_low.fill(0.0);
-        let mut impulses = Impulses { work: strain_state.strain_energy - self.energy, ..Impulses::default() };
-        self.energy = strain_state.strain_energy;
+        let energy = strain_state.stored();
+        let mut impulses = Impulses { work: energy - self.energy, ..Impulses::default() };
+        self.energy = energy;
         self.add_resultants(&mut impulses);
         Ok(StepOutcome { newton, impulses, strain_state, solver: None })
     }
