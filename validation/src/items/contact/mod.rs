@@ -87,9 +87,6 @@ pub(super) fn contact(effort: Effort, pictures: &Pictures) -> Result<Item, Strin
     );
     let problems = data::problems()?;
     item.tables.push(list(&problems));
-    for problem in &problems {
-        against_numbers(&mut item, problem, &|run| !run.long && (run.quick || !effort.quick), pictures)?;
-    }
     chapter::draw(&mut item, pictures)?;
     let block = problems.iter().find(|own| own.name == "block");
     if let (Some(program), Some(problem)) = (effort.ccx, block) {
@@ -97,6 +94,9 @@ pub(super) fn contact(effort: Effort, pictures: &Pictures) -> Result<Item, Strin
     }
     if let (Some(python), Some(problem)) = (effort.mujoco, block) {
         peer::mujoco(&mut item, (problem, &problem.run[0]), python, pictures)?;
+    }
+    for problem in &problems {
+        against_numbers(&mut item, problem, &|run| !run.long && (run.quick || !effort.quick), pictures)?;
     }
     Ok(item)
 }
