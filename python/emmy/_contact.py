@@ -30,9 +30,7 @@ class _Obstacle(Table):
         _emmy.check("obstacle", self._of_contact())
 
     def _tree(self) -> dict[str, Any]:
-        tree = super()._tree()
-        tree.pop("move", None)
-        return tree
+        return {name: words.tree(value, name) for name, value in self._given().items() if name != "move"}
 
     def _of_contact(self) -> dict[str, Any]:
         """The obstacle with its motion in the words of the input."""

@@ -353,9 +353,8 @@ impl Sections {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
         let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
-        let pushes = body.contacts().any(|contact| contact.smallest_gap < contact.distance);
-        let is_unloaded = !pulls && !pushes && nodal.attractions.is_empty() && !body.is_loaded_at(0.0);
-        if is_equilibrium && is_unloaded {
+        let pulls = pulls || body.contacts().any(|contact| contact.smallest_gap < contact.distance);
+        if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
             notes.push(derived::UNLOADED.to_string());
         }
         if !is_static {
