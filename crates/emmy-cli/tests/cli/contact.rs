@@ -269,7 +269,8 @@ fn obstacles_that_move_and_what_cannot_are_checked() {
 /// layer, and the integral of its force.
 #[test]
 fn the_work_of_an_obstacle_in_an_equilibrium_is_that_of_its_force() {
-    let held = "\n[[support]]\ngroup = \"z-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\nload_steps = 100\n";
+    let held =
+        "\n[[support]]\ngroup = \"z-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\nload_steps = 100\n";
     let place = Place::with(&format!("{}{held}", &BLOCK[..BLOCK.find("[initial]").unwrap()]));
     let told = place.succeed(&["run", "box.toml", "--set", "contact.obstacle.move.z=\"0.16\""]).stderr;
     assert!(!told.contains("undeformed"), "{told}");

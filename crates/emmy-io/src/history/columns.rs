@@ -120,7 +120,8 @@ const COLUMNS: [Column; 26] = [
     },
 ];
 
-const WORK: &str = "work of the loads, and of the reactions of supports and obstacles that move, since the start";
+const WORK: &str =
+    "work of the loads, and of the reactions of supports and obstacles that move, since the start";
 const ENERGY_RESIDUAL: &str = "change of the total energy in this step, minus the external work in it, plus the dissipated energy in it";
 const ANGULAR: &str = "angular momentum about the origin";
 const MOMENTUM_RESIDUAL: &str =
