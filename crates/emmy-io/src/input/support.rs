@@ -125,7 +125,7 @@ fn displacement(table: &Table<'_>, context: Context<'_>, faults: &mut Faults) ->
     displacement
 }
 
-/// Displacements of the components of a table of their own.
+/// The displacements in a table such as `move`.
 pub(super) fn moved_components(
     components: &Table<'_>,
     context: Context<'_>,

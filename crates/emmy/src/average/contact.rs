@@ -1,14 +1,12 @@
 //! Quadrature in time of contact forces.
 
-use super::{FollowerRule, Kind, Rule, StressKind};
+use super::{FollowerRule, Kind, Rule};
 
 /// How a scheme takes the forces of contact.
 #[derive(Debug, Clone)]
 pub enum ContactRule {
     /// By a discrete gradient, which changes the energy exactly: energy-momentum rules.
     Conserving,
-    /// By the force in the middle, for a stiffness that is kept: symmetric derivatives of the mean force of a step.
-    Kept,
     /// By the gradient of the energy at the points of a standard rule.
     Points(Box<FollowerRule>),
 }
@@ -22,7 +20,6 @@ impl ContactRule {
     /// ```
     pub fn new(rule: &Rule) -> Self {
         match rule.kind {
-            Kind::EnergyMomentum(StressKind::StrainingRates) => ContactRule::Kept,
             Kind::EnergyMomentum(_) => ContactRule::Conserving,
             Kind::Standard => ContactRule::Points(Box::new(FollowerRule::new(rule))),
         }

@@ -306,25 +306,6 @@ impl ObstacleLayer {
         }
         true
     }
-
-    /// The mean force per area of a step of degree 1, with a symmetric derivative that no pressure makes indefinite.
-    /// Returns whether it is not zero.
-    pub fn kept_force(
-        &self,
-        path: &PointPath<'_>,
-        forces: &mut [[f64; 3]],
-        derivatives: &mut [Mat3<f64>],
-    ) -> bool {
-        let [g_1, g_2] = [path.start, path.end()].map(|q| self.surface.gap(q));
-        if g_1.min(g_2) >= self.layer.thickness {
-            return false;
-        }
-        let [quotient, slope] = self.quotient(g_1, g_2);
-        let n = self.surface.gradient(path.stage(0));
-        forces.fill(scaled(quotient, n));
-        derivatives.fill(mat3(|i, j| slope * path.weights[0] * n[i] * n[j]));
-        true
-    }
 }
 
 /// A stage of a path.

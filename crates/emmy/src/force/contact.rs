@@ -115,7 +115,6 @@ impl ObstacleContact {
             ContactRule::Points(points) => {
                 (0..points.n_points()).try_for_each(|m| visit(path.at(points.integrals(m))))?;
             }
-            ContactRule::Kept => {}
         }
         visit(path.end())
     }
@@ -142,7 +141,6 @@ impl ObstacleContact {
             let derivatives = &mut own.derivatives[..n_derivatives];
             let acts = match rule {
                 ContactRule::Conserving => point.layer.conserving_forces(&path, forces, derivatives),
-                ContactRule::Kept => point.layer.kept_force(&path, forces, derivatives),
                 ContactRule::Points(points) => {
                     set_point_forces(point.layer, (&path, points), forces, derivatives)
                 }

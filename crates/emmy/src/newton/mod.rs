@@ -267,24 +267,26 @@ impl Newton {
         let (rounding, ending) = (system.rounding(), system.ending());
         let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
         let is_exact = line_search || settings.exact_tangent;
-        let is_approximate = !is_exact && !system.wants_exact_tangent(x);
-        if is_approximate && self.solve_approximately(system, x, &mut run)? {
-            return Ok(run.outcome);
+        let mut is_sudden = !is_exact && system.wants_exact_tangent(x);
+        if !is_exact && !is_sudden {
+            if self.solve_approximately(system, x, &mut run)? {
+                return Ok(run.outcome);
+            }
+            is_sudden = system.wants_exact_tangent(x);
         }
-        self.solve_exactly(system, x, &mut run, line_search)?;
+        self.solve_exactly(system, x, &mut run, (line_search, is_sudden))?;
         Ok(run.outcome)
     }
 
-    /// Corrections with the exact tangent until convergence or failure. Where a part of it changes suddenly, this part
-    /// alone is renewed while that is enough.
+    /// Corrections with the exact tangent until convergence or failure. With `renews`, the parts of it that change
+    /// suddenly are renewed alone while that is enough.
     fn solve_exactly(
         &mut self,
         system: &mut impl System,
         x: &mut [f64],
         run: &mut Run<'_>,
-        line_search: bool,
+        (line_search, renews): (bool, bool),
     ) -> Result<()> {
-        let renews = !(line_search || run.settings.exact_tangent) && system.wants_exact_tangent(x);
         let (mut tangent, mut contraction) = (Tangent::Exact, 1.0);
         let mut forcing = FIRST_FORCING;
         self.exact_from = self.history.len();
@@ -467,7 +469,8 @@ impl Run<'_> {
 /// Largest relative tolerance of a correction (Eisenstat and Walker 1996, choice 2 with gamma = 0.9).
 const FIRST_FORCING: f64 = 1e-3;
 
-/// Part of the residual from which on a correction asks for the whole tangent anew, not for its sudden parts alone.
+/// After a correction that leaves a smaller part of the residual, the next one renews the sudden parts of the tangent
+/// alone.
 const LARGEST_RENEWED: f64 = 0.1;
 
 /// Smallest relative tolerance of a correction.

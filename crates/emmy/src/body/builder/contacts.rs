@@ -72,6 +72,9 @@ pub(super) fn check_motion(mesh: &Mesh, contacts: &[Contact], supports: &[Suppor
             (0..3).for_each(|d| own[d] |= fixed[d] || support.drives(d));
         }
     }
+    if !given.contains(&[true; 3]) {
+        return Ok(());
+    }
     let can_move = |group: Option<&str>| -> Result<bool> {
         let facets = mesh.surface_facets(group)?;
         let mut nodes = facets.iter().flat_map(|facet| mesh.facet_nodes(*facet));
