@@ -368,6 +368,11 @@ impl Body {
         Ok(())
     }
 
+    /// Whether some force has couplings.
+    pub(crate) fn has_couplings(&self) -> bool {
+        self.others().any(|force| force.has_couplings())
+    }
+
     /// Sets the couplings of a stage matrix to those at the rates of a step; all else in it stays.
     ///
     /// # Errors

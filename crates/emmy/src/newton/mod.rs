@@ -39,8 +39,13 @@ pub trait System {
         1.0
     }
 
-    /// Whether some part of the derivative changes so suddenly from a point on that an approximation is of no use.
-    fn wants_exact_tangent(&mut self, _x: &[f64]) -> bool {
+    /// Whether some part of the derivative changes so suddenly from a point on that it must be taken there.
+    fn is_sudden(&mut self, _x: &[f64]) -> bool {
+        false
+    }
+
+    /// Whether the approximate tangent has such parts, too, as they are at the point of a correction.
+    fn approximates_sudden_parts(&self) -> bool {
         false
     }
 
@@ -267,12 +272,12 @@ impl Newton {
         let (rounding, ending) = (system.rounding(), system.ending());
         let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
         let is_exact = line_search || settings.exact_tangent;
-        let mut is_sudden = !is_exact && system.wants_exact_tangent(x);
-        if !is_exact && !is_sudden {
+        let mut is_sudden = !is_exact && system.is_sudden(x);
+        if !is_exact && (!is_sudden || system.approximates_sudden_parts()) {
             if self.solve_approximately(system, x, &mut run)? {
                 return Ok(run.outcome);
             }
-            is_sudden = system.wants_exact_tangent(x);
+            is_sudden = system.is_sudden(x);
         }
         self.solve_exactly(system, x, &mut run, (line_search, is_sudden))?;
         Ok(run.outcome)

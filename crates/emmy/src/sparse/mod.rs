@@ -23,6 +23,7 @@ mod ordering;
 mod pattern;
 mod real;
 pub mod reduce;
+mod row_couplings;
 mod shared_rows;
 mod shifted;
 mod shifted_solver;

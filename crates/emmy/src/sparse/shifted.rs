@@ -5,9 +5,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::blocks::{Blocks, Rows, times};
+use super::Couplings;
 use super::kernel::{Entry, Kernel, Row, Work};
 use super::real::Real;
+use super::row_couplings::RowCouplings;
 use super::sweep::SweepOrder;
+use crate::tensor::Mat3;
 
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
@@ -22,6 +25,8 @@ pub(crate) struct ShiftedMatrix<E: Entry, const C: usize> {
     shift: [E::Number; 2],
     /// Fixed components, whose rows are omitted, `[3 row + component]` in the order of the sweep.
     fixed: Vec<u32>,
+    /// Couplings beyond the pattern.
+    couplings: RowCouplings<E::Number>,
 }
 
 /// Rows of one task.
@@ -40,6 +45,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
             mass: vec![zero; if C == 2 { sweep.columns.len() } else { 0 }],
             shift: [zero; 2],
             fixed: held.collect(),
+            couplings: RowCouplings::default(),
         }
     }
 
@@ -81,7 +87,12 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
             .for_each(|(m, &source)| *m = E::Number::of(mass[source as usize]));
     }
 
-    /// `y = (M + lambda K) x` on the free rows; fixed ones stay zero. Returns `x^T y` (not conjugated).
+    /// Sets the couplings beyond the pattern, as [`RowCouplings::set`].
+    pub(super) fn couple(&mut self, sweep: &SweepOrder, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+        self.couplings.set(sweep, couplings, scale);
+    }
+
+    /// `y = (M + lambda K) x` with the couplings on the free rows; fixed ones stay zero. Returns `x^T y` (not conjugated).
     pub(crate) fn multiply(
         &self,
         sweep: &SweepOrder,
@@ -174,6 +185,7 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
             }
             y[index] = if C == 1 { stiff } else { shifted(matrix, (sweep, row), x, &stiff) };
         }
+        matrix.couplings.add_product(x, first, y);
         matrix.hold(first, y);
         dot(&x[first..first + y.len()], y)
     }

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 
 use super::kernel::Row;
 use super::{
-    ConjugateGradients, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix, SweepOrder,
+    ConjugateGradients, Couplings, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix, SweepOrder,
 };
 use crate::error::Result;
+use crate::tensor::Mat3;
 
 /// The parts of a matrix `M + lambda K` on the free rows of a pattern.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +45,15 @@ pub(crate) trait ShiftedSolver: fmt::Debug + Send {
 
     /// Cost of a new stiffness and its factorisation, in solutions.
     fn refactorization_cost(&self) -> f64;
+
+    /// Whether [`ShiftedSolver::couple`] works.
+    fn takes_couplings(&self) -> bool {
+        false
+    }
+
+    /// Adds `factor R^T A R` to the matrix of [`ShiftedSolver::solve`], in the place of earlier couplings, with the
+    /// symmetric part A of some and a rotation R.
+    fn couple(&mut self, _: &Couplings, (_factor, _R): (f64, &Mat3<f64>)) {}
 
     /// Whether [`ShiftedSolver::precondition`] solves with the matrix itself.
     fn is_exact(&self) -> bool {
@@ -105,6 +115,14 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
 
     fn refactorization_cost(&self) -> f64 {
         4.0
+    }
+
+    fn takes_couplings(&self) -> bool {
+        C == 1
+    }
+
+    fn couple(&mut self, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+        self.matrix.couple(&self.sweep, couplings, scale);
     }
 
     fn precondition(&mut self, x: &mut [f64]) {

@@ -17,10 +17,11 @@ use super::conjugate_gradients::Approximate;
 use super::kernel::Row;
 use super::shifted_solver::{MAX_ITERATIONS, Shifted, gather, scatter};
 use super::{
-    BlockCholesky, ConjugateGradients, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver, SweepOrder,
+    BlockCholesky, ConjugateGradients, Couplings, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver, SweepOrder,
     nested_dissection,
 };
 use crate::error::Result;
+use crate::tensor::Mat3;
 
 /// Conjugate gradients, preconditioned by a V-cycle of multigrid with `M + |lambda| K`.
 #[derive(Debug)]
@@ -101,6 +102,14 @@ impl<const C: usize> ShiftedSolver for Multigrid<C> {
     /// With 4, a hierarchy replaced too early costs up to 1.7 times the time of a step; 10 to 30 make no difference.
     fn refactorization_cost(&self) -> f64 {
         16.0
+    }
+
+    fn takes_couplings(&self) -> bool {
+        C == 1
+    }
+
+    fn couple(&mut self, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+        self.matrix.couple(&self.sweep, couplings, scale);
     }
 
     fn precondition(&mut self, x: &mut [f64]) {

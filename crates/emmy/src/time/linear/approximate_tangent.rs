@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::force::{StepDamping, StepInput};
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{Solver, SolverChoice};
+use crate::sparse::{Couplings, Solver, SolverChoice};
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{IDENTITY, exp, product};
 use crate::time::Memory;
@@ -39,6 +39,8 @@ pub(crate) struct ApproximateTangent {
     turning: Vec<Turning>,
     /// Whether there are joints.
     has_joints: bool,
+    /// Whether the solvers have couplings.
+    has_couplings: bool,
     /// Memory for the spins of a part.
     spins: Vec<[f64; 3]>,
     /// Memory for stages.
@@ -93,6 +95,7 @@ impl ApproximateTangent {
             rotation: [0.0; 3],
             turning: Turning::all(nodes.len(), body),
             has_joints: !body.mechanism.components.is_empty(),
+            has_couplings: false,
             spins: vec![[0.0; 3]; nodes.len()],
             turned: vec![0.0; n * nodes.len()],
             time_scale_of_factors: None,
@@ -303,6 +306,18 @@ impl ApproximateTangent {
         self.solvers.refactorization_cost()
     }
 
+    /// Whether [`ApproximateTangent::couple`] works. The flexibility of constraints would have to follow the couplings.
+    pub(crate) fn takes_couplings(&self, body: &Body) -> bool {
+        self.is_factorised() && body.constraints().is_empty() && self.solvers.takes_couplings()
+    }
+
+    /// Adds the symmetric part of the couplings of a stage matrix, in the place of earlier ones.
+    pub(crate) fn couple(&mut self, couplings: &Couplings) {
+        self.has_couplings = !couplings.is_empty();
+        let rotation = self.turning.first().map_or(&IDENTITY, Turning::rotation);
+        self.solvers.couple(couplings, rotation);
+    }
+
     /// Solves the linearised stage equations to a relative tolerance. Returns the number of iterations, `None` if a
     /// solver missed the tolerance.
     ///
@@ -349,7 +364,8 @@ impl ApproximateTangent {
     fn solve_turned(&mut self, body: &Body, z: &mut [f64], tolerance: f64) -> Option<usize> {
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         body.space.follow(z);
-        if iterations.is_none() {
+        // With couplings, it is these that may be indefinite.
+        if iterations.is_none() && !self.has_couplings {
             self.solvers.fall_back(body.space.is_shared());
             self.time_scale_of_factors = None;
         }

@@ -300,6 +300,19 @@ impl ModeSolvers {
         Ok(())
     }
 
+    /// Whether [`ModeSolvers::couple`] works: several stages have couplings that no change of basis decouples.
+    pub(super) fn takes_couplings(&self) -> bool {
+        matches!(&self.solvers[..], [solver] if solver.takes_couplings())
+    }
+
+    /// Adds `R^T A R` to the linearised stage equations, in the place of earlier couplings, with the symmetric part A
+    /// of some.
+    pub(super) fn couple(&mut self, couplings: &Couplings, R: &Mat3<f64>) {
+        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
+            solver.couple(couplings, (mode.forward[0] * mode.backward[0], R));
+        }
+    }
+
     /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns
     /// the number of iterations, `None` if a solver missed the tolerance.
     pub(super) fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {

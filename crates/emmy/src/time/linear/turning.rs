@@ -86,6 +86,11 @@ impl Turning {
         self.set_spins(rule, spins);
     }
 
+    /// The rotation from K to the first Gauss point.
+    pub(super) fn rotation(&self) -> &Mat3<f64> {
+        &self.rotations[0]
+    }
+
     /// Turns stages, `[k][n_nodes][3]`, back to the orientation of K.
     pub(super) fn turn_back(&self, stages: &mut [f64]) {
         let n = stages.len() / self.rotations.len();

@@ -56,6 +56,15 @@ impl StageSystem<'_> {
         Ok(())
     }
 
+    /// Lets the approximate tangent take part in the couplings at some unknowns, if it can.
+    fn couple(&mut self, unknowns: &[f64]) -> Result<()> {
+        if self.equations.body.has_couplings() && self.approximates_sudden_parts() {
+            self.equations.renew_couplings(unknowns)?;
+            self.approximate_tangent.couple(&self.equations.assembly.matrix.couplings);
+        }
+        Ok(())
+    }
+
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         let blocks = self.equations.blocks;
@@ -238,7 +247,10 @@ impl System for StageSystem<'_> {
         self.set_floor(x);
         self.set_flexibility()?;
         let iterations = match tangent {
-            Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
+            Tangent::Reused | Tangent::Refactorized => {
+                self.couple(x)?;
+                self.solve_approximately(tolerance, dx)
+            }
             Tangent::Exact => {
                 self.equations.assemble_tangent(x)?;
                 self.solve_exactly(tolerance, dx)
@@ -262,9 +274,13 @@ impl System for StageSystem<'_> {
         )
     }
 
-    fn wants_exact_tangent(&mut self, x: &[f64]) -> bool {
+    fn is_sudden(&mut self, x: &[f64]) -> bool {
         let [rates, ..] = self.equations.blocks.split(x);
         self.equations.body.has_sudden_force(&self.equations.step_at(rates), &self.equations.assembly)
+    }
+
+    fn approximates_sudden_parts(&self) -> bool {
+        self.approximate_tangent.takes_couplings(self.equations.body)
     }
 
     fn refactorization_cost(&self) -> f64 {
