@@ -110,7 +110,11 @@ impl Newton {
             if ratio >= 2.0 * tolerance {
                 tightest = 0.5 * ratio;
             }
-            forcing = (0.1 * tolerance).max(tightest).clamp(TIGHTEST, LOOSEST);
+            let next = match run.is_sudden {
+                true => (0.1 * ratio).max(TIGHTEST_OF_SUDDEN),
+                false => (0.1 * tolerance).max(tightest),
+            };
+            forcing = next.clamp(TIGHTEST, LOOSEST);
             // A part of a correction leaves the rest of the residual, however good the tangent is.
             let of_tangent = ((ratio - (1.0 - self.part)) / self.part).max(0.0);
             let cost = system.refactorization_cost();
@@ -139,7 +143,7 @@ impl Newton {
                 // Far from the solution, the tangent of the present iterate is better than that of the previous one.
                 let left = pace.map_or(0.0, |pace| run.corrections_to(run.goal(), pace));
                 let with_new = self.corrections_with_new(run, cost).unwrap_or(FRESH);
-                !is_fresh && self.part == 1.0 && left > cost + with_new
+                !is_fresh && !run.is_sudden && self.part == 1.0 && left > cost + with_new
             };
             if renews {
                 slow_renewals += usize::from(is_slow && is_fresh);
@@ -339,3 +343,7 @@ const FRESH: f64 = 4.0;
 /// Tightest and loosest relative tolerance of a correction with the approximate tangent.
 const TIGHTEST: f64 = 1e-4;
 const LOOSEST: f64 = 0.1;
+
+/// Tightest tolerance with sudden parts: corrections contract more and more, but not beyond the rounding of K to 16
+/// bits.
+const TIGHTEST_OF_SUDDEN: f64 = 2e-3;

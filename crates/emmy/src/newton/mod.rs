@@ -270,9 +270,9 @@ impl Newton {
         self.exact_from = usize::MAX - 3;
         self.has_open_end = false;
         let (rounding, ending) = (system.rounding(), system.ending());
-        let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending };
         let is_exact = line_search || settings.exact_tangent;
         let mut is_sudden = !is_exact && system.is_sudden(x);
+        let mut run = Run { outcome: Outcome::default(), sizes, settings, rounding, ending, is_sudden };
         if !is_exact && (!is_sudden || system.approximates_sudden_parts()) {
             if self.solve_approximately(system, x, &mut run)? {
                 return Ok(run.outcome);
@@ -440,6 +440,8 @@ struct Run<'a> {
     rounding: f64,
     /// [`System::ending`].
     ending: Ending,
+    /// Whether the approximate tangent has parts that change suddenly, as they are at each point.
+    is_sudden: bool,
 }
 
 impl Run<'_> {

@@ -1,6 +1,7 @@
 //! Blocks of a stage matrix beyond its pattern.
 
-use std::collections::HashMap;
+/// End of a list.
+const NONE: u32 = u32::MAX;
 
 /// Blocks between nodes that come near each other for a while, in the order in which they were added.
 ///
@@ -16,8 +17,11 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Default)]
 pub struct Couplings {
     degree: usize,
-    places: HashMap<(u32, u32), u32>,
     nodes: Vec<(u32, u32)>,
+    /// The latest coupling of each row, and the one before each coupling in its row: rows have so few that these lists
+    /// are faster than a hash table.
+    latest: Vec<u32>,
+    before: Vec<u32>,
     /// `[coupling][i k + j][3 a + b]`.
     blocks: Vec<f64>,
 }
@@ -45,8 +49,9 @@ impl Couplings {
 
     /// Removes all.
     pub fn clear(&mut self) {
-        self.places.clear();
+        self.nodes.iter().for_each(|(row, _)| self.latest[*row as usize] = NONE);
         self.nodes.clear();
+        self.before.clear();
         self.blocks.clear();
     }
 
@@ -54,14 +59,33 @@ impl Couplings {
         9 * self.degree * self.degree
     }
 
+    /// Number of a coupling.
+    fn find(&self, row: u32, column: u32) -> Option<u32> {
+        let mut place = self.latest.get(row as usize).copied().unwrap_or(NONE);
+        while place != NONE && self.nodes[place as usize].1 != column {
+            place = self.before[place as usize];
+        }
+        (place != NONE).then_some(place)
+    }
+
+    /// Adds the next coupling to the list of its row.
+    fn link(&mut self, place: usize) {
+        let row = self.nodes[place].0 as usize;
+        if self.latest.len() <= row {
+            self.latest.resize(row + 1, NONE);
+        }
+        self.before.push(std::mem::replace(&mut self.latest[row], place as u32));
+    }
+
     /// The blocks of a row and a column, `[i k + j][3 a + b]`; zero at first.
     pub fn block_mut(&mut self, row: u32, column: u32) -> &mut [f64] {
-        let (size, next) = (self.size(), self.nodes.len() as u32);
-        let place = *self.places.entry((row, column)).or_insert(next);
-        if place == next {
+        let size = self.size();
+        let place = self.find(row, column).unwrap_or_else(|| {
             self.nodes.push((row, column));
+            self.link(self.nodes.len() - 1);
             self.blocks.resize(self.blocks.len() + size, 0.0);
-        }
+            self.nodes.len() as u32 - 1
+        });
         &mut self.blocks[place as usize * size..][..size]
     }
 
@@ -127,7 +151,9 @@ impl Couplings {
                 *entry = own[9 * (stages % k * k + stages / k) + 3 * (within % 3) + within / 3];
             }
         }
-        self.places = (0..).zip(&self.nodes).map(|(place, nodes)| (*nodes, place)).collect();
+        self.latest.fill(NONE);
+        self.before.clear();
+        (0..self.nodes.len()).for_each(|place| self.link(place));
     }
 
     /// Replaces the matrix by its symmetric part.

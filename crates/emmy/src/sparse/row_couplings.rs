@@ -6,6 +6,7 @@ use super::kernel::Row;
 use super::real::Real;
 use super::sweep::SweepOrder;
 use crate::tensor::Mat3;
+use crate::tensor::rotation::{IDENTITY, product, transposed};
 
 /// A symmetric matrix of couplings beyond a pattern, by rows in the order of a sweep.
 #[derive(Debug, Clone, Default)]
@@ -49,12 +50,11 @@ impl<T: Real> RowCouplings<T> {
             }
             let Some(sum) = blocks.last_mut() else { continue };
             let (block, is_transpose) = (couplings.block(number as usize / 2), number % 2 == 1);
-            let turned = |a: usize, b: usize| -> f64 {
-                (0..9).map(|at| R[at / 3][a] * block[at] * R[at % 3][b]).sum()
-            };
+            let block = [0, 1, 2].map(|a| [block[3 * a], block[3 * a + 1], block[3 * a + 2]]);
+            let turned = if *R == IDENTITY { block } else { product(&transposed(R), &product(&block, R)) };
             for a in 0..3 {
                 for b in 0..3 {
-                    let entry = if is_transpose { turned(b, a) } else { turned(a, b) };
+                    let entry = if is_transpose { turned[b][a] } else { turned[a][b] };
                     sum[b][a] += T::of(0.5 * factor * entry);
                 }
             }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, Rows, times};
 use super::Couplings;
+use super::blocks::{Blocks, Rows, times};
 use super::kernel::{Entry, Kernel, Row, Work};
 use super::real::Real;
 use super::row_couplings::RowCouplings;

@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::kernel::Row;
 use super::{
-    ConjugateGradients, Couplings, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix, SweepOrder,
+    ConjugateGradients, Couplings, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix,
+    SweepOrder,
 };
 use crate::error::Result;
 use crate::tensor::Mat3;

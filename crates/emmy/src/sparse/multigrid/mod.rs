@@ -17,8 +17,8 @@ use super::conjugate_gradients::Approximate;
 use super::kernel::Row;
 use super::shifted_solver::{MAX_ITERATIONS, Shifted, gather, scatter};
 use super::{
-    BlockCholesky, ConjugateGradients, Couplings, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver, SweepOrder,
-    nested_dissection,
+    BlockCholesky, ConjugateGradients, Couplings, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver,
+    SweepOrder, nested_dissection,
 };
 use crate::error::Result;
 use crate::tensor::Mat3;

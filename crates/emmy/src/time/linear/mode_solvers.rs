@@ -9,10 +9,11 @@ use crate::body::{Assembly, Body};
 use crate::error::{Error, Result};
 use crate::force::StepInput;
 use crate::sparse::{
-    Condensation, Direct, DirectPair, Iterative, Multigrid, SharedRows, Shifted, ShiftedSolver, Solver,
-    SolverChoice, SolverKind, StageMatrix, SweepOrder, TeamSolver, inverse,
+    Condensation, Couplings, Direct, DirectPair, Iterative, Multigrid, SharedRows, Shifted, ShiftedSolver,
+    Solver, SolverChoice, SolverKind, StageMatrix, SweepOrder, TeamSolver, inverse,
 };
 use crate::team::{Engine, EngineKind};
+use crate::tensor::Mat3;
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
 
