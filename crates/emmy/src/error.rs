@@ -388,6 +388,8 @@ pub enum Error {
     Contact {
         /// Its name.
         contact: String,
+        /// The key of its table in an input that is wrong; empty: the contact as a whole.
+        key: &'static str,
         /// Reason.
         reason: String,
     },
