@@ -24,7 +24,7 @@ pub struct Intersection {
     /// Where an edge of one meets a triangle of the other.
     pub at: [f64; 3],
     /// The deepest of the ends of such edges inside the other body, and its distance to the surface \[length\]: no
-    /// more than how deep the bodies overlap. `None` where they touch.
+    /// more than how deep the bodies overlap. `None` where they touch, or no end is inside.
     pub deepest: Option<([f64; 3], f64)>,
 }
 
@@ -110,17 +110,27 @@ impl SurfaceLayer {
         }
         let at = first?;
         let depths = inside.into_iter().map(|((end, body), way)| {
-            let (end, mut depth) = (place(end), way);
+            let end = place(end);
+            // The distance, and the height above the nearest triangle; of several, above the one that faces the end.
+            let mut nearest = (way, 0.0f64);
             tree.for_each_meeting(&boxes, &Bounds::of(end).inflated(way), &mut |number| {
-                if body_of(number) == body {
-                    let [a, b, c] = surface.triangles[number as usize].corners.map(place);
-                    let closest = Closest::new(PairKind::PointTriangle, &[end, a, b, c]);
-                    depth = depth.min(closest.squared_distance.sqrt());
+                if body_of(number) != body {
+                    return;
+                }
+                let [a, b, c] = surface.triangles[number as usize].corners.map(place);
+                let distance = Closest::new(PairKind::PointTriangle, &[end, a, b, c]).squared_distance.sqrt();
+                let normal = cross(minus(b, a), minus(c, a));
+                let height = dot3(minus(end, a), normal) / dot3(normal, normal).sqrt();
+                let is_as_near = distance <= nearest.0 * (1.0 + TOUCH);
+                if distance < nearest.0 * (1.0 - TOUCH) || is_as_near && height.abs() > nearest.1.abs() {
+                    nearest = (distance, height);
                 }
             });
-            (end, depth, way)
+            (end, nearest, way)
         });
-        let real = depths.filter(|(_, depth, way)| *depth > TOUCH * way).map(|(end, depth, _)| (end, depth));
+        // An edge may touch a triangle without leading inside.
+        let real = depths.filter(|(_, (depth, height), way)| *height < 0.0 && *depth > TOUCH * way);
+        let real = real.map(|(end, (depth, _), _)| (end, depth));
         let deepest = real.reduce(|best, next| if next.1 > best.1 { next } else { best });
         Some(Intersection { at, deepest })
     }

@@ -119,7 +119,7 @@ impl Contact {
                     short_vector(node),
                     short(depth)
                 ),
-                None => format!("its surfaces touch at {}: {apart}", short_vector(at)),
+                None => format!("its surfaces touch or intersect at {}: {apart}", short_vector(at)),
             }));
         }
         if let Some(([inner, outer], at)) = layer.enclosed(whole_parts(mesh, &facets.concat())) {
