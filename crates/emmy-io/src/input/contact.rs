@@ -127,8 +127,9 @@ pub(super) fn read(
         }
         ([own, other], None) if own.0 == other.0 => {
             let message = "contact of a body with itself is not there yet";
-            return Err(Fault::at(&other.1, message, "the same surface")
-                .help("name two bodies, two surfaces of one body that share no node, or `\"all\"` for all bodies with each other"));
+            let help = "name two bodies, two surfaces of one body that share no node, or `\"all\"` for all bodies \
+                        with each other";
+            return Err(Fault::at(&other.1, message, "the same surface").help(help));
         }
         ([own, other], None) => match [named(own), named(other)] {
             [Some(own), Some(other)] => (Some(own), Opponent::Surface(other)),
