@@ -234,6 +234,7 @@ _WORDS = [
 # From tables of a whole input to arguments of `Body` and `Motion`, in this order.
 _WORDS_OF_WHOLE = [
     (r"^(contact|joint|load|region|support|tie)(?=\[)", r"\1s"),
+    (r"^(contacts\[\d+\])\.obstacle(\.(plane|sphere|cylinder))?", r"\1.opponent"),
     (r"^mass(?=\[)", "masses"),
     (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
     (r"^time$", "steps"),

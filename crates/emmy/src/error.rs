@@ -2,7 +2,9 @@
 
 mod advice;
 
-use self::advice::{advice_on_steps, contradiction, lost};
+use self::advice::{
+    advice_on_equilibrium, advice_on_failure, advice_on_steps, contradiction, far_away, in_contact, lost,
+};
 use crate::mesh::CellKind;
 use crate::number::{short, short_vector};
 
@@ -386,6 +388,8 @@ pub enum Error {
     Contact {
         /// Its name.
         contact: String,
+        /// The key of its table in an input that is wrong; empty: the contact as a whole.
+        key: &'static str,
         /// Reason.
         reason: String,
     },
@@ -458,13 +462,16 @@ pub enum Error {
     },
     /// A body that is to be in equilibrium, and is free to move as a rigid body.
     #[error(
-        "nothing holds {part} against {motions}; an equilibrium needs supports or springs to the ground there, or a contact that touches"
+        "nothing holds {part} against {motions}; an equilibrium needs supports or springs to the ground there, or a contact that touches{}",
+        far_away(.contacts)
     )]
     NotHeld {
         /// The body, or a part of it.
         part: String,
         /// The rigid motions that are free.
         motions: String,
+        /// Contacts of this part that do not touch anything, each with its smallest gap and its distance \[length\].
+        contacts: Vec<(String, [f64; 2])>,
     },
     /// A body in equilibrium with a part that moves without resistance: a link that can turn, or a buckled member.
     #[error(
@@ -498,8 +505,8 @@ pub enum Error {
     },
     /// An increment without equilibrium, with every size down to the smallest one.
     #[error(
-        "no equilibrium was found beyond a load fraction of {fraction}, with increments down to {increment}; the body may snap \
-         through or buckle there: try smaller loads, more supports, or a motion in which the loads grow slowly, with damping",
+        "no equilibrium was found beyond a load fraction of {fraction}, with increments down to {increment}; {advice}",
+        advice = advice_on_equilibrium(.cause),
         fraction = short(.fraction),
         increment = short(.increment)
     )]
@@ -515,7 +522,8 @@ pub enum Error {
     /// Newton's iteration for an equilibrium that did not converge.
     #[error(
         "no convergence at a load fraction of {fraction}: residual {residual:.3e} after {iterations} \
-         (wanted {target:.3e}), largest at node {node} near {position}",
+         (wanted {target:.3e}), largest at node {node} near {position}{}",
+        in_contact(.contact),
         iterations = counted(*.iterations),
         fraction = short(.fraction),
         position = short_vector(.position)
@@ -533,6 +541,8 @@ pub enum Error {
         node: usize,
         /// Its last position in equilibrium.
         position: [f64; 3],
+        /// Name of a contact in which something was near it there.
+        contact: Option<Box<str>>,
     },
     /// A scheme that does not parse or does not exist for the degree.
     #[error("scheme \"{scheme}\": {reason}")]
@@ -620,7 +630,8 @@ pub enum Error {
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} \
-         (wanted {target:.3e}), largest at node {node} near {position}{of}; try a smaller step, or more iterations",
+         (wanted {target:.3e}), largest at node {node} near {position}{of}{}; try a smaller step, or more iterations",
+        in_contact(.contact),
         iterations = counted(*.iterations),
         time = short(.time),
         position = short_vector(.position),
@@ -643,6 +654,8 @@ pub enum Error {
         position: [f64; 3],
         /// Name of the rigid body to whose frame it belongs.
         rigid: Option<Box<str>>,
+        /// Name of a contact in which something was near it in the last good state.
+        contact: Option<Box<str>>,
     },
     /// Joints whose given motions no velocity obeys.
     #[error(
@@ -689,9 +702,9 @@ pub enum Error {
     },
     /// A step whose equations cannot be solved from any starting point.
     #[error(
-        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and {}",
+        "step {step}, to t = {}, cannot be solved{}",
         short(.time),
-        if *.has_cells { "the material" } else { "the joints" }
+        advice_on_failure(.cause, *.has_cells)
     )]
     StepFailed {
         /// Number of the step that failed.
@@ -905,6 +918,46 @@ mod tests {
             cause: cause.clone(),
         };
         assert!(smallest(true).to_string().contains("a finer mesh"));
+        let passed = Box::new(Error::Passed { contact: "floor".into(), at: [0.0, 0.5, 1.0] });
+        let failed = Error::StepFailed { step: 1, time: 0.5, has_cells: true, cause: passed.clone() };
+        let passing = "in contact \"floor\" something would pass near [0, 0.5, 1]";
+        assert!(
+            failed.to_string().ends_with(&format!("cannot be solved: {passing}; try a smaller step")),
+            "{failed}"
+        );
+        let no_equilibrium =
+            |cause: Box<Error>| Error::NoEquilibrium { fraction: 0.5, increment: 0.1, cause };
+        for error in [
+            Error::SmallestStep {
+                step: 1,
+                start: 0.0,
+                step_size: 0.5,
+                has_cells: true,
+                cause: passed.clone(),
+            },
+            Error::SmallestStep {
+                step: 1,
+                start: 0.0,
+                step_size: 0.5,
+                has_cells: true,
+                cause: Box::new(failed),
+            },
+            no_equilibrium(passed),
+        ] {
+            assert!(error.to_string().contains(&format!("; {passing}: try")), "{error}");
+        }
+        let no_balance = Error::NotBalanced {
+            fraction: 0.6,
+            iterations: 9,
+            residual: 1.0,
+            target: 1e-9,
+            node: 3,
+            position: [1.0; 3],
+            contact: Some("floor".into()),
+        };
+        assert!(no_balance.to_string().ends_with("near [1, 1, 1] in contact \"floor\""), "{no_balance}");
+        let message = no_equilibrium(Box::new(no_balance)).to_string();
+        assert!(message.contains("buckle there, or slide in contact \"floor\": try"), "{message}");
         assert!(!smallest(false).to_string().contains("mesh"));
         let names = |names: &str| names.chars().map(String::from).collect::<Vec<_>>();
         for (driven, expected) in [

@@ -173,8 +173,8 @@ const ALL: &str = "[[contact]]\nsurfaces = \"all\"\n";
 #[test]
 fn impossible_contacts_of_bodies_have_a_reason() {
     for (at, contacts, words) in [
-        ("[0.2, 0.3, 0.9]", BETWEEN.to_string(), "its surfaces touch or intersect at"),
-        ("[0.2, 0.3, 1.0]", ALL.to_string(), "its surfaces touch or intersect at"),
+        ("[0.2, 0.3, 0.9]", BETWEEN.to_string(), " lies 0.1 inside the other body: move the bodies apart by"),
+        ("[0.2, 0.3, 1.0]", ALL.to_string(), "its surfaces touch or intersect at ["),
         (
             "[0, 0, 1.1]",
             format!("{BETWEEN}\n{ALL}"),
@@ -183,7 +183,7 @@ fn impossible_contacts_of_bodies_have_a_reason() {
         (
             "[0, 0, 1.1]",
             "[[contact]]\nsurfaces = \"upper\"".into(),
-            "contact of a body with itself is not there yet",
+            "contact of a body with itself is not there yet: name a second surface that shares no node",
         ),
         (
             "[0, 0, 1.1]",
@@ -288,4 +288,86 @@ fn the_work_of_an_obstacle_in_an_equilibrium_is_that_of_its_force() {
     assert!(fractions[last] == 1.0 && layer[last] > 0.01 * strain[last] && works[last] > 1.0);
     assert!((works[last] / integral - 1.0).abs() < 1e-3, "{} {integral}", works[last]);
     assert!((works[last] - total[last]).abs() < 1e-12 * total[last]);
+}
+
+/// The undeformed body is no equilibrium: the numbers of its row are not those of the contact.
+#[test]
+fn statistics_of_equilibria_do_not_begin_before_the_first() {
+    let held =
+        "\n[[support]]\ngroup = \"z-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\nload_steps = 2\n";
+    let place = Place::with(&format!("{}{held}", &BLOCK[..BLOCK.find("[initial]").unwrap()]));
+    let told =
+        place.succeed(&["run", "box.toml", "--set", "contact.obstacle.plane.point=[0,0,-0.045]"]).stderr;
+    let (history, summary) = (place.history("out"), place.summary("out"));
+    let (gaps, forces) = (&history["smallest_gap"], &history["floor_force_z"]);
+    let (energies, floor) = (&history["contact_energy"], &summary["contacts"][0]);
+    assert!(gaps.len() == 3 && gaps[0] < gaps[1] && forces[0] > forces[1] && energies[0] > energies[1]);
+    let smallest = gaps[1].min(gaps[2]);
+    assert_eq!(summary["smallest_gap"].as_f64().unwrap(), smallest);
+    assert!(summary["smallest_gap_step"].as_u64().unwrap() > 0, "{summary}");
+    assert_eq!(summary["largest_contact_energy"].as_f64().unwrap(), energies[1].max(energies[2]));
+    assert!(
+        (floor["largest_force"].as_f64().unwrap() / forces[1].max(forces[2]) - 1.0).abs() < 1e-9,
+        "{floor}"
+    );
+    assert!(told.contains(&format!("smallest gap {smallest:.3} of")), "{told}");
+}
+
+#[test]
+fn equilibria_without_support_say_how_far_the_contact_is() {
+    let free = format!("{}\n[equilibrium]\nload_steps = 2\n", &BLOCK[..BLOCK.find("[initial]").unwrap()]);
+    let words = "the smallest gap of contact \"floor\" is 0.06, and its layer begins at a distance of 0.05: move it \
+                 nearer, or hold it";
+    let told = |text: &str, more: &[&str]| {
+        let place = Place::with(text);
+        let outcome = place.emmy(&[&["run", "box.toml"], more].concat());
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        outcome.stderr.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "")
+    };
+    let alone = told(&free, &[]);
+    assert!(alone.contains("nothing holds the body") && alone.contains(words), "{alone}");
+    // Before a motion, and not of a contact that touches.
+    let before = told(&format!("{BLOCK}\n[equilibrium]\nload_steps = 2\n"), &[]);
+    assert!(before.contains(words), "{before}");
+    let touches = told(&free, &["--set", "contact.obstacle.plane.point=[0,0,-0.04]"]);
+    assert!(touches.contains("translation along x") && !touches.contains("smallest gap"), "{touches}");
+}
+
+/// Explicit steps of more than the thickness of the layer, down to the smallest size.
+#[test]
+fn steps_that_fail_in_contact_name_it() {
+    let flags = ["--set", "contact.distance=0.001", "--set", "time.scheme=central-differences"];
+    let failed = |smallest: &str| {
+        let place = Place::with(BLOCK);
+        let more = ["--set", "contact.obstacle.plane.point=[0,0,-0.0587]", "--set", smallest];
+        let outcome = place.emmy(&[&["run", "box.toml"], &flags[..], &more[..]].concat());
+        assert_eq!(outcome.code, 3, "{}", outcome.stderr);
+        outcome.stderr
+    };
+    let cut = failed("time.smallest_step=0.0025");
+    let words = "down to 0.0025; in contact \"floor\" something would pass near [";
+    assert!(cut.contains(words) && cut.contains("try a smaller `smallest_step`"), "{cut}");
+    let whole = failed("time.smallest_step=0.005");
+    assert!(
+        whole.contains("contact \"floor\": its surface would pass through its opponent near ["),
+        "{whole}"
+    );
+}
+
+#[test]
+fn bodies_that_lie_inside_others_are_refused() {
+    let inside = |contacts: &str| {
+        let text =
+            two_blocks("[0.3, 0.3, 0.3]", contacts).replacen("size = [1, 1, 1]", "size = [3, 3, 3]", 1);
+        let place = Place::with(&text);
+        let outcome = place.emmy(&["check", "box.toml"]);
+        (outcome.code, outcome.stderr.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    for contacts in [BETWEEN, ALL] {
+        let (code, told) = inside(contacts);
+        assert!(code == 2 && told.contains("\"upper\" lies inside \"lower\", at ["), "{told}");
+        assert!(told.contains("these surfaces"), "{told}");
+    }
+    let (code, told) = inside("[[contact]]\nsurfaces = [\"lower-z-max\", \"upper\"]\n");
+    assert_eq!(code, 0, "{told}");
 }

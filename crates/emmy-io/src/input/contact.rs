@@ -89,11 +89,13 @@ static CYLINDER: Described = Described::new(|| {
         .absent("outside")
 });
 
-/// A contact with the places of its table and of the names of its surfaces.
+/// A contact with the places of its table, of its keys and of the names of its surfaces.
 #[derive(Debug)]
 pub(super) struct PlacedContact {
     pub(super) contact: Contact,
     place: Place,
+    /// The keys of its table, and of the tables in it.
+    keys: Vec<(String, Place)>,
     groups: Vec<(String, Place)>,
     /// Where the obstacle is moved.
     moved: Option<Place>,
@@ -120,13 +122,14 @@ pub(super) fn read(
     let (surface, opponent) = match (&groups[..], obstacle) {
         ([_, other], Some(_)) => {
             let message = "contact with an obstacle has one surface";
-            return Err(Fault::at(&other.1, message, "this is another one")
-                .help("give each pair a [[contact]] of its own"));
+            let help = format!("surfaces = {:?}; give each surface a [[contact]] of its own", groups[0].0);
+            return Err(Fault::at(&other.1, message, "this is another one").help(help));
         }
         ([own, other], None) if own.0 == other.0 => {
             let message = "contact of a body with itself is not there yet";
-            return Err(Fault::at(&other.1, message, "the same surface")
-                .help("name two bodies, or `\"all\"` for all bodies with each other"));
+            let help = "name two bodies, two surfaces of one body that share no node, or `\"all\"` for all bodies \
+                        with each other";
+            return Err(Fault::at(&other.1, message, "the same surface").help(help));
         }
         ([own, other], None) => match [named(own), named(other)] {
             [Some(own), Some(other)] => (Some(own), Opponent::Surface(other)),
@@ -152,7 +155,18 @@ pub(super) fn read(
         ..contact
     };
     let groups = groups.into_iter().filter(|(name, _)| name != ALL).collect();
-    Ok(PlacedContact { contact, place: table.place.clone(), groups, moved })
+    Ok(PlacedContact { contact, place: table.place.clone(), keys: keys_of(table), groups, moved })
+}
+
+/// The keys of a table and of the tables in it, each with the place of its value, or of the key of a table.
+fn keys_of(table: &Table<'_>) -> Vec<(String, Place)> {
+    let of_key = |item: Item<'_>| {
+        let own = item.table();
+        let place = if own.is_some() { item.key_place } else { item.place() };
+        let inner = own.as_ref().map(keys_of).unwrap_or_default();
+        std::iter::once((item.key.to_string(), place.clone())).chain(inner)
+    };
+    table.items().flat_map(of_key).collect()
 }
 
 /// Checks that the scheme permits obstacles that move.
@@ -207,15 +221,31 @@ impl PlacedContact {
     }
 }
 
-/// The fault of an impossible contact.
-pub(super) fn fault(error: &emmy::Error, placed: &[(String, Place)]) -> Option<Fault> {
-    let emmy::Error::Contact { contact, .. } = error else { return None };
-    let (_, place) = placed.iter().find(|(name, _)| name == contact)?;
-    Some(Fault::at(place, error.to_string(), "this contact"))
+/// The places of a contact by its name: of its table, and of its keys.
+pub(super) type ContactPlaces = (String, Place, Vec<(String, Place)>);
+
+/// The fault of an impossible contact, at the key that is wrong, as far as it is given. Several have one name only if
+/// this is the fault.
+pub(super) fn fault(error: &emmy::Error, placed: &[ContactPlaces]) -> Option<Fault> {
+    let emmy::Error::Contact { contact, key, .. } = error else { return None };
+    let mut own = placed.iter().filter(|(name, ..)| name == contact).map(|(_, table, keys)| {
+        let place = keys.iter().find(|(own, _)| own == key).map(|(_, place)| place);
+        let label = match (place, *key) {
+            (None, _) => "this contact".to_string(),
+            (_, "surfaces") => "these surfaces".to_string(),
+            (_, key) => format!("this {key}"),
+        };
+        (place.unwrap_or(table), label)
+    });
+    let (place, label) = own.next()?;
+    let fault = Fault::at(place, error.to_string(), label);
+    Some(own.fold(fault, |fault, (place, label)| fault.label(place, format!("and {label}"))))
 }
 
-/// The names of some contacts with the places of their tables.
-pub(super) fn places(contacts: &[PlacedContact]) -> Vec<(String, Place)> {
-    let named = contacts.iter().enumerate();
-    named.map(|(number, own)| (own.contact.name(number), own.place.clone())).collect()
+/// The names of some contacts with their places.
+pub(super) fn places(contacts: &[PlacedContact]) -> Vec<ContactPlaces> {
+    let of = |(number, own): (usize, &PlacedContact)| {
+        (own.contact.name(number), own.place.clone(), own.keys.clone())
+    };
+    contacts.iter().enumerate().map(of).collect()
 }

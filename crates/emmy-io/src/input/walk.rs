@@ -53,7 +53,13 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
         (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
         (Kind::Field(of), _) if !is_of_program(item) => is_right(Item { kind: of, ..item }, faults),
         (Kind::Either(_), _) => match item.of_one_kind() {
-            Some(item) => is_right(item, faults),
+            Some(of_kind) => {
+                let is_right = is_right(of_kind, faults);
+                if !is_right {
+                    faults.advise_last(single(item));
+                }
+                is_right
+            }
             None => faults.keep(Err::<(), _>(mismatch(item))).is_some(),
         },
         (
@@ -275,6 +281,17 @@ fn of_number(key: &str, number: f64) -> String {
             "a constant is an expression, too: {key} = \"{number:?}\"; at a constant rate, {key} = \"{number:?}*t\""
         ),
         _ => format!("a constant is an expression, too: {key} = \"{number:?}\""),
+    }
+}
+
+/// How a single name is written where one alone or a list of several may stand.
+fn single(item: Item<'_>) -> Option<String> {
+    match (item.kind, item.value()) {
+        (Kind::Either(kinds), Value::Array(nodes)) if matches!(kinds[0], Kind::Text) && nodes.len() == 1 => {
+            let name = Item { node: &nodes[0], ..item }.text()?;
+            Some(format!("one name stands without brackets, as with an `obstacle`: {} = {name:?}", item.key))
+        }
+        _ => None,
     }
 }
 

@@ -455,6 +455,18 @@ impl Body {
         self.forces.others.iter().filter(|force| force.contact().is_some()).cloned().collect()
     }
 
+    /// Name of the first contact in which something is near a node at a displacement.
+    pub(crate) fn contact_near(&self, node: usize, displacement: &[f64]) -> Option<&str> {
+        let is_near = |force: &&dyn Force| {
+            let mut is_near = false;
+            force.for_each_contact_node(displacement, &mut |own, at_node| {
+                is_near |= own == node && (at_node.gap.is_finite() || at_node.pressure > 0.0);
+            });
+            is_near
+        };
+        self.others().find(is_near)?.contact().map(|contact| contact.name.as_str())
+    }
+
     /// Rate of the drag \[1/time\].
     pub fn drag(&self) -> f64 {
         self.others().map(|force| force.momentum_rate()).sum()

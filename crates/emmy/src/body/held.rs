@@ -5,7 +5,7 @@ use super::forces::Assembly;
 use super::system::Body;
 use crate::average::Rule;
 use crate::error::{Error, Result};
-use crate::force::StepInput;
+use crate::force::{Force, StepInput};
 use crate::mesh::Mesh;
 use crate::nodal;
 use crate::number::short_vector;
@@ -41,13 +41,15 @@ impl Body {
         let parts = self.connected_parts();
         let n_parts = parts.len();
         for (cell, nodes) in parts {
-            let free = Part::new(self, nodes).free_motions(self, &mut assembly)?;
+            let part = Part::new(self, nodes);
+            let free = part.free_motions(self, &mut assembly)?;
             if !free.is_empty() {
                 let what = match n_parts {
                     1 => "the body".to_string(),
                     _ => format!("the part of the body with cell {cell}"),
                 };
-                return Err(Error::NotHeld { part: what, motions: listed(&free) });
+                let (motions, contacts) = (listed(&free), self.open_contacts(part.nodes()));
+                return Err(Error::NotHeld { part: what, motions, contacts });
             }
         }
         Ok(())
@@ -127,6 +129,25 @@ impl Body {
         parts.retain(|(cell, nodes)| nodes.first().is_some_and(|&node| is_part(*cell, node)));
         parts.sort_by_key(|(cell, _)| *cell);
         parts
+    }
+
+    /// The contacts of a part, given by its nodes, ascending, that touch nothing in the reference configuration: the
+    /// name of each, its smallest gap and its distance.
+    pub(super) fn open_contacts(&self, nodes: &[u32]) -> Vec<(String, [f64; 2])> {
+        let rest = vec![0.0; self.n_dofs()];
+        let is_of_part = |force: &dyn Force| {
+            let mut is_of_part = false;
+            force.for_each_contact_node(&rest, &mut |node, _| {
+                is_of_part |= nodes.binary_search(&(node as u32)).is_ok();
+            });
+            is_of_part
+        };
+        let forces = self.forces_of_contact();
+        let open = forces.iter().filter_map(|force| {
+            let own = force.contact().filter(|own| own.smallest_gap >= own.distance)?;
+            is_of_part(&**force).then(|| (own.name.clone(), [own.smallest_gap, own.distance]))
+        });
+        open.collect()
     }
 
     /// Force of the contacts between bodies in the reference configuration.

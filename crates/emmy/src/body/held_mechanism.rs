@@ -107,7 +107,8 @@ impl Body {
         let is_one = |twist: &&Twist| size(&twist[..]) > ROUNDING;
         let motions: Vec<String> =
             twists.iter().filter(is_one).map(|twist| part.name(twist, &places)).collect();
-        Err(Error::NotHeld { part: name.clone(), motions: listed(&motions) })
+        let contacts = self.open_contacts(part.nodes());
+        Err(Error::NotHeld { part: name.clone(), motions: listed(&motions), contacts })
     }
 
     /// The name of a part: of its first rigid body, or by a cell.

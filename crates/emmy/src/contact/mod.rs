@@ -4,6 +4,7 @@
 //! layer has an energy per area that is zero from a distance on and infinite at distance zero, so nothing passes
 //! through it, and an energy-momentum scheme keeps the sum of all energies: the force of a step is a discrete gradient.
 
+mod apart;
 mod candidates;
 mod closest;
 mod correction;
@@ -20,6 +21,7 @@ mod surface_state;
 mod tests;
 mod tree;
 
+pub use apart::Intersection;
 pub use candidates::{Candidate, Candidates};
 pub use closest::{ActiveFace, Closest, PairKind, PairTangent, PairVectors};
 pub use layer::{Layer, LayerLaw, LayerOf};

@@ -1,4 +1,4 @@
-//! Surfaces outside of a step: energies and gaps, whether they intersect, and how far a correction may go.
+//! Surfaces outside of a step: energies and gaps, and how far a correction may go.
 
 #![allow(non_snake_case)]
 
@@ -9,14 +9,10 @@ use super::links::PairState;
 use super::path::paths_meet;
 use super::surface::Surface;
 use super::surface_layer::SurfaceLayer;
-use super::tree::{Bounds, BoxTree};
 use crate::tensor::dot3;
 
 /// Gaps beyond this many thicknesses are not reported.
 pub const NEAR: f64 = 2.0;
-
-/// Gaps in the reference configuration beyond this many thicknesses are not looked for.
-const FARTHEST_GAP: f64 = 128.0;
 
 /// Energy and gaps at one configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,58 +130,6 @@ impl SurfaceLayer {
         });
         let nodes = pressures.into_iter().zip(gaps);
         nodes.map(|([pressure, area], gap)| SurfaceNode { pressure, area, gap }).collect()
-    }
-
-    /// Smallest distance between two bodies in the reference configuration; infinite beyond 128 times the
-    /// thickness of the layer.
-    pub fn gap(&self) -> f64 {
-        let mut X = vec![[0.0; 3]; self.surface.n_entities()];
-        self.surface.combine(&self.surface.positions, &mut X);
-        let mut reach = self.layer.thickness;
-        while reach < FARTHEST_GAP * self.layer.thickness {
-            let mut candidates = Candidates::default();
-            candidates.cover(&self.surface, |_| reach, &[&X]);
-            let pairs = candidates.pairs.iter();
-            let squares = pairs.map(|own| Closest::new(own.kind, &own.vectors(&X)).squared_distance);
-            let gap = squares.fold(f64::INFINITY, f64::min).sqrt();
-            if gap < reach {
-                return gap;
-            }
-            reach *= 2.0;
-        }
-        f64::INFINITY
-    }
-
-    /// Where an edge of one body and a triangle of another intersect in the reference configuration: an end of the edge
-    /// and a corner of the triangle.
-    pub fn intersection(&self) -> Option<[[f64; 3]; 2]> {
-        let surface = &self.surface;
-        let mut X = vec![[0.0; 3]; surface.n_entities()];
-        surface.combine(&surface.positions, &mut X);
-        let bounds = |entities: &[u32]| {
-            entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(Bounds::of(X[*entity as usize])))
-        };
-        let boxes: Vec<Bounds> = surface.triangles.iter().map(|triangle| bounds(&triangle.corners)).collect();
-        let mut tree = BoxTree::default();
-        tree.fit(&boxes);
-        let mut found = None;
-        for edge in &surface.edges {
-            let query = bounds(&edge.ends);
-            tree.for_each_meeting(&boxes, &query, &mut |number| {
-                let corners = surface.triangles[number as usize].corners;
-                let is_other = surface.body_of[corners[0] as usize] != surface.body_of[edge.ends[0] as usize];
-                if found.is_some() || !is_other {
-                    return;
-                }
-                // The point that moves along the edge meets the triangle.
-                let [a, b, c] = corners.map(|corner| X[corner as usize]);
-                let [from, to] = edge.ends.map(|end| [X[end as usize], a, b, c]);
-                if paths_meet(PairKind::PointTriangle, &from, &to) {
-                    found = Some([from[0], a]);
-                }
-            });
-        }
-        found
     }
 
     /// Largest part, up to 1, of the changes of positions at the end of a step that leaves a part of every gap.

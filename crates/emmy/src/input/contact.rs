@@ -2,6 +2,7 @@
 
 use super::TimeFunction;
 use crate::contact::{LayerLaw, ObstacleSurface};
+use crate::error::Error;
 use crate::tensor::dot3;
 
 /// An obstacle; at rest, unless its contact moves it ([`Contact::moved`]).
@@ -42,40 +43,47 @@ pub enum Obstacle {
     },
 }
 
+/// The key of a contact that is wrong, and the reason.
+pub(crate) type ContactFault = (&'static str, String);
+
 impl Obstacle {
-    /// Its surface; the error is the reason why there is none.
-    pub(crate) fn surface(&self) -> Result<ObstacleSurface, String> {
-        let round = |centre, axis, radius: f64, inside| {
+    /// Its surface; the error is the fault for which there is none.
+    pub(crate) fn surface(&self) -> Result<ObstacleSurface, ContactFault> {
+        let round = |origin, axis, radius: f64, inside| {
             if !(radius > 0.0 && radius.is_finite()) {
-                return Err(format!("the radius of its obstacle must be a positive number, not {radius}"));
+                let reason = format!("the radius of its obstacle must be a positive number, not {radius}");
+                return Err(("radius", reason));
             }
-            let (origin, sign) = (finite(centre)?, if inside { -1.0 } else { 1.0 });
+            let sign = if inside { -1.0 } else { 1.0 };
             Ok(ObstacleSurface::Round { origin, axis, radius, sign })
         };
         match *self {
             Obstacle::Plane { point, normal } => {
-                Ok(ObstacleSurface::Plane { origin: finite(point)?, normal: unit("normal", normal)? })
+                let (origin, normal) = (finite("point", point)?, unit("normal", normal)?);
+                Ok(ObstacleSurface::Plane { origin, normal })
             }
-            Obstacle::Sphere { centre, radius, inside } => round(centre, [0.0; 3], radius, inside),
+            Obstacle::Sphere { centre, radius, inside } => {
+                round(finite("centre", centre)?, [0.0; 3], radius, inside)
+            }
             Obstacle::Cylinder { point, axis, radius, inside } => {
-                round(point, unit("axis", axis)?, radius, inside)
+                round(finite("point", point)?, unit("axis", axis)?, radius, inside)
             }
         }
     }
 }
 
-fn finite(place: [f64; 3]) -> Result<[f64; 3], String> {
+fn finite(what: &'static str, place: [f64; 3]) -> Result<[f64; 3], ContactFault> {
     match place.iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(format!("the place of its obstacle must be finite numbers, not {value}")),
+        Some(value) => Err((what, format!("the {what} of its obstacle must be finite numbers, not {value}"))),
         None => Ok(place),
     }
 }
 
-fn unit(what: &str, direction: [f64; 3]) -> Result<[f64; 3], String> {
+fn unit(what: &'static str, direction: [f64; 3]) -> Result<[f64; 3], ContactFault> {
     let size = dot3(direction, direction).sqrt();
     match size > 0.0 && size.is_finite() {
         true => Ok(direction.map(|x| x / size)),
-        false => Err(format!("the {what} of its obstacle has no direction")),
+        false => Err((what, format!("the {what} of its obstacle has no direction"))),
     }
 }
 
@@ -216,6 +224,11 @@ impl Contact {
     /// The same contact with a law.
     pub fn with_law(self, law: LayerLaw) -> Self {
         Contact { law, ..self }
+    }
+
+    /// The error of a fault; `number`: its place among the contacts, from 0.
+    pub(crate) fn error(&self, number: usize, (key, reason): ContactFault) -> Error {
+        Error::Contact { contact: self.name(number), key, reason }
     }
 
     /// The name of its forces; `number`: its place among the contacts, from 0.

@@ -23,6 +23,7 @@ mod tie;
 pub(crate) mod time_function;
 mod viscosity;
 
+pub(crate) use contact::ContactFault;
 pub use contact::{Contact, Obstacle, Opponent};
 pub use coupling::Coupling;
 pub use field::Field;

@@ -5,8 +5,12 @@ use crate::body::Body;
 use crate::error::Error;
 use crate::time::State;
 
-/// The error of a step; an inverted cell has its place.
-pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+/// The error of a step; an inverted cell has its place, and an iteration that did not converge the contact there.
+pub(super) fn placed(mut error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+    if let Error::NoConvergence { node, contact, .. } | Error::NotBalanced { node, contact, .. } = &mut error
+    {
+        *contact = body.contact_near(*node, &state.displacement).map(Box::from);
+    }
     let Error::Inverted { cell, det } = *cause_of(&error) else { return error };
     let Some((kind, centre)) = body.space.at_cell(cell, |node| state.position(body, node)) else {
         return error;

@@ -165,7 +165,7 @@ impl<'a> Motion<'a> {
             recorder.set(body, &state, &mut record);
         }
         let mut statistics = RunStatistics::default();
-        statistics.add(body, &state, &record, &[]);
+        statistics.add(body, &state, &record_of_start(scheme, &state, &record), &[]);
         Ok(Motion {
             body,
             given: scheme,
@@ -333,8 +333,10 @@ impl<'a> Motion<'a> {
     pub fn with_static_reactions(mut self) -> Result<Self> {
         let (reactions, joints) = static_reactions(self.body, &self.state)?;
         (self.reactions, self.record.joints, self.record.has_joint_forces) = (reactions, joints, true);
-        let contacts = &mut self.statistics.contacts;
-        ContactStatistics::add_all(contacts, self.body, (self.state.time, 0.0), &self.reactions);
+        if is_balanced(self.scheme, &self.state) {
+            let contacts = &mut self.statistics.contacts;
+            ContactStatistics::add_all(contacts, self.body, (self.state.time, 0.0), &self.reactions);
+        }
         let State { displacement, coordinates, .. } = &self.state;
         let joints = &mut self.record.joints;
         self.body.mechanism.set_coordinates(&|dof| displacement[dof], coordinates, joints);
@@ -391,6 +393,20 @@ impl<'a> Motion<'a> {
     /// Notes an event at the present time.
     pub(super) fn note(&mut self, kind: EventKind, step: usize, message: String) {
         self.events.push(Event { step, time: self.state.time, kind, message });
+    }
+}
+
+/// Whether a state at the start of a motion is one of it. Static analyses begin at a configuration that is no
+/// equilibrium under their loads, unless it is known as one.
+fn is_balanced(scheme: Scheme, state: &State) -> bool {
+    scheme != Scheme::Static || state.is_equilibrium
+}
+
+/// The record of the start for the statistics: what contacts do there counts only if it belongs to the motion.
+fn record_of_start(scheme: Scheme, state: &State, record: &Record) -> Record {
+    match is_balanced(scheme, state) {
+        true => record.clone(),
+        false => Record { contact_energy: 0.0, smallest_gap: None, contact_points: 0, ..record.clone() },
     }
 }
 

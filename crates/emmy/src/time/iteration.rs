@@ -374,6 +374,7 @@ impl Iteration {
                 .space
                 .at_node(node, |node| state.position(system.equations.body, node)),
             rigid: system.equations.body.mechanism.name_at(node).map(Box::from),
+            contact: None,
         }
     }
 

@@ -124,6 +124,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "candidates",
             "surface_layer",
             "surface_state",
+            "apart",
         ],
     ),
     ("mass", &["regions", "points", "spread"]),

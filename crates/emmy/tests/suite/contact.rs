@@ -340,7 +340,24 @@ fn impossible_contacts_have_a_reason() {
         ),
         (
             contact(Obstacle::Sphere { centre: [0.0; 3], radius: 1.0, inside: false }),
-            "is not outside of the obstacle",
+            "is not outside of the obstacle: the node at [0, 0.1, 0] lies 0.9 behind it: move the body",
+        ),
+        (
+            contact(Obstacle::Sphere { centre: [0.0; 3], radius: 9.0, inside: false }),
+            "if it is to be inside, say so",
+        ),
+        (contact(Obstacle::Sphere { centre: [9.0; 3], radius: 1.0, inside: true }), "leave out `inside`"),
+        (
+            contact(Obstacle::Plane { point: [0.0; 3], normal: [0.0, -2.0, 0.0] }),
+            "take the opposite one, [0, 2, 0]",
+        ),
+        (
+            contact(Obstacle::Plane { point: [0.0, 0.5, 0.0], normal: [0.0, -2.0, 0.0] }),
+            "lies 0.6 behind it: move",
+        ),
+        (
+            contact(Obstacle::Plane { point: [0.0, 0.1, 0.0], normal: [0.0, 2.0, 0.0] }),
+            "touches the obstacle at [",
         ),
         (Contact::with_obstacle("sole", PLANE), "sole"),
     ] {
@@ -735,4 +752,21 @@ fn the_critical_step_falls_with_the_gap() {
     }
     let alone = Body::builder(block_above(0.1)).region(rubber()).build().unwrap();
     assert_eq!(CentralDifferences::critical_step_in_contact(&alone, &vec![0.0; 81]).unwrap(), None);
+}
+
+/// An iteration that fails in an impact has the name of the contact.
+#[test]
+fn failed_iterations_name_the_contact() {
+    let (body, scheme, start) = thrown(rubber(), at(DGM, 1));
+    let settings = NewtonSettings { max_iterations: 1, ..NewtonSettings::default() };
+    let found = |gap_before: f64| {
+        let mut motion = Motion::new(&body, scheme).unwrap().from(start.clone()).unwrap();
+        while motion.record().smallest_gap.is_none_or(|gap| gap > gap_before) {
+            motion.step(0.0025).unwrap();
+        }
+        let mut motion = Motion::starting(&body, scheme, settings, motion.state().clone()).unwrap();
+        motion.step(0.0025).unwrap_err().to_string()
+    };
+    let told = found(0.7);
+    assert!(told.contains("no convergence") && told.contains(" in contact \"floor\"; try"), "{told}");
 }

@@ -2,13 +2,14 @@
 
 #![allow(non_snake_case)]
 
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
 
 use crate::shared::contact::{conserving, others, rubber};
 use crate::shared::schemes::{DGM, at};
 use emmy::body::{Contact, Joint, JointEnd, JointKind, LayerLaw, RigidBody, Tie};
 use emmy::equilibrium::Equilibrium;
-use emmy::mesh::{MeshBuilder, Placement};
+use emmy::mesh::{CellKind, Facet, MeshBuilder, Placement};
 use emmy::motion::{Adaptivity, NewtonSettings};
 use emmy::prelude::*;
 
@@ -451,17 +452,20 @@ fn gaps_of_edges_count() {
 
 /// Triangles of a surface as the contact has them, at current positions, with their edges.
 fn triangles(mesh: &Mesh, x: &[[f64; 3]], first_cells: std::ops::Range<usize>) -> Vec<[[f64; 3]; 3]> {
-    let mut all = Vec::new();
-    for quad in mesh.boundary() {
-        // The cells of each body have nodes of their own, in their order.
-        if !first_cells.contains(&(quad[0] as usize)) {
-            continue;
-        }
-        let corners: Vec<[f64; 3]> = quad.iter().map(|node| x[*node as usize]).collect();
+    let mut quads = mesh.boundary();
+    // The cells of each body have nodes of their own, in their order.
+    quads.retain(|quad| first_cells.contains(&(quad[0] as usize)));
+    triangles_of(&quads, x)
+}
+
+/// Triangles of quadrilaterals about their middles, at current positions.
+fn triangles_of(quads: &[Vec<u32>], x: &[[f64; 3]]) -> Vec<[[f64; 3]; 3]> {
+    let of_quad = |quad: &Vec<u32>| {
+        let corners = [0, 1, 2, 3].map(|i| x[quad[i] as usize]);
         let middle = [0, 1, 2].map(|d| corners.iter().map(|x| x[d]).sum::<f64>() / 4.0);
-        all.extend((0..4).map(|i| [corners[i], corners[(i + 1) % 4], middle]));
-    }
-    all
+        [0, 1, 2, 3].map(|i| [corners[i], corners[(i + 1) % 4], middle])
+    };
+    quads.iter().flat_map(of_quad).collect()
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -562,4 +566,123 @@ fn nothing_passes_in_random_drops() {
     }
     assert!(n_contacts > 120, "{n_contacts}");
     assert!(n_cuts < 100, "{n_cuts}");
+}
+
+/// Bricks between planes along each axis, those that are meant by their numbers along the axes, with the nodes of each.
+fn bricks(
+    planes: [&[f64]; 3],
+    is_there: impl Fn([usize; 3]) -> bool,
+) -> (MeshBuilder, Vec<([usize; 3], [u32; 8])>) {
+    let (mut builder, mut known, mut cells) = (MeshBuilder::new(), BTreeMap::new(), Vec::new());
+    let n = planes.map(|planes| planes.len() - 1);
+    let all = (0..n[0] * n[1] * n[2]).map(|at| [at % n[0], at / n[0] % n[1], at / n[0] / n[1]]);
+    for place in all.filter(|place| is_there(*place)) {
+        let corners =
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let nodes = corners.map(|corner: [usize; 3]| {
+            let at = [0, 1, 2].map(|d| place[d] + corner[d]);
+            *known.entry(at).or_insert_with(|| builder.point([0, 1, 2].map(|d| planes[d][at[d]])))
+        });
+        builder.cell(CellKind::Hex8, &nodes).unwrap();
+        cells.push((place, nodes));
+    }
+    (builder, cells)
+}
+
+/// The arms of a body in the shape of a C meet: two surfaces of one body that share no node.
+#[test]
+fn two_surfaces_of_one_body_meet() {
+    let [x, y, z] = [vec![0.0, 0.5, 1.0, 1.5, 2.0], vec![0.0, 0.5, 1.0], vec![0.0, 0.5, 0.6, 1.1]];
+    let (mut builder, cells) = bricks([&x, &y, &z], |[i, _, k]| i == 0 || k != 1);
+    let arm =
+        |layer: usize| (0..).zip(&cells).filter(move |(_, (place, _))| place[0] > 0 && place[2] == layer);
+    let quads = |layer: usize, corners: [usize; 4]| -> Vec<Vec<u32>> {
+        arm(layer).map(|(_, (_, nodes))| corners.map(|corner| nodes[corner]).to_vec()).collect()
+    };
+    let (lower, upper) = (quads(0, [4, 5, 6, 7]), quads(2, [0, 3, 2, 1]));
+    builder.facet_group_by_nodes("below", lower.clone());
+    builder.facet_group_by_nodes("above", upper.clone());
+    builder.cell_group("lower", arm(0).map(|(number, _)| number));
+    builder.cell_group("upper", arm(2).map(|(number, _)| number));
+    let contact = Contact::between("below", "above").with_stiffness(1333.0).with_distance(0.05);
+    let body = Body::builder(builder.build().unwrap()).region(rubber()).contact(contact).build().unwrap();
+    let close = [
+        spinning("lower", [0.0; 3], [0.0, -2.0, 0.1], [0.5, 0.5, 0.25]),
+        spinning("upper", [0.0; 3], [0.0, 1.2, 0.3], [0.5, 0.5, 0.85]),
+    ];
+    for (k, h) in [(1, 0.0025), (2, 0.005)] {
+        let start = State::initial(&body, 0.0, &close).unwrap();
+        let mut motion = Motion::new(&body, TimeElement::discrete_gradient(k).unwrap()).unwrap();
+        motion = motion.from(start).unwrap();
+        let (first, mut largest) = (motion.record().clone(), 0.0f64);
+        let norm = |v: [f64; 3]| dot(v, v).sqrt();
+        assert!(norm(first.linear_momentum) > 0.1 && norm(first.angular_momentum) > 0.1, "{first:?}");
+        for _ in 0..(0.15 / h) as usize {
+            advance(&mut motion, h);
+            let record = motion.record();
+            largest = largest.max(record.contact_energy);
+            let drift = |own: [f64; 3], first: [f64; 3]| norm(minus(own, first)) / norm(first);
+            assert!((record.total_energy / first.total_energy - 1.0).abs() < 1e-10, "{record:?}");
+            assert!(drift(record.linear_momentum, first.linear_momentum) < 1e-12, "{record:?}");
+            assert!(drift(record.angular_momentum, first.angular_momentum) < 1e-11, "{record:?}");
+            let x: Vec<[f64; 3]> =
+                (0..body.mesh().n_nodes()).map(|node| motion.state().position(&body, node)).collect();
+            let (lower, upper) = (triangles_of(&lower, &x), triangles_of(&upper, &x));
+            assert_eq!(cut_edges(&lower, &upper) + cut_edges(&upper, &lower), 0);
+        }
+        assert!(largest > 0.01 * first.total_energy, "{largest}");
+    }
+}
+
+/// A block in the cavity of another one is outside of it; one between its faces is not, unless only a part of the
+/// boundary is known.
+#[test]
+fn bodies_do_not_begin_inside_others() {
+    let planes = [0.0, 1.0, 2.0, 3.0];
+    let built = |is_hollow: bool, corner: f64, contact: Contact| {
+        let around = |place: [usize; 3]| !is_hollow || place != [1; 3];
+        let box_around = bricks([&planes, &planes, &planes], around).0;
+        let small = mesh::block([0.4; 3], [1; 3]).unwrap();
+        let mut builder = MeshBuilder::new();
+        builder.part("shell", &box_around.build().unwrap()).unwrap();
+        let at = Placement::default().shifted([corner; 3]);
+        builder.part("core", &small.placed(&at).unwrap()).unwrap();
+        let side = (0..9).map(|cell| Facet { cell, local: 0 });
+        builder.facet_group("side", side);
+        Body::builder(builder.build().unwrap()).region(rubber()).contact(contact).build().map(drop)
+    };
+    let all =
+        [Contact::of_all_bodies(), Contact::between("shell", "core"), Contact::between("core", "shell")];
+    for contact in all {
+        built(true, 1.3, contact.clone()).unwrap();
+        built(false, 3.1, contact.clone()).unwrap();
+        for is_hollow in [false, true] {
+            let error = built(is_hollow, 0.3, contact.clone()).unwrap_err().to_string();
+            let words = "\"core\" lies inside \"shell\", at [0.3, 0.3, 0.3]";
+            assert!(error.contains(words), "{error}");
+        }
+    }
+    built(false, 0.3, Contact::between("core", "side")).unwrap();
+}
+
+/// How deep bodies overlap, as far as the edges that cut surfaces say.
+#[test]
+fn overlaps_have_a_place_and_a_depth() {
+    let reason = |at: [f64; 3]| {
+        let block = || mesh::block([1.0; 3], [2; 3]).unwrap();
+        let mesh = joined(&[(block(), Placement::default()), (block(), Placement::default().shifted(at))]);
+        Body::builder(mesh).region(rubber()).contact(contact()).build().unwrap_err().to_string()
+    };
+    let deep = reason([0.2, 0.93, 0.3]);
+    assert!(
+        deep.contains("its surfaces intersect at [") && deep.contains(" lies 0.07 inside the other"),
+        "{deep}"
+    );
+    let touching = reason([0.2, 1.0, 0.3]);
+    assert!(
+        touching.contains("its surfaces touch or intersect at [") && touching.contains("the layer, 0.05"),
+        "{touching}"
+    );
+    let near = reason([0.2, 1.0 + 1e-8, 0.3]);
+    assert!(near.contains("its smallest gap is 1e-8 at [") && near.contains("the layer, 0.05"), "{near}");
 }

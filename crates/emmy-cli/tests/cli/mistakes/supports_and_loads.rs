@@ -76,6 +76,36 @@ fn contacts() -> Vec<Mistake> {
             "surfaces = \"all\"\nobstacle.plane = { point = [0, -1, 0], normal = [0, 0, 0] }",
         )
         .unseen(),
+        contact(
+            "contact-on-the-wrong-side",
+            "surfaces = \"y-max\"\nobstacle.plane = { point = [0, -1, 0], normal = [0, -2, 0] }",
+        )
+        .unseen(),
+        contact(
+            "contact-inside-a-ball",
+            "surfaces = \"all\"\nobstacle.sphere = { centre = [0, 0, 0], radius = 9 }",
+        )
+        .unseen(),
+        contact(
+            "contact-outside-of-a-tube",
+            "surfaces = \"all\"\n[contact.obstacle.cylinder]\npoint = [9, 0, 0]\naxis = [0, 1, 0]\nradius = 1\n\
+             inside = true",
+        )
+        .unseen(),
+        contact(
+            "contact-without-a-gap",
+            "surfaces = \"all\"\nobstacle.plane = { point = [0, 0, 0], normal = [0, 1, 0] }",
+        )
+        .unseen(),
+        contact("contact-of-one-name-in-brackets", &format!("surfaces = [\"y-max\"]\n{below}")),
+        contact(
+            "contacts-of-one-name",
+            &format!(
+                "surfaces = \"y-max\"\nname = \"floor\"\n{below}\n\n[[contact]]\nsurfaces = \"x-min\"\n\
+                 name = \"floor\"\n{below}"
+            ),
+        )
+        .unseen(),
         contact("contact-named-as-a-support", &format!("surfaces = \"all\"\nname = \"y-min\"\n{below}"))
             .unseen(),
     ]

@@ -1,10 +1,10 @@
 //! Names of contacts, by which their forces count as reactions beside those of supports; checks of their surfaces; and
 //! the node of each obstacle that moves.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::BodyBuilder;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::input::{Contact, GroundSpring, Opponent, Support};
 use crate::mesh::{Facet, Mesh};
 
@@ -15,13 +15,26 @@ pub(super) fn check_names(
     springs: &[GroundSpring],
 ) -> Result<()> {
     let supported = supports.iter().map(|own| &own.group).chain(springs.iter().map(|own| &own.group));
-    let mut taken: HashSet<String> = supported.cloned().collect();
+    let supported: HashSet<&String> = supported.collect();
+    let mut known: HashMap<String, usize> = HashMap::new();
     for (number, contact) in contacts.iter().enumerate() {
         let name = contact.name(number);
-        if !taken.insert(name.clone()) {
-            let reason = "its forces need a name that no supported group and no other contact has".into();
-            return Err(Error::Contact { contact: name, reason });
-        }
+        let reason = if supported.contains(&name) {
+            format!(
+                "\"{name}\" is also a supported group, and its forces need a name of their own: give the contact \
+                 another `name`"
+            )
+        } else if let Some(first) = known.insert(name.clone(), number) {
+            format!(
+                "contacts {} and {} both have this name, and the forces of each need their own: give one of them \
+                 another `name`",
+                first + 1,
+                number + 1
+            )
+        } else {
+            continue;
+        };
+        return Err(contact.error(number, ("name", reason)));
     }
     Ok(())
 }
@@ -52,7 +65,7 @@ pub(super) fn check_overlaps(mesh: &Mesh, contacts: &[Contact]) -> Result<()> {
             let other = contacts[*other].name(*other);
             let reason =
                 format!("facets of its surfaces are in contact by \"{other}\", too: leave one of both");
-            return Err(Error::Contact { contact: contact.name(number), reason });
+            return Err(contact.error(number, ("surfaces", reason)));
         }
         known.push((number, sides));
     }
@@ -93,7 +106,7 @@ pub(super) fn check_motion(mesh: &Mesh, contacts: &[Contact], supports: &[Suppor
             _ => continue,
         };
         let reason = format!("nothing of {surfaces} can move: supports give the motion of all nodes");
-        return Err(Error::Contact { contact: contact.name(number), reason });
+        return Err(contact.error(number, ("surfaces", reason)));
     }
     Ok(())
 }
@@ -105,9 +118,10 @@ impl BodyBuilder {
         let moving = contacts.iter().enumerate().filter(|(_, contact)| contact.moves());
         let n_nodes = mesh.n_nodes();
         for (number, contact) in moving {
-            let fail = |reason: String| Error::Contact { contact: contact.name(number), reason };
+            let fail = |fault| contact.error(number, fault);
             let Opponent::Obstacle(obstacle) = &contact.opponent else {
-                return Err(fail("a motion is one of an obstacle; supports move surfaces".to_string()));
+                let reason = "a motion is one of an obstacle; supports move surfaces".to_string();
+                return Err(fail(("move", reason)));
             };
             let group = contact.group_of_obstacle(number);
             mesh.add_nodes(&group, std::iter::once(obstacle.surface().map_err(fail)?.origin()))?;

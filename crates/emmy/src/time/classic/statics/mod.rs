@@ -182,6 +182,7 @@ impl<'a> StaticStepper<'a> {
             target: failed.target,
             node,
             position: body.space.at_node(node, |node| state.position(body, node)),
+            contact: None,
         }
     }
 }
