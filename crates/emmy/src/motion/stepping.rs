@@ -334,7 +334,8 @@ impl<'a> Motion<'a> {
         let (reactions, joints) = static_reactions(self.body, &self.state)?;
         (self.reactions, self.record.joints, self.record.has_joint_forces) = (reactions, joints, true);
         let contacts = &mut self.statistics.contacts;
-        ContactStatistics::add_all(contacts, self.body, (self.state.time, 0.0), &self.reactions);
+        let time = self.state.time;
+        ContactStatistics::add_all(contacts, self.body, [time, time, 0.0], &self.reactions);
         let State { displacement, coordinates, .. } = &self.state;
         let joints = &mut self.record.joints;
         self.body.mechanism.set_coordinates(&|dof| displacement[dof], coordinates, joints);
