@@ -150,8 +150,8 @@ class Contact(Table):
     history also has ``smallest_gap``, relative to the thickness of the layer and NaN where nothing is near,
     ``contact_points``, and the mean force and moment on the first surface in each step, ``NAME_force_x`` to
     ``NAME_moment_z``; of all bodies together, on the first of them.
-    ``"contacts"`` in `Run.summary` has the largest force, and the times at which it touches. The fields
-    ``contact_pressure`` and ``contact_gap`` show where the surface is pressed, and how near it is.
+    ``"contacts"`` in `Run.summary` has the largest force, how often it touches (``"intervals"``), and the times. The
+    fields ``contact_pressure`` and ``contact_gap`` show where the surface is pressed, and how near it is.
 
     Parameters
     ----------

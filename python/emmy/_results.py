@@ -166,7 +166,7 @@ class Run:
         """`summary.json`: the run in numbers.
 
         ``"largest_in_regions"`` has the largest stress of each region, ``"contacts"`` the largest force of each
-        contact, and when it touches.
+        contact, and how often and when it touches.
         """
         own: dict[str, Any] = json.loads(_read(self._directory / "summary.json"))
         return own

@@ -262,6 +262,7 @@ def test_the_summary_has_the_force_and_the_times_of_a_contact():
     assert floor["name"] == "floor" and touches.any()
     assert floor["largest_force"] == pytest.approx(force.max(), rel=1e-12)
     assert floor["largest_force_time"] == history["time"][force.argmax()]
+    assert floor["intervals"] == np.count_nonzero(touches[1:] & ~touches[:-1]) > 0
     first, last = history["time"][touches][[0, -1]]
     assert floor["first_time"] == pytest.approx(first - 0.005, rel=1e-12) and floor["last_time"] == last
     assert floor["duration"] == pytest.approx(0.005 * touches.sum(), rel=1e-12)

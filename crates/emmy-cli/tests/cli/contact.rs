@@ -209,6 +209,83 @@ fn check_says_which_contacts_act_from_the_start() {
     }
 }
 
+/// The energy of a layer that is pressed everywhere to the gap 0.04, and the notes on it.
+#[test]
+fn check_has_the_energy_of_layers_at_the_start() {
+    const PUSHES: &str = "contact `floor` pushes from the start, where its layer stores the energy 0.6075";
+    // kappa d/8 (1 - y)^3/y on the area 1, with the Young's modulus kappa and y = (0.04/0.05)^2 = 0.64.
+    let modulus = 500.0 * (3.0 * 1000.0 + 2.0 * 500.0) / 1500.0;
+    let energy = modulus * 0.05 / 8.0 * 0.36f64.powi(3) / 0.64;
+    assert!((energy - 0.6075).abs() < 1e-12);
+    let place = Place::with(BLOCK);
+    let near = ["check", "box.toml", "--set", "contact.obstacle.plane.point=[0,0,-0.04]"];
+    let told = place.succeed(&near);
+    assert!(
+        told.stdout.contains("smallest gap 0.04, stored energy 0.6075: it pushes from the start"),
+        "{}",
+        told.stdout
+    );
+    assert!(told.stderr.contains(PUSHES) && !told.stderr.contains("nothing moves"), "{}", told.stderr);
+    // It moves a block at rest.
+    let told = place.succeed(&[&near[..], &["--set", "initial.velocity=[0,0,0]"]].concat()).stderr;
+    assert!(told.contains(PUSHES) && !told.contains("nothing moves"), "{told}");
+    let told = place.succeed(&["check", "box.toml"]);
+    assert!(told.stdout.contains("smallest gap 0.06, stored energy 0\n") && !told.stderr.contains("pushes"));
+    // An equilibrium begins in the layer on purpose.
+    let held =
+        "\n[[support]]\ngroup = \"z-max\"\nfix = [\"x\", \"y\", \"z\"]\n\n[equilibrium]\nload_steps = 4\n";
+    place.write("box.toml", &format!("{BLOCK}{held}"));
+    let told = place.succeed(&near).stderr;
+    assert!(!told.contains("pushes from the start"), "{told}");
+}
+
+/// A mean facet of both blocks has the edge sqrt(12/78) = 0.392.
+#[test]
+fn layers_thicker_than_facets_have_a_note() {
+    for (distance, is_told) in [(0.38, false), (0.4, true)] {
+        let place = Place::with(&two_blocks("[0, 0, 3]", &format!("{BETWEEN}distance = {distance}")));
+        let told = place.succeed(&["check", "box.toml"]).stderr;
+        let note = "its layer is thicker (`distance` 0.4) than its facets are wide (0.392232)";
+        assert_eq!(told.contains(note), is_told, "{told}");
+    }
+}
+
+/// The bar of the book hits twice (D. Doyen, A. Ern, S. Piperno, 2011), from 0.01 to 0.016667 and from 0.036667 to
+/// 0.043333, also in a run of three parts, the second of which begins in the first hit. Between the hits, 4/27 of its
+/// energy are vibration, and after them nothing.
+#[test]
+fn a_bar_that_bounces_twice_has_two_contacts_and_gives_its_vibration_back() {
+    let page = include_str!("../../../../book/src/contact.md");
+    let input = page.split("```toml bouncing-bar.toml\n").nth(1).and_then(|rest| rest.split("```").next());
+    let place = Place::with(input.unwrap());
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("bouncing-bar");
+    // m g H; the mass is 10.
+    let energy = 10.0 * 10.0 * 5e-4;
+    let vibration = |time: f64| {
+        let row = history["time"].iter().position(|t| (t - time).abs() < 1e-9).unwrap();
+        let [kinetic, strain, momentum] =
+            ["kinetic_energy", "strain_energy", "linear_momentum_z"].map(|name| history[name][row]);
+        (kinetic + strain - momentum * momentum / (2.0 * 10.0)) / energy
+    };
+    // The mesh spreads the fronts, which leaves some more, as about the square root of its cells.
+    assert!((vibration(0.027) - 4.0 / 27.0).abs() < 0.02, "{}", vibration(0.027));
+    assert!((0.0..0.04).contains(&vibration(0.05)), "{}", vibration(0.05));
+    assert!(vibration(0.005).abs() < 1e-10);
+    let whole = place.summary("bouncing-bar");
+    let floor = &whole["contacts"][0];
+    assert_eq!(floor["intervals"], 2);
+    assert!((floor["first_time"].as_f64().unwrap() - 0.01).abs() < 2e-4, "{floor}");
+    assert!((floor["last_time"].as_f64().unwrap() - 0.13 / 3.0).abs() < 4e-4, "{floor}");
+    place.succeed(&["run", "box.toml", "--output", "parts", "--quiet", "--until", "0.013"]);
+    for (until, expected) in [("0.03", 1), ("0.055", 2)] {
+        let part = place.summary("parts");
+        assert_eq!(part["contacts"][0]["intervals"], 1);
+        place.succeed(&["resume", "parts", "--quiet", "--until", until]);
+        assert_eq!(place.summary("parts")["contacts"][0]["intervals"], expected);
+    }
+}
+
 /// The surfaces of both blocks: 24 and 54 facets with four points and four triangles each, and 24 and 36 sharp edges.
 #[test]
 fn check_has_the_numbers_of_surfaces() {

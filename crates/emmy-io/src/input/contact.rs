@@ -1,6 +1,6 @@
 //! `[[contact]]`: surfaces that meet obstacles, or each other.
 
-use emmy::body::{Contact, LayerLaw, Obstacle, Opponent, TimeFunction};
+use emmy::body::{Body, Contact, ContactSummary, LayerLaw, Obstacle, Opponent, TimeFunction};
 use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
@@ -9,6 +9,7 @@ use super::history::Context;
 use super::support;
 use super::table::{Item, Table};
 use super::time::Time;
+use crate::units::Units;
 
 /// The word for the whole boundary.
 const ALL: &str = "all";
@@ -219,6 +220,33 @@ impl PlacedContact {
     pub(super) fn not_on_ranks(&self) -> Fault {
         Fault::at(&self.place, "several ranks do not compute a body with contact", "this contact")
     }
+}
+
+/// Notes on layers between bodies that are thicker than their facets are wide, and on those that push from the start of
+/// a motion that `starts_as_drawn`, in the reference configuration.
+pub(super) fn notes(body: &Body, starts_as_drawn: bool, units: Units) -> Vec<String> {
+    let notes = |own: &ContactSummary| {
+        let name = &own.name;
+        let distance = units.number(own.distance, "length");
+        let width = (own.area / own.n_facets as f64).sqrt();
+        let thick = (own.n_triangles > 0 && own.distance > width).then(|| {
+            format!(
+                "contact `{name}`: its layer is thicker (`distance` {distance}) than its facets are wide ({}), so that \
+                 each of them meets many others, and steps take long; the default is a tenth of an edge",
+                units.number(width, "length")
+            )
+        });
+        let pushes = (starts_as_drawn && own.energy > 0.0).then(|| {
+            format!(
+                "contact `{name}` pushes from the start, where its layer stores the energy {} (smallest gap {}, \
+                 `distance` {distance}): leave a larger gap, take a smaller `distance`, or begin with `[equilibrium]`",
+                units.number(own.energy, "energy"),
+                units.number(own.smallest_gap, "length")
+            )
+        });
+        [thick, pushes]
+    };
+    body.contacts().flat_map(notes).flatten().collect()
 }
 
 /// The places of a contact by its name: of its table, and of its keys.

@@ -330,6 +330,9 @@ impl Sections {
             }
         };
         notes.extend(tie::notes(&body, self.units));
+        let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
+        let starts_as_drawn = !is_equilibrium && !matches!(self.start, Start::Run(_));
+        notes.extend(contact::notes(&body, starts_as_drawn, self.units));
         time::check_scale(&body, &self.time)?;
         if self.output.has_frames() {
             self.output.format.check(&body).map_err(|error| Fault::new(error.to_string()))?;
@@ -349,11 +352,12 @@ impl Sections {
             ));
         }
         source.agree(places.check(&body, &loads, &initial, &self.time.plan).map_err(InputError::from))?;
-        if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
+        let pushes = body.contacts().any(|contact| contact.energy > 0.0);
+        let is_moved = is_moved || pushes || !nodal.attractions.is_empty();
+        if !is_moved && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
-        let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
-        let pulls = pulls || body.contacts().any(|contact| contact.smallest_gap < contact.distance);
+        let pulls = pulls || pushes;
         if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
             notes.push(derived::UNLOADED.to_string());
         }

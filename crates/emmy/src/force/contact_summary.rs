@@ -16,6 +16,7 @@ use crate::contact::{Layer, LayerLaw};
 /// assert_eq!((contact.name.as_str(), contact.n_facets, contact.n_points), ("contact-1", 4, 16));
 /// assert!((contact.area - 1.0).abs() < 1e-15 && (contact.stiffness - 1000.0).abs() < 1e-9);
 /// assert!((contact.smallest_gap - 0.1).abs() < 1e-15 && (contact.distance - 0.05).abs() < 1e-15);
+/// assert_eq!(contact.energy, 0.0);
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +42,9 @@ pub struct ContactSummary {
     /// Smallest gap in the reference configuration \[length\]: between a node and the obstacle, or between two bodies,
     /// where it is infinite beyond 128 default thicknesses.
     pub smallest_gap: f64,
+    /// Energy of the layer in the reference configuration \[energy\]; where it is not zero, the layer pushes from the
+    /// start.
+    pub energy: f64,
     /// The node whose displacement is that of an obstacle that moves.
     pub obstacle: Option<u32>,
 }

@@ -21,7 +21,7 @@ use crate::body::{Body, Reaction};
 /// motion.march(&StepPlan::new(0.0, vec![Phase { until: 0.2, size: 0.01 }])?, &mut [])?;
 /// let floor = &motion.statistics().contacts[0];
 /// let (first, last) = (floor.first_time.unwrap(), floor.last_time.unwrap());
-/// assert!(floor.name == "floor" && first > 0.0 && last < 0.2);
+/// assert!(floor.name == "floor" && floor.intervals == 1 && first > 0.0 && last < 0.2);
 /// // Its impulse is the change of the momentum, and the force is never more than the largest.
 /// let impulse = motion.record().linear_momentum[2] + 2.0;
 /// assert!(impulse > 2.0 && impulse < floor.largest_force.unwrap() * floor.duration);
@@ -35,6 +35,8 @@ pub struct ContactStatistics {
     pub largest_force: Option<f64>,
     /// Time at the end of the step with this force \[time\].
     pub largest_force_time: Option<f64>,
+    /// Number of contacts, one after another: intervals of steps with a force between steps without.
+    pub intervals: usize,
     /// Time at the start of the first step with a force \[time\]; `None` if there is none.
     pub first_time: Option<f64>,
     /// Time at the end of the last step with a force \[time\].
@@ -44,12 +46,13 @@ pub struct ContactStatistics {
 }
 
 impl ContactStatistics {
-    /// Adds a step, given by its end and its size, with the force in it.
-    fn add(&mut self, (time, step_size): (f64, f64), force: [f64; 3]) {
+    /// Adds a step, given by the end of the step before, its end and its size, with the force in it.
+    fn add(&mut self, [before, time, step_size]: [f64; 3], force: [f64; 3]) {
         let force = force.iter().map(|f| f * f).sum::<f64>().sqrt();
         if force == 0.0 {
             return;
         }
+        self.intervals += usize::from(self.last_time != Some(before));
         self.first_time.get_or_insert(time - step_size);
         self.last_time = Some(time);
         self.duration += step_size;
@@ -58,12 +61,12 @@ impl ContactStatistics {
         }
     }
 
-    /// Adds a step, given by its end and its size, to the statistics of all contacts of a body, or with the size zero a
-    /// state at rest. `reactions`: by supported group; empty where they are not known.
+    /// Adds a step, given by the end of the step before, its end and its size, to the statistics of all contacts of a
+    /// body, or with the size zero a state at rest. `reactions`: by supported group; empty where they are not known.
     pub(super) fn add_all(
         all: &mut Vec<ContactStatistics>,
         body: &Body,
-        step: (f64, f64),
+        step: [f64; 3],
         reactions: &[Reaction],
     ) {
         for (number, contact) in body.contacts().enumerate() {
@@ -88,9 +91,11 @@ mod tests {
         let sizes = [(0.25, 0.0), (0.25, 3.0), (0.5, -4.0), (0.5, 0.0), (0.25, 4.0), (0.25, 0.0)];
         let mut time = 1.0;
         for (step_size, force) in sizes {
+            let before = time;
             time += step_size;
-            own.add((time, step_size), [0.0, force, 0.0]);
+            own.add([before, time, step_size], [0.0, force, 0.0]);
         }
+        assert_eq!(own.intervals, 2);
         assert_eq!((own.largest_force, own.largest_force_time), (Some(4.0), Some(2.0)));
         assert_eq!((own.first_time, own.last_time, own.duration), (Some(1.25), Some(2.75), 1.0));
     }

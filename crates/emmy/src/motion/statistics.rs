@@ -202,6 +202,8 @@ const ENERGY_AT_REST: f64 = 1e-24;
 impl RunStatistics {
     /// Adds a step, or the start, from its record, its reactions and the state after it.
     pub(super) fn add(&mut self, body: &Body, state: &State, record: &Record, reactions: &[Reaction]) {
+        let step = [self.time, record.time, record.step_size];
+        ContactStatistics::add_all(&mut self.contacts, body, step, reactions);
         self.steps = record.step;
         self.time = record.time;
         self.newton_iterations += record.newton_iterations;
@@ -225,8 +227,6 @@ impl RunStatistics {
         self.accumulated_local_error += record.local_error;
         record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));
         self.largest_displacement.update(body, state);
-        let step = (record.time, record.step_size);
-        ContactStatistics::add_all(&mut self.contacts, body, step, reactions);
         let constraints = body.constraints();
         if !constraints.is_empty() {
             let way = self.largest_displacement.value / constraints.size();

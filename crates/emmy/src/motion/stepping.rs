@@ -334,8 +334,8 @@ impl<'a> Motion<'a> {
         let (reactions, joints) = static_reactions(self.body, &self.state)?;
         (self.reactions, self.record.joints, self.record.has_joint_forces) = (reactions, joints, true);
         if is_balanced(self.scheme, &self.state) {
-            let contacts = &mut self.statistics.contacts;
-            ContactStatistics::add_all(contacts, self.body, (self.state.time, 0.0), &self.reactions);
+            let (contacts, time) = (&mut self.statistics.contacts, self.state.time);
+            ContactStatistics::add_all(contacts, self.body, [time, time, 0.0], &self.reactions);
         }
         let State { displacement, coordinates, .. } = &self.state;
         let joints = &mut self.record.joints;

@@ -161,7 +161,7 @@ impl Report {
         }
     }
 
-    /// Contacts, with their layers and the smallest gap at the start.
+    /// Contacts, with their layers, the smallest gap and the stored energy in the reference configuration.
     fn contacts(&mut self, body: &Body) {
         for contact in body.contacts() {
             let facets = counted(contact.n_facets, "facet", "facets");
@@ -182,9 +182,14 @@ impl Report {
                 }
             };
             self.line("contact", &format!("{}: {facets}, {points}{of_bodies}, area {area}", contact.name));
-            let acts =
-                if contact.smallest_gap < contact.distance { ": it pushes from the start" } else { "" };
-            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}; {gap}{acts}"));
+            let energy = match contact.energy > 0.0 {
+                true => format!(
+                    "stored energy {}: it pushes from the start",
+                    units.number(contact.energy, "energy")
+                ),
+                false => "stored energy 0".to_string(),
+            };
+            self.line("", &format!("layer of distance {distance}, stiffness {stiffness}; {gap}, {energy}"));
         }
     }
 

@@ -156,19 +156,20 @@ impl Closing<'_> {
             format!("smallest gap {:.3} of the thickness of the layer ({what} {})", gap.value, gap.step)
         });
         message!(self.host, "contact: {gap}, largest energy {}", units.number(energy, "energy"));
-        for ContactStatistics { name, largest_force, largest_force_time, first_time, last_time, duration } in
-            &statistics.contacts
-        {
+        for own in &statistics.contacts {
+            let ContactStatistics { name, largest_force, largest_force_time, first_time, last_time, .. } =
+                own;
             let [at, first, last] = [largest_force_time, first_time, last_time]
                 .map(|time| time.map_or(String::new(), |time| moment(problem, time)));
             let lasts = match problem.is_static() {
                 true => String::new(),
-                false => format!(", in contact for {}", units.number(*duration, "time")),
+                false => format!(", in contact for {}", units.number(own.duration, "time")),
             };
+            let contacts = counted(own.intervals, "contact", "contacts");
             match largest_force {
                 Some(force) => message!(
                     self.host,
-                    "  {name}: largest force {} at {at}; from {first} to {last}{lasts}",
+                    "  {name}: largest force {} at {at}; {contacts} from {first} to {last}{lasts}",
                     units.number(*force, "force")
                 ),
                 None => message!(self.host, "  {name}: no force"),

@@ -87,7 +87,9 @@ impl Contact {
         let obstacle = moving.transpose()?.and_then(|nodes| nodes.first().copied());
         let summary =
             ContactSummary { obstacle, ..summary(self.name(number), facets.len(), &own, layer, gap) };
-        Ok(Arc::new(ObstacleContact { summary, surface: own, points, guards }))
+        let mut contact = ObstacleContact { summary, surface: own, points, guards };
+        contact.summary.energy = energy_at_rest(&contact, site);
+        Ok(Arc::new(contact))
     }
 
     /// The contact between two surfaces, or between the bodies of the first if the second is empty.
@@ -142,7 +144,11 @@ impl Contact {
         let n_facets = facets.iter().map(|facets| facets.len()).sum();
         let summary = summary(self.name(number), n_facets, &layer.surface, layer.layer, gap);
         let [search, bound] = [Mutex::default(), Mutex::default()];
-        Ok(Arc::new(SurfaceContact { summary, layer, search, bound }))
+        let mut contact = SurfaceContact { summary, layer, search, bound };
+        if gap < contact.summary.distance {
+            contact.summary.energy = energy_at_rest(&contact, site);
+        }
+        Ok(Arc::new(contact))
     }
 
     /// The body of each facet, `[table][facet]`: the two surfaces, or the connected parts of the first if there is no
@@ -317,8 +323,14 @@ fn summary(name: String, n_facets: usize, surface: &Surface, layer: Layer, gap: 
         distance: layer.thickness,
         law: layer.law,
         smallest_gap: gap,
+        energy: 0.0,
         obstacle: None,
     }
+}
+
+/// Energy of the layer of a contact in the reference configuration \[energy\].
+fn energy_at_rest(contact: &dyn Force, site: &Site<'_>) -> f64 {
+    contact.strain_state(&vec![0.0; 3 * site.mesh.n_nodes()], &[]).contact.energy
 }
 
 /// Median length of the edges of some facets.
