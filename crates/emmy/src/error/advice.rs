@@ -29,7 +29,7 @@ pub(super) fn advice_on_steps(cause: &Error, has_cells: bool) -> String {
     }
 }
 
-/// What to do after a step without a starting point.
+/// Advice after a step without a starting point.
 pub(super) fn advice_on_failure(cause: &Error, has_cells: bool) -> String {
     match passing(cause) {
         Some(passing) => format!(": {passing}; try a smaller step"),
@@ -52,7 +52,7 @@ pub(super) fn advice_on_equilibrium(cause: &Error) -> String {
     }
 }
 
-/// What would pass through its opponent, if this is the error.
+/// The contact in which something would pass through its opponent, with the place, if this is the error.
 fn passing(error: &Error) -> Option<String> {
     match error {
         Error::Passed { contact, at } => {

@@ -128,6 +128,10 @@ impl Newton {
                 renewal = None;
             }
             self.note_contraction(run, renewal);
+            if is_slow && run.is_sudden {
+                // Bodies that meet may spin apart, so that no single K serves them for long.
+                return Ok(false);
+            }
             if is_slow
                 && is_fresh
                 && (ratio.is_nan() || pace.unwrap_or(of_tangent) > system.largest_contraction(slow_renewals))

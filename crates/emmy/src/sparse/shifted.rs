@@ -92,7 +92,8 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
         self.couplings.set(sweep, couplings, scale);
     }
 
-    /// `y = (M + lambda K) x` with the couplings on the free rows; fixed ones stay zero. Returns `x^T y` (not conjugated).
+    /// `y = (M + lambda K) x` with the couplings on the free rows; fixed ones stay zero. Returns `x^T y`, not
+    /// conjugated.
     pub(crate) fn multiply(
         &self,
         sweep: &SweepOrder,

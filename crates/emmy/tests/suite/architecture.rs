@@ -60,6 +60,7 @@ const INSIDE: [(&str, &[&str]); 10] = [
             "kernel",
             "shared_rows",
             "blocks",
+            "row_couplings",
             "triangular",
             "shifted",
             "conjugate_gradients",

@@ -56,7 +56,7 @@ impl StageSystem<'_> {
         Ok(())
     }
 
-    /// Lets the approximate tangent take part in the couplings at some unknowns, if it can.
+    /// Adds the couplings at some unknowns to the approximate tangent, if it takes them.
     fn couple(&mut self, unknowns: &[f64]) -> Result<()> {
         if self.equations.body.has_couplings() && self.approximates_sudden_parts() {
             self.equations.renew_couplings(unknowns)?;
@@ -280,7 +280,8 @@ impl System for StageSystem<'_> {
     }
 
     fn approximates_sudden_parts(&self) -> bool {
-        self.approximate_tangent.takes_couplings(self.equations.body)
+        let body = self.equations.body;
+        body.n_dofs_of_ranks() >= DOFS_OF_SMALL_BODY && self.approximate_tangent.takes_couplings(body)
     }
 
     fn refactorization_cost(&self) -> f64 {
