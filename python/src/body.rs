@@ -340,7 +340,10 @@ impl Body {
     pub(crate) fn notes(&self) -> Vec<String> {
         let notes = self.problem.notes.iter();
         let of_motion = [input::NOTHING_MOVES, input::UNLOADED];
-        let is_of_motion = |note: &str| of_motion.contains(&note) || note.contains(input::END_OF_RUN);
+        let is_of_motion = |note: &str| {
+            of_motion.contains(&note)
+                || [input::END_OF_RUN, input::PUSHES].iter().any(|part| note.contains(part))
+        };
         notes.filter(|note| !is_of_motion(note)).cloned().collect()
     }
 

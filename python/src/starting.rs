@@ -144,8 +144,9 @@ fn with_sections(
         stable.map_err(|error| errors::input(py, &error))?;
     }
     let is_of_motion = |note: &&String| {
-        // The input does not say whether a body moves from a given state; without a plan nothing is to move.
-        let is_moot = (begin.state().is_some() || !has_plan) && note.as_str() == input::NOTHING_MOVES
+        // The input does not say whether a body moves, or what pushes, in a given state; without a plan nothing moves.
+        let is_of_start = note.as_str() == input::NOTHING_MOVES || note.contains(input::PUSHES);
+        let is_moot = (begin.state().is_some() || !has_plan) && is_of_start
             || !has_plan && note.contains(input::END_OF_RUN);
         !is_moot && !body.notes().contains(note)
     };

@@ -3,6 +3,7 @@
 use emmy::body::{Body, Contact, ContactSummary, LayerLaw, Obstacle, Opponent, TimeFunction};
 use emmy::time::BodyFeature;
 
+use super::derived::PUSHES;
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
 use super::fault::{Fault, Faults, Place};
 use super::history::Context;
@@ -238,7 +239,7 @@ pub(super) fn notes(body: &Body, starts_as_drawn: bool, units: Units) -> Vec<Str
         });
         let pushes = (starts_as_drawn && own.energy > 0.0).then(|| {
             format!(
-                "contact `{name}` pushes from the start, where its layer stores the energy {} (smallest gap {}, \
+                "contact `{name}` {PUSHES} {} (smallest gap {}, \
                  `distance` {distance}): leave a larger gap, take a smaller `distance`, or begin with `[equilibrium]`",
                 units.number(own.energy, "energy"),
                 units.number(own.smallest_gap, "length")
