@@ -3,7 +3,6 @@
 use emmy::body::{Body, Contact, ContactSummary, LayerLaw, Obstacle, Opponent, TimeFunction};
 use emmy::time::BodyFeature;
 
-use super::derived::PUSHES;
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
 use super::fault::{Fault, Faults, Place};
 use super::history::Context;
@@ -11,6 +10,9 @@ use super::support;
 use super::table::{Item, Table};
 use super::time::Time;
 use crate::units::Units;
+
+/// Part of the remark that the layer of a contact pushes in the undeformed body, which concerns a motion from there.
+pub const PUSHES: &str = "pushes from the start, where its layer stores the energy";
 
 /// The word for the whole boundary.
 const ALL: &str = "all";

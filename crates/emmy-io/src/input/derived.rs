@@ -10,9 +10,6 @@ use super::mechanism::Mechanism;
 use super::nodal::PlacedNodal;
 use super::placed::{Members, Placed};
 
-/// Part of the remark that the layer of a contact pushes in the undeformed body, which concerns a motion from there.
-pub const PUSHES: &str = "pushes from the start, where its layer stores the energy";
-
 /// The remark on a body at rest without loads.
 pub const NOTHING_MOVES: &str =
     "nothing moves this body: there is no load, no support that moves, and no initial velocity";

@@ -64,7 +64,8 @@ mod walk;
 mod write;
 
 pub(crate) use complete::MESH_FILE;
-pub use derived::{END_OF_RUN, NOTHING_MOVES, PUSHES, UNLOADED};
+pub use contact::PUSHES;
+pub use derived::{END_OF_RUN, NOTHING_MOVES, UNLOADED};
 pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, MissingGroup, Place};
 pub use formulation::{Formulations, elements};
