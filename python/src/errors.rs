@@ -111,7 +111,7 @@ impl Whereabouts {
             Error::NoConvergence { step, time, node, position, .. } => {
                 self.step.get_or_insert(*step);
                 self.time.get_or_insert(*time);
-                (self.node, self.position) = (Some(*node), Some(*position));
+                (self.node, self.position) = (Some(*node), Some(**position));
             }
             Error::StepTooLarge { step, time, .. }
             | Error::NoDigits { step, time, .. }

@@ -634,7 +634,7 @@ pub enum Error {
         in_contact(.contact),
         iterations = counted(*.iterations),
         time = short(.time),
-        position = short_vector(.position),
+        position = short_vector(**.position),
         of = .rigid.as_ref().map_or(String::new(), |name| format!(" of the rigid body \"{name}\""))
     )]
     NoConvergence {
@@ -651,7 +651,7 @@ pub enum Error {
         /// Node with the largest residual.
         node: usize,
         /// Its last good position.
-        position: [f64; 3],
+        position: Box<[f64; 3]>,
         /// Name of the rigid body to whose frame it belongs.
         rigid: Option<Box<str>>,
         /// Name of a contact in which something was near it in the last good state.

@@ -368,11 +368,9 @@ impl Iteration {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: system
-                .equations
-                .body
-                .space
-                .at_node(node, |node| state.position(system.equations.body, node)),
+            position: Box::new(
+                system.equations.body.space.at_node(node, |node| state.position(system.equations.body, node)),
+            ),
             rigid: system.equations.body.mechanism.name_at(node).map(Box::from),
             contact: None,
         }

@@ -601,11 +601,11 @@ fn nothing_passes_in_random_drops() {
     assert!(n_cuts < 100, "{n_cuts}");
 }
 
+/// Place of a cube in a grid, and its nodes.
+type Cube = ([usize; 3], [u32; 8]);
+
 /// Bricks between planes along each axis, those that are meant by their numbers along the axes, with the nodes of each.
-fn bricks(
-    planes: [&[f64]; 3],
-    is_there: impl Fn([usize; 3]) -> bool,
-) -> (MeshBuilder, Vec<([usize; 3], [u32; 8])>) {
+fn bricks(planes: [&[f64]; 3], is_there: impl Fn([usize; 3]) -> bool) -> (MeshBuilder, Vec<Cube>) {
     let (mut builder, mut known, mut cells) = (MeshBuilder::new(), BTreeMap::new(), Vec::new());
     let n = planes.map(|planes| planes.len() - 1);
     let all = (0..n[0] * n[1] * n[2]).map(|at| [at % n[0], at / n[0] % n[1], at / n[0] / n[1]]);

@@ -690,7 +690,7 @@ fn failures_are_those_of_the_whole_body() {
 fn place(error: &Error) -> (Option<CellKind>, usize, [f64; 3]) {
     match *error {
         Error::CellInverted { cell, kind, position, .. } => (Some(kind), cell, position),
-        Error::NoConvergence { node, position, .. } => (None, node, position),
+        Error::NoConvergence { node, ref position, .. } => (None, node, **position),
         _ => panic!("{error}"),
     }
 }
