@@ -9,6 +9,7 @@ mod classic_steppers;
 mod contact;
 mod contact_moving;
 mod contact_pairs;
+mod contact_solvers;
 mod couplings;
 mod damping;
 mod driven_supports;
