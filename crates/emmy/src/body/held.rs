@@ -107,6 +107,18 @@ impl Body {
         }
     }
 
+    /// The components that may turn on their own: those between joints, or else the connected parts of a body with
+    /// contact. None if there is but one.
+    pub(crate) fn turning_components(&self) -> Vec<Component> {
+        let between_joints = &self.mechanism.components;
+        if !between_joints.is_empty() || !self.has_bounds() {
+            return between_joints.clone();
+        }
+        let of_cells = couplings::of_cells(self.mesh(), self.space.internal(), self.space.ties());
+        let connected = self.mechanism.connected(self.n_dofs() / 3, &of_cells);
+        if connected.len() > 1 { connected } else { Vec::new() }
+    }
+
     /// The connected parts of a body that is no part of a team, without the nodes that follow others.
     fn own_parts(&self) -> Vec<(usize, Vec<u32>)> {
         let (mesh, ties) = (self.mesh(), self.space.ties());

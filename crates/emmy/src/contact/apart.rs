@@ -49,7 +49,7 @@ impl SurfaceLayer {
         let mut reach = self.layer.thickness;
         while reach < FARTHEST_GAP * self.layer.thickness {
             let mut candidates = Candidates::default();
-            candidates.cover(&self.surface, |_| reach, &[&X]);
+            candidates.cover(&self.surface, |_| reach, &[&self.surface.positions]);
             let pairs = candidates.pairs.iter();
             let closest = pairs.map(|own| (own, Closest::new(own.kind, &own.vectors(&X))));
             let smaller =

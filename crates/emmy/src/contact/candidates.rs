@@ -78,15 +78,27 @@ impl Candidate {
 
 /// The pairs of a surface that can come nearer than a reach, in an order that does not depend on the motion.
 ///
-/// A list holds as long as every entity stays in its box, which has a margin. Pairs that are not in it are out of
-/// reach, so no result depends on when the list was made.
+/// A list holds as long as every node stays in its box, which has a margin. Pairs that are not in it are out of reach,
+/// so no result depends on when the list was made.
 #[derive(Debug, Clone, Default)]
 pub struct Candidates {
     /// The pairs.
     pub pairs: Vec<Candidate>,
+    /// Distance of each pair when the list was made.
+    pub distances: Vec<f64>,
     /// Where the pairs of each point begin, and each pair of edges, and the end of all.
     pub begin: Vec<u32>,
-    /// Boxes of the entities; none before the first list.
+    /// The entities of the pairs, ascending.
+    pub entities: Vec<u32>,
+    /// Positions of the nodes when the list was made.
+    made_at: Vec<[f64; 3]>,
+    /// [`Surface::amplification`].
+    amplification: f64,
+    /// Positions of the entities there.
+    x: Vec<[f64; 3]>,
+    /// Boxes of the nodes; none before the first list.
+    boxes_of_nodes: Vec<Bounds>,
+    /// Boxes of the entities.
     boxes: Vec<Bounds>,
     triangles: BoxTree,
     edges: BoxTree,
@@ -138,35 +150,63 @@ impl NearBodies {
 }
 
 /// Margin over the reach of the points.
-const MARGIN: f64 = 0.5;
+const MARGIN: f64 = 1.0;
 
 /// Multiple of a step that the boxes cover ahead of its start.
 const AHEAD: f64 = 2.0;
 
 impl Candidates {
-    /// Makes the list hold for paths through some configurations, `[configuration][entity]`: the start of a step, its
-    /// end, and others. `reach`: the distance of interest for each layer. Returns whether the list is a new one.
+    /// Makes the list hold for paths through some configurations of the nodes, `[configuration][node]`: the start of a
+    /// step, its end, and others. `reach`: the distance of interest for each layer. Returns whether the list is a new
+    /// one.
     pub fn cover<X: AsRef<[[f64; 3]]>>(
         &mut self,
         surface: &Surface,
         reach: impl Fn(LayerOf) -> f64,
         configurations: &[X],
     ) -> bool {
-        let holds = self.boxes.len() == surface.n_entities()
+        let boxes = &self.boxes_of_nodes;
+        let holds = boxes.len() == surface.nodes.len()
             && configurations
                 .iter()
-                .all(|x| self.boxes.iter().zip(x.as_ref()).all(|(own, x)| own.contains(&Bounds::of(*x))));
+                .all(|x| boxes.iter().zip(x.as_ref()).all(|(own, x)| own.contains(&Bounds::of(*x))));
         if !holds {
-            self.set_boxes(surface.n_entities(), MARGIN * reach(LayerOf::Points), configurations);
+            self.set_boxes(surface, MARGIN * reach(LayerOf::Points), configurations);
             self.find(surface, reach);
+            self.entities.clear();
+            self.entities.extend(self.pairs.iter().flat_map(|pair| pair.entities));
+            self.entities.sort_unstable();
+            self.entities.dedup();
+            self.set_distances(surface, configurations.first().map_or(&[], |x| x.as_ref()));
         }
         !holds
     }
 
-    fn set_boxes<X: AsRef<[[f64; 3]]>>(&mut self, n_entities: usize, margin: f64, configurations: &[X]) {
-        self.boxes.clear();
-        self.boxes.extend((0..n_entities).map(|entity| {
-            let at = |x: &X| x.as_ref()[entity];
+    /// Sets the distances of the pairs at some positions of the nodes.
+    fn set_distances(&mut self, surface: &Surface, made_at: &[[f64; 3]]) {
+        let Candidates { pairs, distances, entities, x, .. } = self;
+        x.resize(surface.n_entities(), [0.0; 3]);
+        surface.combine_those(entities, made_at, x);
+        distances.clear();
+        let closest = |pair: &Candidate| Closest::new(pair.kind, &pair.vectors(x));
+        distances.extend(pairs.iter().map(|pair| closest(pair).squared_distance.sqrt()));
+        self.amplification = surface.amplification();
+        self.made_at.clear();
+        self.made_at.extend_from_slice(made_at);
+    }
+
+    /// Bound on the change of every distance since the list was made, on straight paths between configurations of the
+    /// nodes.
+    pub fn largest_change<X: AsRef<[[f64; 3]]>>(&self, configurations: &[X]) -> f64 {
+        // Both sides move.
+        2.0 * self.amplification
+            * configurations.iter().map(|x| farthest(&self.made_at, x.as_ref())).fold(0.0, larger)
+    }
+
+    fn set_boxes<X: AsRef<[[f64; 3]]>>(&mut self, surface: &Surface, margin: f64, configurations: &[X]) {
+        self.boxes_of_nodes.clear();
+        self.boxes_of_nodes.extend((0..surface.nodes.len()).map(|node| {
+            let at = |x: &X| x.as_ref()[node];
             let path = configurations.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(at(x))));
             let ahead = match configurations {
                 [start, end, ..] => {
@@ -176,6 +216,12 @@ impl Candidates {
                 _ => Bounds::NONE,
             };
             path.with(ahead).inflated(0.5 * margin)
+        }));
+        let of_nodes = &self.boxes_of_nodes;
+        self.boxes.clear();
+        self.boxes.extend((0..surface.n_entities() as u32).map(|entity| {
+            let terms = surface.entity(entity).map(|(node, share)| of_nodes[node].scaled(share));
+            terms.fold(Bounds::of([0.0; 3]), Bounds::sum)
         }));
     }
 
@@ -190,6 +236,7 @@ impl Candidates {
             boxes_of_edges,
             bodies,
             near,
+            ..
         } = self;
         let hull = |entities: &[u32]| {
             entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(boxes[*entity as usize]))
@@ -277,6 +324,20 @@ impl Candidates {
     }
 }
 
+/// Largest distance of a node between two configurations, beside the mean motion.
+fn farthest(from: &[[f64; 3]], to: &[[f64; 3]]) -> f64 {
+    let moved = || from.iter().zip(to).map(|(x, y)| [0, 1, 2].map(|d| y[d] - x[d]));
+    let sum = moved().fold([0.0; 3], |sum, u| [0, 1, 2].map(|d| sum[d] + u[d]));
+    let mean = sum.map(|sum| sum / from.len() as f64);
+    let square = |u: [f64; 3]| (0..3).map(|d| (u[d] - mean[d]).powi(2)).sum::<f64>();
+    moved().map(square).fold(0.0, larger).sqrt()
+}
+
+/// The larger one of two numbers. A number that is none is larger than any.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(non_snake_case)]
@@ -286,64 +347,80 @@ mod tests {
     use super::*;
     use crate::mesh::FacetKind;
 
-    /// Two squares of one facet on top of each other, at random places.
-    fn surface() -> Surface {
+    /// Two squares of one facet on top of each other, at random places, with nodes in the middle of their edges if they
+    /// are quadratic.
+    fn surface(is_quadratic: bool) -> Surface {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let at = |z: f64| corners.map(|[x, y]| [x, y, z]);
-        let (lower, upper) = (at(0.0), at(0.14));
-        let shapes = [0.25; 4];
+        let middles = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
+        let n = if is_quadratic { 8 } else { 4 };
+        let kind = if is_quadratic { FacetKind::Quad8 } else { FacetKind::Quad4 };
+        let at = |z: f64| -> Vec<[f64; 3]> {
+            corners.iter().chain(&middles).map(|[x, y]| [*x, *y, z]).take(n).collect()
+        };
+        let (lower, upper, nodes) = (at(0.0), at(0.14), Vec::from_iter(0..2 * n as u32));
+        // In the middle.
+        let shapes = if is_quadratic { [[-0.25; 4], [0.5; 4]].concat() } else { vec![0.25; 4] };
         let facet = |nodes, positions, body| SurfaceFacet {
-            kind: FacetKind::Quad4,
+            kind,
             nodes,
             positions,
             shapes: &shapes,
             areas: &[1.0],
             body,
         };
-        Surface::new(&[facet(&[0, 1, 2, 3], &lower, 0), facet(&[4, 5, 6, 7], &upper, 1)])
+        Surface::new(&[facet(&nodes[..n], &lower, 0), facet(&nodes[n..], &upper, 1)])
     }
 
-    /// On random paths, the list has every pair whose distance is at some time below that of its layer, in one order;
-    /// and a list that holds is kept.
+    /// On random paths, the list has every pair whose distance is at some time below that of its layer, in one order; a
+    /// list that holds is kept, and no distance changes by more than its bound.
     #[test]
     fn lists_have_all_pairs_that_come_near() {
         const THICKNESS: f64 = 0.15;
-        let surface = surface();
-        let mut random = Random(11);
-        let mut all = Candidates::default();
-        let mut X = vec![[0.0; 3]; surface.n_entities()];
-        surface.combine(&surface.positions, &mut X);
-        // A list of everything.
-        all.cover(&surface, |_| 1e3, &[&X]);
-        let n_points = surface.points.len();
-        assert!(all.pairs.len() > 8 * n_points);
-        let mut list = Candidates::default();
-        let reach = |layer: LayerOf| layer.part() * THICKNESS;
-        let (mut n_new, mut n_near) = (0, 0);
-        for _ in 0..200 {
-            let moved = |random: &mut Random, size: f64| -> Vec<[f64; 3]> {
-                let nodal: Vec<[f64; 3]> =
-                    (surface.positions.iter()).map(|X| X.map(|x| x + size * random.number())).collect();
-                let mut x = vec![[0.0; 3]; surface.n_entities()];
-                surface.combine(&nodal, &mut x);
-                x
-            };
-            let (start, end) = (moved(&mut random, 0.02), moved(&mut random, 0.05));
-            n_new += usize::from(list.cover(&surface, reach, &[&start, &end]));
-            assert!(!list.cover(&surface, reach, &[&start, &end]));
-            let mut expected = all.pairs.iter().filter(|pair| {
-                [&start, &end].iter().any(|x| {
-                    let closest = Closest::new(pair.kind, &pair.vectors(x));
-                    closest.squared_distance.sqrt() < reach(pair.layer)
-                })
-            });
-            // Both lists have one order.
-            let mut own = list.pairs.iter();
-            assert!(expected.all(|pair| {
-                n_near += 1;
-                own.any(|own| own == pair)
-            }));
+        for is_quadratic in [false, true] {
+            let surface = surface(is_quadratic);
+            assert_eq!(surface.amplification(), if is_quadratic { 3.0 } else { 1.0 });
+            let mut random = Random(11);
+            let mut all = Candidates::default();
+            // A list of everything.
+            all.cover(&surface, |_| 1e3, &[&surface.positions]);
+            let n_points = surface.points.len();
+            assert!(all.pairs.len() > 8 * n_points);
+            let mut list = Candidates::default();
+            let reach = |layer: LayerOf| layer.part() * THICKNESS;
+            let (mut n_new, mut n_near) = (0, 0);
+            for _ in 0..200 {
+                let moved = |random: &mut Random, size: f64| -> Vec<[f64; 3]> {
+                    (surface.positions.iter()).map(|X| X.map(|x| x + size * random.number())).collect()
+                };
+                let nodal = [moved(&mut random, 0.02), moved(&mut random, 0.05)];
+                n_new += usize::from(list.cover(&surface, reach, &nodal));
+                assert!(!list.cover(&surface, reach, &nodal));
+                let largest_change = list.largest_change(&nodal);
+                let configurations = nodal.map(|nodal| {
+                    let mut x = vec![[0.0; 3]; surface.n_entities()];
+                    surface.combine(&nodal, &mut x);
+                    x
+                });
+                let distance = |pair: &Candidate, x: &Vec<[f64; 3]>| {
+                    Closest::new(pair.kind, &pair.vectors(x)).squared_distance.sqrt()
+                };
+                let mut expected = all
+                    .pairs
+                    .iter()
+                    .filter(|pair| configurations.iter().any(|x| distance(pair, x) < reach(pair.layer)));
+                // Both lists have one order.
+                let mut own = list.pairs.iter();
+                assert!(expected.all(|pair| {
+                    n_near += 1;
+                    own.any(|own| own == pair)
+                }));
+                for (pair, before) in list.pairs.iter().zip(&list.distances) {
+                    assert!(pair.entities.iter().all(|entity| list.entities.contains(entity)));
+                    let change = |x| (distance(pair, x) - before).abs();
+                    assert!(configurations.iter().all(|x| change(x) <= largest_change + 1e-15));
+                }
+            }
+            assert!(n_new < 200 && n_near > 500, "{n_new} {n_near}");
         }
-        assert!(n_new < 200 && n_near > 500, "{n_new} {n_near}");
     }
 }

@@ -159,17 +159,26 @@ impl Surface {
         self.terms[range].iter().map(|&(node, share)| (node as usize, share))
     }
 
-    /// Sets the vectors of the entities from those of the nodes, `[n_nodes]`.
+    /// Largest length of the vector of an entity over that of a node: 1 unless shares are negative.
+    pub fn amplification(&self) -> f64 {
+        let of_entity = |entity: u32| self.entity(entity).map(|(_, share)| share.abs()).sum::<f64>();
+        (0..self.n_entities() as u32).map(of_entity).fold(0.0, f64::max)
+    }
+
+    /// Sets the vectors of all entities from those of the nodes, `[n_nodes]`.
     pub fn combine(&self, nodal: &[[f64; 3]], vectors: &mut [[f64; 3]]) {
-        for (range, vector) in self.begin.windows(2).zip(vectors) {
-            *vector = [0.0; 3];
-            for &(node, share) in &self.terms[range[0] as usize..range[1] as usize] {
-                (0..3).for_each(|d| vector[d] += share * nodal[node as usize][d]);
-            }
+        (0..).zip(vectors).for_each(|(entity, vector)| *vector = self.combined(entity, |node| nodal[node]));
+    }
+
+    /// Sets the vectors of some entities from those of the nodes, `[n_nodes]`.
+    pub fn combine_those(&self, entities: &[u32], nodal: &[[f64; 3]], vectors: &mut [[f64; 3]]) {
+        for &entity in entities {
+            vectors[entity as usize] = self.combined(entity, |node| nodal[node]);
         }
     }
 
     /// The vector of an entity from those of the nodes, by their numbers.
+    #[inline]
     pub fn combined(&self, entity: u32, nodal: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let mut vector = [0.0; 3];
         for (node, share) in self.entity(entity) {
@@ -179,11 +188,12 @@ impl Surface {
         vector
     }
 
-    /// Adds forces on entities to those on the nodes.
-    pub fn spread(&self, forces: &[[f64; 3]], nodal: &mut [[f64; 3]]) {
-        for (range, force) in self.begin.windows(2).zip(forces) {
-            for &(node, share) in &self.terms[range[0] as usize..range[1] as usize] {
-                (0..3).for_each(|d| nodal[node as usize][d] += share * force[d]);
+    /// Adds forces on some entities to those on the nodes; `forces`: of all entities.
+    pub fn spread(&self, entities: &[u32], forces: &[[f64; 3]], nodal: &mut [[f64; 3]]) {
+        for &entity in entities {
+            let force = forces[entity as usize];
+            for (node, share) in self.entity(entity) {
+                (0..3).for_each(|d| nodal[node][d] += share * force[d]);
             }
         }
     }

@@ -49,9 +49,11 @@ pub struct SurfaceMemory {
     paths: Vec<Vectors>,
     /// How far these paths are evaluated.
     evaluated: Evaluated,
-    /// Positions of the entities: at the start, at the end, and at the stages or the points of the rule.
+    /// Positions of the nodes: at the start, at the end, and at the stages or the points of the rule.
+    of_nodes: Vec<Vectors>,
+    /// The same of the entities in the list.
     configurations: Vec<Vectors>,
-    /// Rates of the entities, `[k]`.
+    /// Rates of the entities in the list, `[k]`.
     rates: Vec<Vectors>,
     chunks: Vec<Chunk>,
     n_chunks: usize,
@@ -107,6 +109,7 @@ impl SurfaceMemory {
         SurfaceMemory {
             rule: own,
             candidates: Candidates::default(),
+            of_nodes: vec![of_nodes.clone(); 2 + n_inside],
             configurations: vec![of_entities.clone(); 2 + n_inside],
             rates: vec![of_entities.clone(); k],
             chunks: Vec::new(),
@@ -160,28 +163,48 @@ impl SurfaceMemory {
         changes
     }
 
-    /// Sets the positions of the entities on the paths.
-    fn set_entities(&mut self, surface: &Surface, rule: &Rule) {
-        let SurfaceMemory { paths, configurations, rates, .. } = self;
-        surface.combine(&paths[0], &mut configurations[0]);
-        for (nodal, rates) in paths[1..].iter().zip(rates.iter_mut()) {
-            surface.combine(nodal, rates);
-        }
-        let (start, others) = configurations.split_at_mut(1);
-        let k = rule.degree();
-        for (at, x) in others.iter_mut().enumerate() {
-            let integrals = match (at.checked_sub(1), &self.rule) {
-                (None, _) => rule.weights(),
-                (Some(m), ContactRule::Points(points)) => points.integrals(m),
-                (Some(i), _) => &rule.coefficients()[i * k..(i + 1) * k],
-            };
-            x.copy_from_slice(&start[0]);
-            for (rates, integral) in rates.iter().zip(integrals) {
+    /// Sets the configurations of the nodes on the paths.
+    fn set_nodes(&mut self, rule: &Rule) {
+        let SurfaceMemory { rule: own, paths, of_nodes, .. } = self;
+        of_nodes[0].copy_from_slice(&paths[0]);
+        for (at, x) in of_nodes[1..].iter_mut().enumerate() {
+            x.copy_from_slice(&paths[0]);
+            for (rates, integral) in paths[1..].iter().zip(integrals(own, rule, at)) {
                 for (x, rate) in x.iter_mut().zip(rates) {
                     (0..3).for_each(|d| x[d] += integral * rate[d]);
                 }
             }
         }
+    }
+
+    /// Sets the configurations of the entities in the list.
+    fn set_entities(&mut self, surface: &Surface, rule: &Rule) {
+        let SurfaceMemory { rule: own, candidates, paths, configurations, rates, .. } = self;
+        let entities = &candidates.entities;
+        let (start, others) = configurations.split_at_mut(1);
+        surface.combine_those(entities, &paths[0], &mut start[0]);
+        for (nodal, rates) in paths[1..].iter().zip(rates.iter_mut()) {
+            surface.combine_those(entities, nodal, rates);
+        }
+        for (at, x) in others.iter_mut().enumerate() {
+            let integrals = integrals(own, rule, at);
+            for entity in entities.iter().map(|&entity| entity as usize) {
+                x[entity] = start[0][entity];
+                for (rates, integral) in rates.iter().zip(integrals) {
+                    (0..3).for_each(|d| x[entity][d] += integral * rates[entity][d]);
+                }
+            }
+        }
+    }
+}
+
+/// Weights of the rates in a configuration after the start: the end, then the stages or the points of the rule.
+fn integrals<'r>(own: &'r ContactRule, rule: &'r Rule, at: usize) -> &'r [f64] {
+    let k = rule.degree();
+    match (at.checked_sub(1), own) {
+        (None, _) => rule.weights(),
+        (Some(m), ContactRule::Points(points)) => points.integrals(m),
+        (Some(i), _) => &rule.coefficients()[i * k..(i + 1) * k],
     }
 }
 
@@ -209,8 +232,9 @@ impl SurfaceLayer {
         if memory.evaluated < Evaluated::Forces {
             memory.forces.iter_mut().for_each(|forces| forces.fill([0.0; 3]));
             memory.n_chunks = 0;
-            memory.set_entities(&self.surface, rule);
+            memory.set_nodes(rule);
             self.find(memory)?;
+            memory.set_entities(&self.surface, rule);
             self.set_forces(rule, memory)?;
             memory.evaluated = Evaluated::Forces;
         }
@@ -223,7 +247,10 @@ impl SurfaceLayer {
 
     /// Sets the forces of the pairs, and their sums.
     fn set_forces(&self, rule: &Rule, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
-        let SurfaceMemory { rule: own, candidates, configurations, rates, chunks, n_chunks, .. } = memory;
+        let SurfaceMemory {
+            rule: own, candidates, of_nodes, configurations, rates, chunks, n_chunks, ..
+        } = memory;
+        let change = candidates.largest_change(of_nodes);
         let n_points = candidates.begin.len() - 1;
         *n_chunks = n_points.div_ceil(CHUNK);
         if chunks.len() < *n_chunks {
@@ -233,7 +260,8 @@ impl SurfaceLayer {
             chunk.clear(rates.len());
             let first = number * CHUNK;
             for range in candidates.begin[first..=(first + CHUNK).min(n_points)].windows(2) {
-                let pairs = &candidates.pairs[range[0] as usize..range[1] as usize];
+                let range = range[0] as usize..range[1] as usize;
+                let pairs = (&candidates.pairs[range.clone()], &candidates.distances[range], change);
                 self.add_point(pairs, (own, rule, configurations, rates), chunk);
             }
         });
@@ -261,8 +289,8 @@ impl SurfaceLayer {
 
     /// Makes the list of pairs hold for the paths.
     fn find(&self, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
-        let SurfaceMemory { candidates, configurations, .. } = memory;
-        let [start, end] = [&configurations[0], &configurations[1]];
+        let SurfaceMemory { candidates, of_nodes, .. } = memory;
+        let [start, end] = [&of_nodes[0], &of_nodes[1]];
         let moved = |(a, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|d| b[d] - a[d]);
         let mut mean = [0.0; 3];
         for motion in start.iter().zip(end).map(moved) {
@@ -274,12 +302,18 @@ impl SurfaceLayer {
         if let Some(far) = start.iter().zip(end).map(moved).position(|motion| !is_near(motion)) {
             return Err(start[far]);
         }
-        candidates.cover(&self.surface, |of| self.layer.of(of).thickness, configurations);
+        candidates.cover(&self.surface, |of| self.layer.of(of).thickness, of_nodes);
         Ok(())
     }
 
-    /// Adds the pairs of a point, or one of edges, to their chunk if they act.
-    fn add_point(&self, pairs: &[Candidate], paths: Paths<'_>, chunk: &mut Chunk) {
+    /// Adds the pairs of a point, or one of edges, to their chunk if they act; `pairs`: with their distances when the
+    /// list was made, and the largest change of these since.
+    fn add_point(
+        &self,
+        (pairs, distances, change): (&[Candidate], &[f64], f64),
+        paths: Paths<'_>,
+        chunk: &mut Chunk,
+    ) {
         let (own, _, configurations, rates) = paths;
         let Chunk { acting, of_point, forces, stages, passed, .. } = chunk;
         // The configurations in which the forces take the closest points.
@@ -288,10 +322,12 @@ impl SurfaceLayer {
             _ if rates.len() == 1 => &configurations[..2],
             _ => configurations,
         };
+        // On straight paths, the others are in between.
+        let spanning = if rates.len() == 1 { &configurations[..2] } else { configurations };
         of_point.clear();
-        for candidate in pairs {
+        for (candidate, distance) in pairs.iter().zip(distances) {
             let thickness = self.layer.of(candidate.layer).thickness;
-            if candidate.is_apart(configurations, thickness) {
+            if *distance >= thickness + change || candidate.is_apart(spanning, thickness) {
                 continue;
             }
             if candidate.can_meet() {
@@ -343,10 +379,10 @@ impl SurfaceLayer {
 
     /// Sums the forces of all pairs, in their order.
     fn sum_forces(&self, memory: &mut SurfaceMemory) {
-        let SurfaceMemory { chunks, n_chunks, forces, of_entities, rates, .. } = memory;
+        let SurfaceMemory { candidates, chunks, n_chunks, forces, of_entities, rates, .. } = memory;
         let k = rates.len();
         for (stage, nodal) in forces.iter_mut().enumerate() {
-            of_entities.fill([0.0; 3]);
+            candidates.entities.iter().for_each(|entity| of_entities[*entity as usize] = [0.0; 3]);
             for chunk in &chunks[..*n_chunks] {
                 for (candidate, forces) in chunk.acting.iter().zip(chunk.forces.chunks_exact(k)) {
                     let entities = &candidate.entities[..candidate.kind.n_entities()];
@@ -356,7 +392,7 @@ impl SurfaceLayer {
                     }
                 }
             }
-            self.surface.spread(of_entities, nodal);
+            self.surface.spread(&candidates.entities, of_entities, nodal);
         }
     }
 }

@@ -40,25 +40,29 @@ pub struct SurfaceNode {
 #[derive(Debug, Clone, Default)]
 pub struct SurfaceSearch {
     candidates: Candidates,
-    nodal: Vec<[f64; 3]>,
-    /// Positions of the entities.
-    x: Vec<[f64; 3]>,
-    /// The same after a correction.
-    corrected: Vec<[f64; 3]>,
+    /// Positions of the nodes, before and after a correction.
+    nodal: [Vec<[f64; 3]>; 2],
+    /// Positions of the entities in the list.
+    x: [Vec<[f64; 3]>; 2],
 }
 
 impl SurfaceSearch {
-    /// Sets positions of the entities from those of the nodes, by their numbers.
-    fn set(
-        surface: &Surface,
-        nodal: &mut Vec<[f64; 3]>,
-        position: impl Fn(usize) -> [f64; 3],
-        x: &mut Vec<[f64; 3]>,
-    ) {
-        nodal.clear();
-        nodal.extend((0..surface.nodes.len()).map(position));
-        x.resize(surface.n_entities(), [0.0; 3]);
-        surface.combine(nodal, x);
+    /// Sets the positions of the nodes, by their numbers, before a correction or after it.
+    fn set(&mut self, at: usize, surface: &Surface, position: impl Fn(usize) -> [f64; 3]) {
+        self.nodal[at].clear();
+        self.nodal[at].extend((0..surface.nodes.len()).map(position));
+    }
+
+    /// Makes the list hold for the first n configurations, and sets the entities in them. Returns a bound on the change
+    /// of every distance since the list was made.
+    fn cover(&mut self, n: usize, surface: &Surface, reach: impl Fn(LayerOf) -> f64) -> f64 {
+        let SurfaceSearch { candidates, nodal, x } = self;
+        candidates.cover(surface, reach, &nodal[..n]);
+        for (nodal, x) in nodal[..n].iter().zip(x) {
+            x.resize(surface.n_entities(), [0.0; 3]);
+            surface.combine_those(&candidates.entities, nodal, x);
+        }
+        candidates.largest_change(&nodal[..n])
     }
 }
 
@@ -71,17 +75,18 @@ impl SurfaceLayer {
         search: &mut SurfaceSearch,
         mut visit: impl FnMut(&Candidate, &PairState),
     ) {
-        let SurfaceSearch { candidates, nodal, x, .. } = search;
-        SurfaceSearch::set(&self.surface, nodal, position, x);
         let near_of = |of: LayerOf| self.layer.thickness * if of == LayerOf::Points { 1.0 } else { NEAR };
-        candidates.cover(&self.surface, near_of, &[&x]);
-        for candidate in &candidates.pairs {
+        search.set(0, &self.surface, position);
+        let change = search.cover(1, &self.surface, near_of);
+        let SurfaceSearch { candidates, x: [x, _], .. } = search;
+        for (candidate, distance) in candidates.pairs.iter().zip(&candidates.distances) {
             let near = near_of(candidate.layer);
-            if !candidate.is_apart(&[&x], near) {
-                let state = PairState::new(candidate.kind, candidate.vectors(x));
-                if state.closest.squared_distance < near * near {
-                    visit(candidate, &state);
-                }
+            if *distance >= near + change || candidate.is_apart(&[&x], near) {
+                continue;
+            }
+            let state = PairState::new(candidate.kind, candidate.vectors(x));
+            if state.closest.squared_distance < near * near {
+                visit(candidate, &state);
             }
         }
     }
@@ -141,16 +146,19 @@ impl SurfaceLayer {
         left: f64,
         search: &mut SurfaceSearch,
     ) -> f64 {
-        let SurfaceSearch { candidates, nodal, x, corrected } = search;
-        SurfaceSearch::set(&self.surface, nodal, position, x);
-        SurfaceSearch::set(&self.surface, nodal, change, corrected);
-        for (corrected, x) in corrected.iter_mut().zip(&*x) {
-            (0..3).for_each(|d| corrected[d] += x[d]);
-        }
+        search.set(0, &self.surface, &position);
+        search.set(1, &self.surface, |node| {
+            let (x, dx) = (position(node), change(node));
+            [0, 1, 2].map(|d| x[d] + dx[d])
+        });
         // All pairs that meet on the way are in the list, whenever it was made.
-        candidates.cover(&self.surface, |of| self.layer.of(of).thickness, &[&*x, &*corrected]);
+        let largest_change = search.cover(2, &self.surface, |of| self.layer.of(of).thickness);
+        let SurfaceSearch { candidates, x: [x, corrected], .. } = search;
         let mut part = 1.0f64;
-        for candidate in candidates.pairs.iter().filter(|candidate| candidate.can_meet()) {
+        for (candidate, distance) in candidates.pairs.iter().zip(&candidates.distances) {
+            if *distance > largest_change || !candidate.can_meet() {
+                continue;
+            }
             let [x, corrected]: [PairVectors; 2] = [candidate.vectors(x), candidate.vectors(corrected)];
             if !paths_meet(candidate.kind, &x, &corrected) {
                 continue;

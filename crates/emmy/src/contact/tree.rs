@@ -29,6 +29,18 @@ impl Bounds {
         Bounds { low: self.low.map(|x| x - length), high: self.high.map(|x| x + length) }
     }
 
+    /// The box of all points of this one times a factor.
+    pub fn scaled(self, factor: f64) -> Bounds {
+        let [low, high] = [self.low, self.high].map(|corner| corner.map(|x| factor * x));
+        if factor < 0.0 { Bounds { low: high, high: low } } else { Bounds { low, high } }
+    }
+
+    /// The box of all sums of a point in this one and a point in another.
+    pub fn sum(self, other: Bounds) -> Bounds {
+        let low = [0, 1, 2].map(|d| self.low[d] + other.low[d]);
+        Bounds { low, high: [0, 1, 2].map(|d| self.high[d] + other.high[d]) }
+    }
+
     /// Whether both have a common point. A coordinate that is no number counts as common.
     pub fn meets(&self, other: &Bounds) -> bool {
         (0..3).all(|d| !(self.low[d] > other.high[d] || other.low[d] > self.high[d]))

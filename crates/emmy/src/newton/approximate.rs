@@ -69,7 +69,8 @@ impl Newton {
             let is_done = if is_converged && (run.sizes.scale == 0.0 || run.ending == Ending::Tolerance) {
                 true
             } else if let Some(last) = self.last_correction(run, contraction) {
-                self.finish(system, x, run, (last, Tangent::Reused))
+                let kept = if tangent == Tangent::Unchanged { tangent } else { Tangent::Reused };
+                self.finish(system, x, run, (last, kept))
             } else if run.outcome.at_rounding_floor && run.ending == Ending::Rounding {
                 self.polish(system, x, run)?;
                 true
@@ -96,11 +97,11 @@ impl Newton {
                 self.approximation.fresh = None;
                 return Ok(false);
             };
-            tangent = Tangent::Reused;
             run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
             let sizes = system.residual(&self.trial, &mut self.trial_residual);
             let ratio = sizes.as_ref().map_or(f64::INFINITY, |sizes| sizes.residual / residual);
+            tangent = if ratio < STEADY { Tangent::Unchanged } else { Tangent::Reused };
             if ratio < 1.0 {
                 x.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.residual, &mut self.trial_residual);
@@ -119,11 +120,13 @@ impl Newton {
             let of_tangent = ((ratio - (1.0 - self.part)) / self.part).max(0.0);
             let cost = system.refactorization_cost();
             let pace = match previous.replace(of_tangent) {
-                _ if n_to_judge(cost) == 1 => Some(of_tangent),
+                _ if n_to_judge(cost) == 1 && !run.is_sudden => Some(of_tangent),
                 previous => previous.map(|previous: f64| (previous * of_tangent).sqrt()),
             };
             let is_useless = ratio.is_nan() || of_tangent >= 1.0;
-            let is_slow = is_useless || pace.is_some_and(|pace| pace > SLOW);
+            let is_early = run.is_sudden && run.outcome.iterations <= EARLY;
+            let slow = if is_early { SLOW_AT_FIRST } else { SLOW };
+            let is_slow = is_useless || pace.is_some_and(|pace| pace > slow);
             if self.part < 1.0 {
                 renewal = None;
             }
@@ -231,7 +234,7 @@ impl Newton {
             };
             run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
-            tangent = Tangent::Reused;
+            tangent = Tangent::Unchanged;
             left *= tolerance.max(contraction);
             if left <= run.goal() {
                 x.copy_from_slice(&self.trial);
@@ -327,8 +330,16 @@ pub(super) struct LastCorrection {
     contraction: f64,
 }
 
+/// After a correction that leaves a smaller part of the residual, the parts of the tangent that change suddenly stay: so
+/// near the solution, their change is small beside the error of the rest.
+const STEADY: f64 = 1e-2;
+
 /// Corrections with the approximate tangent that leave a larger part of the residual are slow.
 const SLOW: f64 = 0.3;
+
+/// The same for the first corrections with parts that change suddenly: their change limits these, whatever the tangent.
+const SLOW_AT_FIRST: f64 = 0.5;
+const EARLY: usize = 3;
 
 /// Number of corrections by which an approximate tangent is judged, from the cost of a new one in corrections.
 fn n_to_judge(cost: f64) -> usize {

@@ -92,8 +92,11 @@ pub struct OpenEnd<'a> {
 /// Choice of K for a correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
-    /// An approximation that is cheap to solve with, reused from an earlier iteration.
+    /// An approximation that is cheap to solve with, reused from an earlier iteration, with the parts that change
+    /// suddenly at x.
     Reused,
+    /// The approximation as the last correction had it.
+    Unchanged,
     /// The approximation, computed and factorised again near x.
     Refactorized,
     /// The derivative of R at x.

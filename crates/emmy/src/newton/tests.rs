@@ -344,3 +344,60 @@ fn a_dear_tangent_is_renewed_where_it_does_not_suffice() {
         }
     }
 }
+
+/// x = 0 by corrections that leave given parts of x one after the other, with parts of the tangent that change suddenly.
+struct Sudden {
+    left: std::vec::IntoIter<f64>,
+    tangents: Vec<Tangent>,
+}
+
+impl System for Sudden {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        residual[0] = x[0];
+        Ok(Sizes { residual: x[0].abs(), scale: 1.0, floor: 0.0 })
+    }
+    fn correction(
+        &mut self,
+        _: &[f64],
+        residual: &[f64],
+        _: f64,
+        tangent: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        self.tangents.push(tangent);
+        dx[0] = (self.left.next().unwrap_or(0.0) - 1.0) * residual[0];
+        Ok(1)
+    }
+    fn refactorization_cost(&self) -> f64 {
+        4.0
+    }
+    fn is_sudden(&mut self, _: &[f64]) -> bool {
+        true
+    }
+    fn approximates_sudden_parts(&self) -> bool {
+        true
+    }
+    fn ending(&self) -> Ending {
+        Ending::Tolerance
+    }
+}
+
+/// Parts that change suddenly are renewed until corrections contract much, and again where they do not. At first,
+/// corrections may be slow without an exact tangent; later they may not.
+#[test]
+fn sudden_parts_are_renewed_while_they_change() {
+    use Tangent::{Exact, Refactorized, Reused, Unchanged};
+    let solve = |left: &[f64]| {
+        let mut system = Sudden { left: left.to_vec().into_iter(), tangents: Vec::new() };
+        let outcome = Newton::default().solve(&mut system, &mut [1.0], &NewtonSettings::default(), false);
+        (outcome.unwrap(), system.tangents)
+    };
+    let (outcome, tangents) = solve(&[0.45, 0.4, 0.1, 0.005, 0.1, 0.005, 0.005]);
+    assert!(outcome.converged && !outcome.took_exact_tangent, "{outcome:?}");
+    assert_eq!(tangents[..7], [Refactorized, Reused, Reused, Reused, Unchanged, Reused, Unchanged]);
+    for slow in [&[0.6, 0.6][..], &[0.1, 0.1, 0.1, 0.4, 0.4]] {
+        let (outcome, tangents) = solve(slow);
+        assert!(outcome.converged && outcome.took_exact_tangent, "{outcome:?}");
+        assert_eq!(tangents[slow.len()], Exact);
+    }
+}

@@ -89,11 +89,6 @@ impl Couplings {
         &mut self.blocks[place as usize * size..][..size]
     }
 
-    /// The blocks of a coupling by its number, `[i k + j][3 a + b]`.
-    pub(super) fn block(&self, number: usize) -> &[f64] {
-        &self.blocks[number * self.size()..][..self.size()]
-    }
-
     /// The couplings with their blocks.
     pub fn iter(&self) -> impl Iterator<Item = ([usize; 2], &[f64])> {
         let nodes = self.nodes.iter().map(|&(row, column)| [row as usize, column as usize]);

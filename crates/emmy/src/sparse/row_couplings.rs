@@ -8,6 +8,9 @@ use super::sweep::SweepOrder;
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{IDENTITY, product, transposed};
 
+/// A factor, and the rotation of each node.
+pub(super) type CouplingScale<'r> = (f64, &'r dyn Fn(usize) -> Mat3<f64>);
+
 /// A symmetric matrix of couplings beyond a pattern, by rows in the order of a sweep.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RowCouplings<T> {
@@ -15,8 +18,9 @@ pub(super) struct RowCouplings<T> {
     places: Vec<[u32; 2]>,
     /// Blocks by columns.
     blocks: Vec<[[T; 4]; 3]>,
-    /// Memory for couplings before they are sorted, with their numbers.
+    /// Memory for couplings before they are sorted, with their numbers, and for their blocks.
     unsorted: Vec<([u32; 2], u32)>,
+    turned: Vec<Mat3<f64>>,
     /// Row of each node; empty before the first couplings.
     row_of: Vec<u32>,
 }
@@ -24,8 +28,8 @@ pub(super) struct RowCouplings<T> {
 impl<T: Real> RowCouplings<T> {
     /// Sets the matrix to `factor R^T A R` with the symmetric part A of couplings of one stage. Nodes beyond the sweep
     /// have no rows.
-    pub(super) fn set(&mut self, sweep: &SweepOrder, couplings: &Couplings, (factor, R): (f64, &Mat3<f64>)) {
-        let RowCouplings { places, blocks, unsorted, row_of } = self;
+    pub(super) fn set(&mut self, sweep: &SweepOrder, couplings: &Couplings, (factor, R): CouplingScale<'_>) {
+        let RowCouplings { places, blocks, unsorted, turned, row_of } = self;
         places.clear();
         blocks.clear();
         if couplings.is_empty() {
@@ -36,10 +40,18 @@ impl<T: Real> RowCouplings<T> {
             (0..).zip(&sweep.order).for_each(|(row, node)| row_of[*node as usize] = row);
         }
         unsorted.clear();
-        // A block is even, its transpose odd.
-        for (number, (nodes, _)) in (0..).zip(couplings.iter()) {
+        turned.clear();
+        for (nodes, block) in couplings.iter() {
             if let [Some(&row), Some(&column)] = nodes.map(|node| row_of.get(node)) {
-                unsorted.extend([([row, column], 2 * number), ([column, row], 2 * number + 1)]);
+                // A block is even, its transpose odd.
+                let number = 2 * turned.len() as u32;
+                unsorted.extend([([row, column], number), ([column, row], number + 1)]);
+                let block = [0, 1, 2].map(|a| [block[3 * a], block[3 * a + 1], block[3 * a + 2]]);
+                let rotations = nodes.map(R);
+                turned.push(match rotations == [IDENTITY; 2] {
+                    true => block,
+                    false => product(&transposed(&rotations[0]), &product(&block, &rotations[1])),
+                });
             }
         }
         unsorted.sort_unstable();
@@ -49,9 +61,7 @@ impl<T: Real> RowCouplings<T> {
                 blocks.push([[T::default(); 4]; 3]);
             }
             let Some(sum) = blocks.last_mut() else { continue };
-            let (block, is_transpose) = (couplings.block(number as usize / 2), number % 2 == 1);
-            let block = [0, 1, 2].map(|a| [block[3 * a], block[3 * a + 1], block[3 * a + 2]]);
-            let turned = if *R == IDENTITY { block } else { product(&transposed(R), &product(&block, R)) };
+            let (turned, is_transpose) = (&turned[number as usize / 2], number % 2 == 1);
             for a in 0..3 {
                 for b in 0..3 {
                     let entry = if is_transpose { turned[b][a] } else { turned[a][b] };
@@ -88,16 +98,26 @@ mod tests {
             block.for_each(|(entry, value)| *value = ((9 * at + entry) as f64).sin());
         }
         let mut rows = RowCouplings::<f64>::default();
-        // A quarter turn about z.
-        let R = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-        rows.set(&sweep, &couplings, (2.0, &R));
+        // Quarter turns of some nodes about z.
+        let turned_nodes = [0, 3];
+        let turn = |node: usize| match turned_nodes.contains(&node) {
+            true => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            false => IDENTITY,
+        };
+        rows.set(&sweep, &couplings, (2.0, &turn));
         let x: Vec<f64> = (0..3 * 10).map(|i| if i < 3 * n { (i as f64).cos() } else { 0.0 }).collect();
         let (mut expected, mut turned) = (vec![0.0; x.len()], x.clone());
-        turned.as_chunks_mut::<3>().0.iter_mut().for_each(|x| *x = [-x[1], x[0], x[2]]);
+        turned_nodes.iter().for_each(|node| {
+            let x = &mut turned.as_chunks_mut::<3>().0[*node];
+            *x = [-x[1], x[0], x[2]];
+        });
         couplings.add_product(&turned, &mut expected);
         couplings.transpose();
         couplings.add_product(&turned, &mut expected);
-        expected.as_chunks_mut::<3>().0.iter_mut().for_each(|y| *y = [y[1], -y[0], y[2]]);
+        turned_nodes.iter().for_each(|node| {
+            let y = &mut expected.as_chunks_mut::<3>().0[*node];
+            *y = [y[1], -y[0], y[2]];
+        });
         let of_rows: Vec<Row<f64, 1>> = (sweep.order.iter())
             .map(|&node| [0, 1, 2, 3].map(|a| [if a < 3 { x[3 * node as usize + a] } else { 0.0 }]))
             .collect();

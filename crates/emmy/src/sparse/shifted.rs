@@ -8,9 +8,8 @@ use super::Couplings;
 use super::blocks::{Blocks, Rows, times};
 use super::kernel::{Entry, Kernel, Row, Work};
 use super::real::Real;
-use super::row_couplings::RowCouplings;
+use super::row_couplings::{CouplingScale, RowCouplings};
 use super::sweep::SweepOrder;
-use crate::tensor::Mat3;
 
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
@@ -88,7 +87,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     }
 
     /// Sets the couplings beyond the pattern, as [`RowCouplings::set`].
-    pub(super) fn couple(&mut self, sweep: &SweepOrder, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+    pub(super) fn couple(&mut self, sweep: &SweepOrder, couplings: &Couplings, scale: CouplingScale<'_>) {
         self.couplings.set(sweep, couplings, scale);
     }
 

@@ -7,12 +7,12 @@ use half::bf16;
 use rayon::prelude::*;
 
 use super::kernel::Row;
+use super::row_couplings::CouplingScale;
 use super::{
     ConjugateGradients, Couplings, IncompleteCholesky, Real, SharedRows, ShiftedMatrix, StageMatrix,
     SweepOrder,
 };
 use crate::error::Result;
-use crate::tensor::Mat3;
 
 /// The parts of a matrix `M + lambda K` on the free rows of a pattern.
 #[derive(Debug, Clone, Copy)]
@@ -53,8 +53,8 @@ pub(crate) trait ShiftedSolver: fmt::Debug + Send {
     }
 
     /// Adds `factor R^T A R` to the matrix of [`ShiftedSolver::solve`], in the place of earlier couplings, with the
-    /// symmetric part A of some and a rotation R.
-    fn couple(&mut self, _: &Couplings, (_factor, _R): (f64, &Mat3<f64>)) {}
+    /// symmetric part A of some and the rotation R of each node.
+    fn couple(&mut self, _: &Couplings, (_factor, _R): CouplingScale<'_>) {}
 
     /// Whether [`ShiftedSolver::precondition`] solves with the matrix itself.
     fn is_exact(&self) -> bool {
@@ -122,7 +122,7 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
         C == 1
     }
 
-    fn couple(&mut self, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+    fn couple(&mut self, couplings: &Couplings, scale: CouplingScale<'_>) {
         self.matrix.couple(&self.sweep, couplings, scale);
     }
 

@@ -15,13 +15,13 @@ use super::StageMatrix;
 use super::blocks::Blocks;
 use super::conjugate_gradients::Approximate;
 use super::kernel::Row;
+use super::row_couplings::CouplingScale;
 use super::shifted_solver::{MAX_ITERATIONS, Shifted, gather, scatter};
 use super::{
     BlockCholesky, ConjugateGradients, Couplings, Pattern, SharedRows, ShiftedMatrix, ShiftedSolver,
     SweepOrder, nested_dissection,
 };
 use crate::error::Result;
-use crate::tensor::Mat3;
 
 /// Conjugate gradients, preconditioned by a V-cycle of multigrid with `M + |lambda| K`.
 #[derive(Debug)]
@@ -108,7 +108,7 @@ impl<const C: usize> ShiftedSolver for Multigrid<C> {
         C == 1
     }
 
-    fn couple(&mut self, couplings: &Couplings, scale: (f64, &Mat3<f64>)) {
+    fn couple(&mut self, couplings: &Couplings, scale: CouplingScale<'_>) {
         self.matrix.couple(&self.sweep, couplings, scale);
     }
 

@@ -35,10 +35,12 @@ pub(crate) struct ApproximateTangent {
     orientation: Mat3<f64>,
     /// Rotation vector of the step.
     rotation: [f64; 3],
-    /// The parts that turn: the components between joints, or the body.
+    /// The parts that turn: the components, or the body.
     turning: Vec<Turning>,
-    /// Whether there are joints.
-    has_joints: bool,
+    /// Whether there are several components, whose rotations are fitted.
+    has_components: bool,
+    /// Number of the part of each node; empty without couplings.
+    part_of: Vec<u32>,
     /// Whether the solvers have couplings.
     has_couplings: bool,
     /// Memory for the spins of a part.
@@ -81,6 +83,13 @@ impl ApproximateTangent {
         };
         let solvers = ModeSolvers::new(body, coefficients, solver)?;
         let elastic = separated(body, nodes.len()).then(ElasticStiffness::default);
+        let components = body.turning_components();
+        let turning = Turning::all(nodes.len(), body, &components);
+        let mut part_of = if body.has_couplings() { vec![u32::MAX; n / 3] } else { Vec::new() };
+        if !part_of.is_empty() {
+            let parts = (0..).zip(&turning);
+            parts.for_each(|(number, part)| part.nodes().for_each(|node| part_of[node] = number));
+        }
         Ok(ApproximateTangent {
             // m^-1 w is the square of w.
             response_size: solvers.largest_modulus().sqrt(),
@@ -93,8 +102,9 @@ impl ApproximateTangent {
             rule,
             orientation: IDENTITY,
             rotation: [0.0; 3],
-            turning: Turning::all(nodes.len(), body),
-            has_joints: !body.mechanism.components.is_empty(),
+            turning,
+            has_components: !components.is_empty(),
+            part_of,
             has_couplings: false,
             spins: vec![[0.0; 3]; nodes.len()],
             turned: vec![0.0; n * nodes.len()],
@@ -130,7 +140,7 @@ impl ApproximateTangent {
     ) -> Result<()> {
         self.time_scale_of_factors = None;
         self.orientation = IDENTITY;
-        if let ([part], false) = (&mut self.turning[..], self.has_joints) {
+        if let ([part], false) = (&mut self.turning[..], self.has_components) {
             part.orient(rotations(rule, &self.rotation, &IDENTITY));
         }
         self.set_midpoint(displacement, rates);
@@ -192,11 +202,11 @@ impl ApproximateTangent {
         }
     }
 
-    /// Advances to the next step, in which a body without joints rotates by a rotation vector: `M + lambda K` rotates
+    /// Advances to the next step, in which a body of one component rotates by a rotation vector: `M + lambda K` rotates
     /// with it, so that K stays accurate in any rotation. Returns whether `P^-1` changes.
     pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) -> bool {
         let [part] = &mut self.turning[..] else { return false };
-        if self.has_joints {
+        if self.has_components {
             return false;
         }
         let changes = [self.rotation, step.rotation] != [[0.0; 3]; 2];
@@ -209,10 +219,10 @@ impl ApproximateTangent {
         changes
     }
 
-    /// Turns the parts of a body with joints with the rates of a step from a displacement. Returns whether `P^-1`
+    /// Turns the components with the rates of a step from a displacement. Returns whether `P^-1`
     /// changes.
     pub(crate) fn turn_parts(&mut self, body: (&Body, &Rule), displacement: &[f64], rates: &[f64]) -> bool {
-        if !self.has_joints || !self.is_factorised() {
+        if !self.has_components || !self.is_factorised() {
             return false;
         }
         let ApproximateTangent { turning, positions, spins, .. } = self;
@@ -314,8 +324,9 @@ impl ApproximateTangent {
     /// Adds the symmetric part of the couplings of a stage matrix, in the place of earlier ones.
     pub(crate) fn couple(&mut self, couplings: &Couplings) {
         self.has_couplings = !couplings.is_empty();
-        let rotation = self.turning.first().map_or(&IDENTITY, Turning::rotation);
-        self.solvers.couple(couplings, rotation);
+        let ApproximateTangent { solvers, turning, part_of, .. } = self;
+        let part = |node: usize| turning.get(*part_of.get(node)? as usize);
+        solvers.couple(couplings, &|node| part(node).map_or(IDENTITY, |part| *part.rotation()));
     }
 
     /// Solves the linearised stage equations to a relative tolerance. Returns the number of iterations, `None` if a

@@ -307,8 +307,8 @@ impl ModeSolvers {
     }
 
     /// Adds `R^T A R` to the linearised stage equations, in the place of earlier couplings, with the symmetric part A
-    /// of some.
-    pub(super) fn couple(&mut self, couplings: &Couplings, R: &Mat3<f64>) {
+    /// of some and the rotation R of each node.
+    pub(super) fn couple(&mut self, couplings: &Couplings, R: &dyn Fn(usize) -> Mat3<f64>) {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             solver.couple(couplings, (mode.forward[0] * mode.backward[0], R));
         }

@@ -27,9 +27,9 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// Memory for the parts of a body that turn: its components between joints, if supports hold nothing of them, or
-    /// the body. Rigid bodies without nodes of a mesh do not: their mass has no orientation.
-    pub(super) fn all(degree: usize, body: &Body) -> Vec<Self> {
+    /// Memory for the parts of a body that turn: its components, if supports hold nothing of them, or the body. Rigid
+    /// bodies without nodes of a mesh do not: their mass has no orientation.
+    pub(super) fn all(degree: usize, body: &Body, components: &[Component]) -> Vec<Self> {
         let turning = |component: &Component| Turning {
             points: component.retained(|node| node < body.mesh().n_nodes()),
             dofs: component.retained(|node| !body.mechanism.is_free_of_mesh(node)).dofs(),
@@ -37,7 +37,6 @@ impl Turning {
             strain_rates: StrainRateTransform::new(degree),
             is_spinning: false,
         };
-        let components = &body.mechanism.components;
         let mut all: Vec<Turning> = match components.is_empty() {
             true => vec![turning(&Component::whole(body.n_dofs() / 3))],
             false => components.iter().filter(|component| !body.holds(component)).map(turning).collect(),
@@ -115,6 +114,11 @@ impl Turning {
     /// Changes the rates that strain the part to rates; `old`: a copy of them.
     pub(super) fn unstrain(&self, old: &[f64], stages: &mut [f64]) {
         self.strain_rates.apply_inverse(old, stages, &self.dofs);
+    }
+
+    /// Its nodes.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.dofs.iter().flat_map(|dofs| dofs.start / 3..dofs.end / 3)
     }
 
     /// Whether it has a node.

@@ -251,6 +251,7 @@ impl System for StageSystem<'_> {
                 self.couple(x)?;
                 self.solve_approximately(tolerance, dx)
             }
+            Tangent::Unchanged => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
                 self.equations.assemble_tangent(x)?;
                 self.solve_exactly(tolerance, dx)
