@@ -330,7 +330,7 @@ pub(super) struct LastCorrection {
     contraction: f64,
 }
 
-/// After a correction that leaves a smaller part of the residual, the parts of the tangent that change suddenly stay: so
+/// After a correction that leaves a smaller part of the residual, the parts of the tangent that change suddenly stay:
 /// near the solution, their change is small beside the error of the rest.
 const STEADY: f64 = 1e-2;
 

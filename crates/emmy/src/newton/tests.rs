@@ -345,7 +345,7 @@ fn a_dear_tangent_is_renewed_where_it_does_not_suffice() {
     }
 }
 
-/// x = 0 by corrections that leave given parts of x one after the other, with parts of the tangent that change suddenly.
+/// x = 0 by corrections that leave given parts of x one after the other; parts of the tangent change suddenly.
 struct Sudden {
     left: std::vec::IntoIter<f64>,
     tangents: Vec<Tangent>,

@@ -84,7 +84,7 @@ fn formulations_keep_energy_and_momenta() {
     }
 }
 
-/// What a scheme with a spectral radius dissipates closes the balance.
+/// The balance of a scheme with a spectral radius closes with the energy that it dissipates.
 #[test]
 fn dissipated_energy_is_in_the_balance() {
     let (body, start) = thrown(rubber());
