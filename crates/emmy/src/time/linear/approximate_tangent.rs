@@ -226,7 +226,13 @@ impl ApproximateTangent {
             return false;
         }
         let ApproximateTangent { turning, positions, spins, .. } = self;
-        turning.iter_mut().for_each(|part| part.fit(body, positions, (displacement, rates), spins));
+        for part in &mut *turning {
+            part.fit(body, positions, (displacement, rates), spins);
+            // Between joints, even a small turn matters.
+            if body.0.constraints().is_empty() {
+                part.settle();
+            }
+        }
         !self.turning.is_empty()
     }
 

@@ -24,7 +24,12 @@ pub(super) struct Turning {
     strain_rates: StrainRateTransform,
     /// Whether it spins under a rule with strain rates.
     is_spinning: bool,
+    /// Largest component of its spins, as angles of a step.
+    largest_spin: f64,
 }
+
+/// Smallest turn that a K in 16 bits notices \[rad\].
+const LEAST_TURN: f64 = 2e-3;
 
 impl Turning {
     /// Memory for the parts of a body that turn: its components, if supports hold nothing of them, or the body. Rigid
@@ -36,6 +41,7 @@ impl Turning {
             rotations: vec![IDENTITY; degree],
             strain_rates: StrainRateTransform::new(degree),
             is_spinning: false,
+            largest_spin: 0.0,
         };
         let mut all: Vec<Turning> = match components.is_empty() {
             true => vec![turning(&Component::whole(body.n_dofs() / 3))],
@@ -52,6 +58,7 @@ impl Turning {
 
     /// Sets the spins of a step.
     pub(super) fn set_spins(&mut self, rule: &Rule, spins: &[[f64; 3]]) {
+        self.largest_spin = spins.iter().flatten().fold(0.0, |most: f64, w| most.max(w.abs()));
         self.is_spinning = rule.is_energy_momentum() && spins.iter().flatten().any(|w| *w != 0.0);
         if self.is_spinning {
             self.strain_rates.set_spins(rule, spins);
@@ -83,6 +90,19 @@ impl Turning {
             [_, *spin] = best_fit::rates(&self.points, position, |node| nodal::at(of_stage, node));
         }
         self.set_spins(rule, spins);
+    }
+
+    /// Leaves out turns that change K less than its precision in the solvers.
+    pub(super) fn settle(&mut self) {
+        let entries = self.rotations.iter().zip(std::iter::repeat(&IDENTITY));
+        let change = |(R, unit): (&Mat3<f64>, &Mat3<f64>)| {
+            let pairs = R.as_flattened().iter().zip(unit.as_flattened());
+            pairs.fold(0.0, |most: f64, (own, unit)| most.max((own - unit).abs()))
+        };
+        if entries.map(change).fold(0.0, f64::max) < LEAST_TURN {
+            self.rotations.fill(IDENTITY);
+            self.is_spinning &= self.largest_spin > LEAST_TURN;
+        }
     }
 
     /// The rotation from K to the first Gauss point.

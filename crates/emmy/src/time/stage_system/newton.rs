@@ -240,7 +240,7 @@ impl System for StageSystem<'_> {
             self.border.forget();
         }
         // The first correction is the largest: it may turn parts whose motion joints decide.
-        if self.n_corrections == 1 {
+        if self.n_corrections == 1 && !self.equations.body.constraints().is_empty() {
             self.turn_parts(&x[..n_rates]);
         }
         self.n_corrections += 1;
