@@ -346,12 +346,12 @@ fn a_dear_tangent_is_renewed_where_it_does_not_suffice() {
 }
 
 /// x = 0 by corrections that leave given parts of x one after the other; parts of the tangent change suddenly.
-struct Sudden {
-    left: std::vec::IntoIter<f64>,
+struct Sudden<'a> {
+    left: std::slice::Iter<'a, f64>,
     tangents: Vec<Tangent>,
 }
 
-impl System for Sudden {
+impl System for Sudden<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         residual[0] = x[0];
         Ok(Sizes { residual: x[0].abs(), scale: 1.0, floor: 0.0 })
@@ -365,7 +365,7 @@ impl System for Sudden {
         dx: &mut [f64],
     ) -> Result<usize> {
         self.tangents.push(tangent);
-        dx[0] = (self.left.next().unwrap_or(0.0) - 1.0) * residual[0];
+        dx[0] = (self.left.next().unwrap_or(&0.0) - 1.0) * residual[0];
         Ok(1)
     }
     fn refactorization_cost(&self) -> f64 {
@@ -388,7 +388,7 @@ impl System for Sudden {
 fn sudden_parts_are_renewed_while_they_change() {
     use Tangent::{Exact, Refactorized, Reused, Unchanged};
     let solve = |left: &[f64]| {
-        let mut system = Sudden { left: left.to_vec().into_iter(), tangents: Vec::new() };
+        let mut system = Sudden { left: left.iter(), tangents: Vec::new() };
         let outcome = Newton::default().solve(&mut system, &mut [1.0], &NewtonSettings::default(), false);
         (outcome.unwrap(), system.tangents)
     };
