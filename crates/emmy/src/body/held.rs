@@ -107,16 +107,17 @@ impl Body {
         }
     }
 
-    /// The components that may turn on their own: those between joints, or else the connected parts of a body with
-    /// contact. None if there is but one.
+    /// The components that may turn on their own: those between joints, or else the parts of a body with contact that
+    /// the stiffness does not couple. None if there is but one.
     pub(crate) fn turning_components(&self) -> Vec<Component> {
         let between_joints = &self.mechanism.components;
         if !between_joints.is_empty() || !self.has_bounds() {
             return between_joints.clone();
         }
-        let of_cells = couplings::of_cells(self.mesh(), self.space.internal(), self.space.ties());
-        let connected = self.mechanism.connected(self.n_dofs() / 3, &of_cells);
-        if connected.len() > 1 { connected } else { Vec::new() }
+        let mut coupled = couplings::of_cells(self.mesh(), self.space.internal(), self.space.ties());
+        coupled.extend(self.mechanism.coupled_nodes());
+        let parts = self.mechanism.connected(self.n_dofs() / 3, &coupled);
+        if parts.len() > 1 { parts } else { Vec::new() }
     }
 
     /// The connected parts of a body that is no part of a team, without the nodes that follow others.

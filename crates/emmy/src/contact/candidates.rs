@@ -90,11 +90,8 @@ pub struct Candidates {
     pub begin: Vec<u32>,
     /// The entities of the pairs, ascending.
     pub entities: Vec<u32>,
-    /// Positions of the nodes when the list was made.
+    /// Positions of the nodes when the list was made, and of its entities.
     made_at: Vec<[f64; 3]>,
-    /// [`Surface::amplification`].
-    amplification: f64,
-    /// Positions of the entities there.
     x: Vec<[f64; 3]>,
     /// Boxes of the nodes; none before the first list.
     boxes_of_nodes: Vec<Bounds>,
@@ -190,17 +187,16 @@ impl Candidates {
         distances.clear();
         let closest = |pair: &Candidate| Closest::new(pair.kind, &pair.vectors(x));
         distances.extend(pairs.iter().map(|pair| closest(pair).squared_distance.sqrt()));
-        self.amplification = surface.amplification();
         self.made_at.clear();
         self.made_at.extend_from_slice(made_at);
     }
 
     /// Bound on the change of every distance since the list was made, on straight paths between configurations of the
     /// nodes.
-    pub fn largest_change<X: AsRef<[[f64; 3]]>>(&self, configurations: &[X]) -> f64 {
+    pub fn largest_change<X: AsRef<[[f64; 3]]>>(&self, surface: &Surface, configurations: &[X]) -> f64 {
+        let motions = configurations.iter().map(|x| farthest(&self.made_at, x.as_ref()).0);
         // Both sides move.
-        2.0 * self.amplification
-            * configurations.iter().map(|x| farthest(&self.made_at, x.as_ref())).fold(0.0, larger)
+        2.0 * surface.amplification * motions.fold(0.0, f64::max)
     }
 
     fn set_boxes<X: AsRef<[[f64; 3]]>>(&mut self, surface: &Surface, margin: f64, configurations: &[X]) {
@@ -324,18 +320,20 @@ impl Candidates {
     }
 }
 
-/// Largest distance of a node between two configurations, beside the mean motion.
-fn farthest(from: &[[f64; 3]], to: &[[f64; 3]]) -> f64 {
+/// Largest distance of a node between two configurations, beside the mean motion, and its number. A coordinate that is no
+/// number is infinitely far.
+pub(super) fn farthest(from: &[[f64; 3]], to: &[[f64; 3]]) -> (f64, usize) {
     let moved = || from.iter().zip(to).map(|(x, y)| [0, 1, 2].map(|d| y[d] - x[d]));
     let sum = moved().fold([0.0; 3], |sum, u| [0, 1, 2].map(|d| sum[d] + u[d]));
     let mean = sum.map(|sum| sum / from.len() as f64);
     let square = |u: [f64; 3]| (0..3).map(|d| (u[d] - mean[d]).powi(2)).sum::<f64>();
-    moved().map(square).fold(0.0, larger).sqrt()
-}
-
-/// The larger one of two numbers. A number that is none is larger than any.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
+    let (mut most, mut far) = (0.0, 0);
+    for (node, square) in moved().map(square).enumerate() {
+        if square > most || square.is_nan() {
+            (most, far) = (if square.is_nan() { f64::INFINITY } else { square }, node);
+        }
+    }
+    (most.sqrt(), far)
 }
 
 #[cfg(test)]
@@ -378,7 +376,7 @@ mod tests {
         const THICKNESS: f64 = 0.15;
         for is_quadratic in [false, true] {
             let surface = surface(is_quadratic);
-            assert_eq!(surface.amplification(), if is_quadratic { 3.0 } else { 1.0 });
+            assert_eq!(surface.amplification, if is_quadratic { 3.0 } else { 1.0 });
             let mut random = Random(11);
             let mut all = Candidates::default();
             // A list of everything.
@@ -395,7 +393,7 @@ mod tests {
                 let nodal = [moved(&mut random, 0.02), moved(&mut random, 0.05)];
                 n_new += usize::from(list.cover(&surface, reach, &nodal));
                 assert!(!list.cover(&surface, reach, &nodal));
-                let largest_change = list.largest_change(&nodal);
+                let largest_change = list.largest_change(&surface, &nodal);
                 let configurations = nodal.map(|nodal| {
                     let mut x = vec![[0.0; 3]; surface.n_entities()];
                     surface.combine(&nodal, &mut x);

@@ -96,6 +96,8 @@ pub struct Surface {
     begin: Vec<u32>,
     /// Nodes of the entities, as numbers of [`Surface::nodes`], with their shares.
     terms: Vec<(u32, f64)>,
+    /// Largest length of the vector of an entity over that of the nodes: 1 unless shares are negative.
+    pub amplification: f64,
     /// Body of each entity.
     pub body_of: Vec<u32>,
     /// Nodes of the mesh, ascending.
@@ -159,12 +161,6 @@ impl Surface {
         self.terms[range].iter().map(|&(node, share)| (node as usize, share))
     }
 
-    /// Largest length of the vector of an entity over that of a node: 1 unless shares are negative.
-    pub fn amplification(&self) -> f64 {
-        let of_entity = |entity: u32| self.entity(entity).map(|(_, share)| share.abs()).sum::<f64>();
-        (0..self.n_entities() as u32).map(of_entity).fold(0.0, f64::max)
-    }
-
     /// Sets the vectors of all entities from those of the nodes, `[n_nodes]`.
     pub fn combine(&self, nodal: &[[f64; 3]], vectors: &mut [[f64; 3]]) {
         (0..).zip(vectors).for_each(|(entity, vector)| *vector = self.combined(entity, |node| nodal[node]));
@@ -224,7 +220,10 @@ impl Surface {
     }
 
     fn add_entity(&mut self, body: u32, terms: impl Iterator<Item = (u32, f64)>) -> u32 {
+        let first = self.terms.len();
         self.terms.extend(terms.filter(|(_, share)| *share != 0.0));
+        let sum: f64 = self.terms[first..].iter().map(|(_, share)| share.abs()).sum();
+        self.amplification = self.amplification.max(sum);
         self.begin.push(self.terms.len() as u32);
         self.body_of.push(body);
         self.body_of.len() as u32 - 1

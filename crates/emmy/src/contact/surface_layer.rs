@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::candidates::{Candidate, Candidates};
+use super::candidates::{Candidate, Candidates, farthest};
 use super::closest::{PairTangent, PairVectors};
 use super::layer::Layer;
 use super::links::PairState;
@@ -45,12 +45,12 @@ pub struct SurfaceLayer {
 pub struct SurfaceMemory {
     rule: ContactRule,
     candidates: Candidates,
-    /// Positions of the nodes at the start, and their rates, `[1 + k][node]`.
-    paths: Vec<Vectors>,
-    /// How far these paths are evaluated.
-    evaluated: Evaluated,
     /// Positions of the nodes: at the start, at the end, and at the stages or the points of the rule.
     of_nodes: Vec<Vectors>,
+    /// Rates of the nodes, `[k]`.
+    rates_of_nodes: Vec<Vectors>,
+    /// How far these paths are evaluated.
+    evaluated: Evaluated,
     /// The same of the entities in the list.
     configurations: Vec<Vectors>,
     /// Rates of the entities in the list, `[k]`.
@@ -115,7 +115,7 @@ impl SurfaceMemory {
             chunks: Vec::new(),
             n_chunks: 0,
             forces: vec![of_nodes.clone(); k],
-            paths: vec![of_nodes; 1 + k],
+            rates_of_nodes: vec![of_nodes; k],
             evaluated: Evaluated::Nothing,
             of_entities,
         }
@@ -155,21 +155,26 @@ impl SurfaceMemory {
             changes |= *own != new;
             *own = new;
         };
-        let (start, rates) = self.paths.split_at_mut(1);
-        start[0].iter_mut().enumerate().for_each(|(node, own)| set(own, position(node)));
-        for (stage, rates) in rates.iter_mut().enumerate() {
+        self.of_nodes[0].iter_mut().enumerate().for_each(|(node, own)| set(own, position(node)));
+        for (stage, rates) in self.rates_of_nodes.iter_mut().enumerate() {
             rates.iter_mut().enumerate().for_each(|(node, own)| set(own, rate(stage, node)));
         }
         changes
     }
 
-    /// Sets the configurations of the nodes on the paths.
+    /// Sets the configurations of the nodes after the start.
     fn set_nodes(&mut self, rule: &Rule) {
-        let SurfaceMemory { rule: own, paths, of_nodes, .. } = self;
-        of_nodes[0].copy_from_slice(&paths[0]);
-        for (at, x) in of_nodes[1..].iter_mut().enumerate() {
-            x.copy_from_slice(&paths[0]);
-            for (rates, integral) in paths[1..].iter().zip(integrals(own, rule, at)) {
+        let SurfaceMemory { rule: own, of_nodes, rates_of_nodes, .. } = self;
+        let k = rule.degree();
+        let (start, others) = of_nodes.split_at_mut(1);
+        for (at, x) in others.iter_mut().enumerate() {
+            let integrals = match (at.checked_sub(1), &*own) {
+                (None, _) => rule.weights(),
+                (Some(m), ContactRule::Points(points)) => points.integrals(m),
+                (Some(i), _) => &rule.coefficients()[i * k..(i + 1) * k],
+            };
+            x.copy_from_slice(&start[0]);
+            for (rates, integral) in rates_of_nodes.iter().zip(integrals) {
                 for (x, rate) in x.iter_mut().zip(rates) {
                     (0..3).for_each(|d| x[d] += integral * rate[d]);
                 }
@@ -177,34 +182,13 @@ impl SurfaceMemory {
         }
     }
 
-    /// Sets the configurations of the entities in the list.
-    fn set_entities(&mut self, surface: &Surface, rule: &Rule) {
-        let SurfaceMemory { rule: own, candidates, paths, configurations, rates, .. } = self;
-        let entities = &candidates.entities;
-        let (start, others) = configurations.split_at_mut(1);
-        surface.combine_those(entities, &paths[0], &mut start[0]);
-        for (nodal, rates) in paths[1..].iter().zip(rates.iter_mut()) {
-            surface.combine_those(entities, nodal, rates);
+    /// Sets the configurations and the rates of the entities in the list.
+    fn set_entities(&mut self, surface: &Surface) {
+        let SurfaceMemory { candidates, of_nodes, rates_of_nodes, configurations, rates, .. } = self;
+        let nodal = of_nodes.iter().chain(&*rates_of_nodes);
+        for (nodal, own) in nodal.zip(configurations.iter_mut().chain(rates)) {
+            surface.combine_those(&candidates.entities, nodal, own);
         }
-        for (at, x) in others.iter_mut().enumerate() {
-            let integrals = integrals(own, rule, at);
-            for entity in entities.iter().map(|&entity| entity as usize) {
-                x[entity] = start[0][entity];
-                for (rates, integral) in rates.iter().zip(integrals) {
-                    (0..3).for_each(|d| x[entity][d] += integral * rates[entity][d]);
-                }
-            }
-        }
-    }
-}
-
-/// Weights of the rates in a configuration after the start: the end, then the stages or the points of the rule.
-fn integrals<'r>(own: &'r ContactRule, rule: &'r Rule, at: usize) -> &'r [f64] {
-    let k = rule.degree();
-    match (at.checked_sub(1), own) {
-        (None, _) => rule.weights(),
-        (Some(m), ContactRule::Points(points)) => points.integrals(m),
-        (Some(i), _) => &rule.coefficients()[i * k..(i + 1) * k],
     }
 }
 
@@ -234,7 +218,7 @@ impl SurfaceLayer {
             memory.n_chunks = 0;
             memory.set_nodes(rule);
             self.find(memory)?;
-            memory.set_entities(&self.surface, rule);
+            memory.set_entities(&self.surface);
             self.set_forces(rule, memory)?;
             memory.evaluated = Evaluated::Forces;
         }
@@ -250,7 +234,7 @@ impl SurfaceLayer {
         let SurfaceMemory {
             rule: own, candidates, of_nodes, configurations, rates, chunks, n_chunks, ..
         } = memory;
-        let change = candidates.largest_change(of_nodes);
+        let change = candidates.largest_change(&self.surface, of_nodes);
         let n_points = candidates.begin.len() - 1;
         *n_chunks = n_points.div_ceil(CHUNK);
         if chunks.len() < *n_chunks {
@@ -290,16 +274,10 @@ impl SurfaceLayer {
     /// Makes the list of pairs hold for the paths.
     fn find(&self, memory: &mut SurfaceMemory) -> Result<(), [f64; 3]> {
         let SurfaceMemory { candidates, of_nodes, .. } = memory;
-        let [start, end] = [&of_nodes[0], &of_nodes[1]];
-        let moved = |(a, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|d| b[d] - a[d]);
-        let mut mean = [0.0; 3];
-        for motion in start.iter().zip(end).map(moved) {
-            (0..3).for_each(|d| mean[d] += motion[d] / start.len() as f64);
-        }
-        let farthest = FARTHEST * start.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(*x))).extent();
-        // A position that is no number is far, too.
-        let is_near = |motion: [f64; 3]| (0..3).all(|d| (motion[d] - mean[d]).abs() <= farthest);
-        if let Some(far) = start.iter().zip(end).map(moved).position(|motion| !is_near(motion)) {
+        let start = &of_nodes[0];
+        let extent = start.iter().fold(Bounds::NONE, |sum, x| sum.with(Bounds::of(*x))).extent();
+        let (motion, far) = farthest(start, &of_nodes[1]);
+        if motion > FARTHEST * extent {
             return Err(start[far]);
         }
         candidates.cover(&self.surface, |of| self.layer.of(of).thickness, of_nodes);

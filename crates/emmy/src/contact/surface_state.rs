@@ -47,10 +47,10 @@ pub struct SurfaceSearch {
 }
 
 impl SurfaceSearch {
-    /// Sets the positions of the nodes, by their numbers, before a correction or after it.
-    fn set(&mut self, at: usize, surface: &Surface, position: impl Fn(usize) -> [f64; 3]) {
-        self.nodal[at].clear();
-        self.nodal[at].extend((0..surface.nodes.len()).map(position));
+    /// Sets the positions of the nodes, by their numbers, before a correction.
+    fn set(&mut self, surface: &Surface, position: impl Fn(usize) -> [f64; 3]) {
+        self.nodal[0].clear();
+        self.nodal[0].extend((0..surface.nodes.len()).map(position));
     }
 
     /// Makes the list hold for the first n configurations, and sets the entities in them. Returns a bound on the change
@@ -62,7 +62,7 @@ impl SurfaceSearch {
             x.resize(surface.n_entities(), [0.0; 3]);
             surface.combine_those(&candidates.entities, nodal, x);
         }
-        candidates.largest_change(&nodal[..n])
+        candidates.largest_change(surface, &nodal[..n])
     }
 }
 
@@ -76,7 +76,7 @@ impl SurfaceLayer {
         mut visit: impl FnMut(&Candidate, &PairState),
     ) {
         let near_of = |of: LayerOf| self.layer.thickness * if of == LayerOf::Points { 1.0 } else { NEAR };
-        search.set(0, &self.surface, position);
+        search.set(&self.surface, position);
         let change = search.cover(1, &self.surface, near_of);
         let SurfaceSearch { candidates, x: [x, _], .. } = search;
         for (candidate, distance) in candidates.pairs.iter().zip(&candidates.distances) {
@@ -146,11 +146,13 @@ impl SurfaceLayer {
         left: f64,
         search: &mut SurfaceSearch,
     ) -> f64 {
-        search.set(0, &self.surface, &position);
-        search.set(1, &self.surface, |node| {
-            let (x, dx) = (position(node), change(node));
+        search.set(&self.surface, position);
+        let [before, after] = &mut search.nodal;
+        after.clear();
+        after.extend(before.iter().enumerate().map(|(node, x)| {
+            let dx = change(node);
             [0, 1, 2].map(|d| x[d] + dx[d])
-        });
+        }));
         // All pairs that meet on the way are in the list, whenever it was made.
         let largest_change = search.cover(2, &self.surface, |of| self.layer.of(of).thickness);
         let SurfaceSearch { candidates, x: [x, corrected], .. } = search;

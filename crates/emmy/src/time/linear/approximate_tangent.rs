@@ -219,8 +219,7 @@ impl ApproximateTangent {
         changes
     }
 
-    /// Turns the components with the rates of a step from a displacement. Returns whether `P^-1`
-    /// changes.
+    /// Turns the components with the rates of a step from a displacement. Returns whether `P^-1` changes.
     pub(crate) fn turn_parts(&mut self, body: (&Body, &Rule), displacement: &[f64], rates: &[f64]) -> bool {
         if !self.has_components || !self.is_factorised() {
             return false;

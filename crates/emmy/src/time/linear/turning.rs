@@ -94,12 +94,9 @@ impl Turning {
 
     /// Leaves out turns that change K less than its precision in the solvers.
     pub(super) fn settle(&mut self) {
-        let entries = self.rotations.iter().zip(std::iter::repeat(&IDENTITY));
-        let change = |(R, unit): (&Mat3<f64>, &Mat3<f64>)| {
-            let pairs = R.as_flattened().iter().zip(unit.as_flattened());
-            pairs.fold(0.0, |most: f64, (own, unit)| most.max((own - unit).abs()))
-        };
-        if entries.map(change).fold(0.0, f64::max) < LEAST_TURN {
+        let units = IDENTITY.as_flattened().iter().cycle();
+        let changes = self.rotations.as_flattened().as_flattened().iter().zip(units);
+        if changes.map(|(own, unit)| (own - unit).abs()).fold(0.0, f64::max) < LEAST_TURN {
             self.rotations.fill(IDENTITY);
             self.is_spinning &= self.largest_spin > LEAST_TURN;
         }
