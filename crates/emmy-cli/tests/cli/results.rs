@@ -83,6 +83,14 @@ fn the_summary_describes_the_run() {
 }
 
 #[test]
+fn the_end_of_a_run_tells_the_time_in_its_summary() {
+    let place = Place::with(BOX);
+    let printed = place.succeed(&["run", "box.toml"]);
+    let seconds = place.summary("out")["wall_seconds"].as_f64().unwrap();
+    assert!(printed.stderr.contains(&format!(" in {seconds:.2} s, ")), "{seconds} {}", printed.stderr);
+}
+
+#[test]
 fn the_collection_lists_every_frame_with_its_time() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);

@@ -336,7 +336,7 @@ impl Results {
     }
 
     /// Duration of the run in seconds, without the time in which it was not running.
-    pub fn wall_seconds(&self) -> f64 {
+    fn wall_seconds(&self) -> f64 {
         self.seconds_before + self.started.elapsed().as_secs_f64()
     }
 

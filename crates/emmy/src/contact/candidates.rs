@@ -320,8 +320,8 @@ impl Candidates {
     }
 }
 
-/// Largest distance of a node between two configurations, beside the mean motion, and its number. A coordinate that is no
-/// number is infinitely far.
+/// Largest distance of a node between two configurations, beside the mean motion, and its number. A coordinate that is
+/// no number is infinitely far.
 pub(super) fn farthest(from: &[[f64; 3]], to: &[[f64; 3]]) -> (f64, usize) {
     let moved = || from.iter().zip(to).map(|(x, y)| [0, 1, 2].map(|d| y[d] - x[d]));
     let sum = moved().fold([0.0; 3], |sum, u| [0, 1, 2].map(|d| sum[d] + u[d]));

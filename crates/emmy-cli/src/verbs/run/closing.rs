@@ -20,6 +20,8 @@ pub(super) struct Closing<'a> {
     pub host: &'a dyn Host,
     pub problem: &'a Problem,
     pub results: &'a Results,
+    /// Wall-clock time of the run, without the files that end it.
+    pub seconds: f64,
     pub accuracy: Option<&'a Accuracy>,
 }
 
@@ -37,7 +39,7 @@ impl Closing<'_> {
                 false => counted(statistics.steps, "step", "steps"),
             },
             moment(problem, statistics.time),
-            results.wall_seconds(),
+            self.seconds,
             counted(statistics.newton_iterations, "Newton iteration", "Newton iterations")
         );
         self.work(statistics);

@@ -159,7 +159,8 @@ pub(super) fn march<'a>(
         .ok()
         .flatten();
     let printed = if options.json { print::result(host, &format!("{}\n", ended.summary)) } else { Ok(()) };
-    let closing = Closing { host, problem, results: &results, accuracy: ended.accuracy.as_ref() };
+    let seconds = ended.summary["wall_seconds"].as_f64().unwrap_or_default();
+    let closing = Closing { host, problem, results: &results, seconds, accuracy: ended.accuracy.as_ref() };
     closing.warnings();
     if !options.quiet {
         closing.report(ended.status, report.as_deref());
