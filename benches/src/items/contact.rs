@@ -134,14 +134,12 @@ fn search(settings: &Settings) -> Report {
         let layer = Layer { modulus: 1.0, thickness: 0.1 / n as f64, law: LayerLaw::Smooth };
         let layer = SurfaceLayer { surface: plates(n, 0.8 * layer.thickness), layer };
         let surface = &layer.surface;
-        let mut entities = vec![[0.0; 3]; surface.n_entities()];
-        surface.combine(&surface.positions, &mut entities);
         let rounds = settings.session.choose(1, 5);
         let reach = |of: LayerOf| layer.layer.of(of).thickness;
         let mut n_pairs = 0;
         let find = || {
             let mut candidates = Candidates::default();
-            candidates.cover(surface, reach, &[&entities]);
+            candidates.cover(surface, reach, &[&surface.positions]);
             n_pairs = candidates.pairs.len();
         };
         let search = time(rounds, find);

@@ -24,4 +24,18 @@ impl ContactRule {
             Kind::Standard => ContactRule::Points(Box::new(FollowerRule::new(rule))),
         }
     }
+
+    /// Integrals of the basis of a rule, `[k]` each, up to its stages or to the points, and up to the end.
+    pub fn integrals<'a>(&'a self, rule: &'a Rule) -> impl Iterator<Item = &'a [f64]> {
+        let k = rule.degree();
+        let n = match self {
+            ContactRule::Conserving => k,
+            ContactRule::Points(points) => points.n_points(),
+        };
+        let inside = (0..n).map(move |m| match self {
+            ContactRule::Conserving => &rule.coefficients()[m * k..(m + 1) * k],
+            ContactRule::Points(points) => points.integrals(m),
+        });
+        inside.chain(std::iter::once(rule.weights()))
+    }
 }

@@ -78,7 +78,7 @@ impl SurfaceLayer {
             |triangle: u32| surface.body_of[surface.triangles[triangle as usize].corners[0] as usize];
         let boxes: Vec<Bounds> = surface.triangles.iter().map(|triangle| bounds(&triangle.corners)).collect();
         let mut tree = BoxTree::default();
-        tree.fit(&boxes);
+        tree.fit(&boxes, 0..boxes.len() as u32);
         let mut first = None;
         // Ends of edges inside other bodies, with the length of the edge up to the surface.
         let mut inside: BTreeMap<(u32, u32), f64> = BTreeMap::new();
@@ -160,7 +160,7 @@ impl SurfaceLayer {
         let parts: Vec<ClosedPart> = parts.into_values().collect();
         let boxes: Vec<Bounds> = parts.iter().map(|part| part.bounds).collect();
         let mut tree = BoxTree::default();
-        tree.fit(&boxes);
+        tree.fit(&boxes, 0..boxes.len() as u32);
         parts.iter().find_map(|inner| {
             let node = inner.triangles[0][0];
             let mut found = None;

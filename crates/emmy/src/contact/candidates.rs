@@ -97,52 +97,55 @@ pub struct Candidates {
     boxes_of_nodes: Vec<Bounds>,
     /// Boxes of the entities.
     boxes: Vec<Bounds>,
-    triangles: BoxTree,
-    edges: BoxTree,
     boxes_of_triangles: Vec<Bounds>,
     boxes_of_edges: Vec<Bounds>,
-    bodies: NearBodies,
+    bodies: BodyTrees,
     /// Memory for what is near a point.
     near: [Vec<u32>; 3],
 }
 
-/// The box of each body, and the bodies near each: a point far from all other bodies is soon done.
+/// The trees of all bodies, and the bodies near each: a point looks for its opponents there alone.
 #[derive(Debug, Clone, Default)]
-struct NearBodies {
+struct BodyTrees {
+    of_bodies: Vec<BodyTree>,
     tree: BoxTree,
     boxes: Vec<Bounds>,
-    /// Bodies near each body, one after another, and where they begin.
-    near: Vec<u32>,
-    begin: Vec<usize>,
 }
 
-impl NearBodies {
-    /// Sets the boxes from those of triangles with their bodies.
-    fn set(&mut self, n_bodies: usize, triangles: impl Iterator<Item = (u32, Bounds)>, reach: f64) {
-        let NearBodies { tree, boxes, near, begin } = self;
-        boxes.clear();
-        boxes.resize(n_bodies, Bounds::NONE);
-        for (body, own) in triangles {
-            boxes[body as usize] = boxes[body as usize].with(own);
+/// The trees of a body.
+#[derive(Debug, Clone, Default)]
+struct BodyTree {
+    triangles: BoxTree,
+    edges: BoxTree,
+    /// Bodies nearer than the reach.
+    near: Vec<u32>,
+}
+
+impl BodyTrees {
+    /// Sets the boxes of the triangles and edges.
+    fn set(&mut self, surface: &Surface, triangles: &[Bounds], edges: &[Bounds], reach: f64) {
+        let BodyTrees { of_bodies, tree, boxes } = self;
+        of_bodies.resize(surface.bodies.len(), BodyTree::default());
+        for (own, body) in of_bodies.iter_mut().zip(&surface.bodies) {
+            own.triangles.fit(triangles, body.triangles.iter().copied());
+            own.edges.fit(edges, body.edges.iter().copied());
         }
-        tree.fit(boxes);
-        near.clear();
-        begin.clear();
-        begin.push(0);
-        for (body, own) in (0..).zip(&*boxes) {
-            tree.for_each_meeting(boxes, &own.inflated(reach), &mut |other| {
+        boxes.clear();
+        boxes.extend(of_bodies.iter().map(|own| own.triangles.bounds()));
+        tree.fit(boxes, 0..boxes.len() as u32);
+        for ((own, body), bounds) in of_bodies.iter_mut().zip(0..).zip(&*boxes) {
+            own.near.clear();
+            tree.for_each_meeting(boxes, &bounds.inflated(reach), &mut |other| {
                 if other != body {
-                    near.push(other);
+                    own.near.push(other);
                 }
             });
-            begin.push(near.len());
         }
     }
 
-    /// Whether a box of a body meets that of another one.
-    fn meet(&self, body: u32, query: &Bounds) -> bool {
-        let near = &self.near[self.begin[body as usize]..self.begin[body as usize + 1]];
-        near.iter().any(|other| self.boxes[*other as usize].meets(query))
+    /// The trees of the bodies near a body.
+    fn near(&self, body: u32) -> impl Iterator<Item = &BodyTree> {
+        self.of_bodies[body as usize].near.iter().map(|other| &self.of_bodies[*other as usize])
     }
 }
 
@@ -222,51 +225,33 @@ impl Candidates {
     }
 
     fn find(&mut self, surface: &Surface, reach: impl Fn(LayerOf) -> f64) {
-        let Candidates {
-            pairs,
-            begin,
-            boxes,
-            triangles,
-            edges: tree_of_edges,
-            boxes_of_triangles,
-            boxes_of_edges,
-            bodies,
-            near,
-            ..
-        } = self;
+        let Candidates { pairs, begin, boxes, boxes_of_triangles, boxes_of_edges, bodies, near, .. } = self;
         let hull = |entities: &[u32]| {
             entities.iter().fold(Bounds::NONE, |sum, entity| sum.with(boxes[*entity as usize]))
         };
         boxes_of_triangles.clear();
         boxes_of_triangles.extend(surface.triangles.iter().map(|triangle| hull(&triangle.corners)));
-        triangles.fit(boxes_of_triangles);
         boxes_of_edges.clear();
         boxes_of_edges.extend(surface.edges.iter().map(|edge| hull(&edge.ends)));
-        tree_of_edges.fit(boxes_of_edges);
         pairs.clear();
         begin.clear();
         let body_of = |entity: u32| surface.body_of[entity as usize];
         let layers = [LayerOf::Points, LayerOf::Guards, LayerOf::BluntEdges];
         let farthest = layers.into_iter().map(&reach).fold(0.0, f64::max);
-        let bodies_of = surface.triangles.iter().map(|triangle| body_of(triangle.corners[0]));
-        bodies.set(surface.n_bodies(), bodies_of.zip(boxes_of_triangles.iter().copied()), farthest);
+        bodies.set(surface, boxes_of_triangles, boxes_of_edges, farthest);
         let [faces, edges, vertices] = near;
         for point in &surface.points {
             let layer = if point.is_guard { LayerOf::Guards } else { LayerOf::Points };
             let query = boxes[point.entity as usize].inflated(reach(layer));
-            if !bodies.meet(body_of(point.entity), &query) {
-                continue;
-            }
             [&mut *faces, &mut *edges, &mut *vertices].into_iter().for_each(Vec::clear);
-            triangles.for_each_meeting(boxes_of_triangles, &query, &mut |number| {
-                let triangle = &surface.triangles[number as usize];
-                let is_other = body_of(triangle.corners[0]) != body_of(point.entity);
-                if is_other {
+            for other in bodies.near(body_of(point.entity)) {
+                other.triangles.for_each_meeting(boxes_of_triangles, &query, &mut |number| {
+                    let triangle = &surface.triangles[number as usize];
                     faces.push(number);
                     edges.extend(triangle.edges);
                     vertices.extend(triangle.corners.map(|corner| surface.vertex_of[corner as usize]));
-                }
-            });
+                });
+            }
             if faces.is_empty() {
                 continue;
             }
@@ -296,16 +281,14 @@ impl Candidates {
         for (number, edge) in (0..).zip(&surface.edges) {
             let farthest = reach(if edge.is_sharp { LayerOf::Guards } else { LayerOf::BluntEdges });
             let query = boxes_of_edges[number as usize].inflated(farthest);
-            if !bodies.meet(body_of(edge.ends[0]), &query) {
-                continue;
-            }
             faces.clear();
-            tree_of_edges.for_each_meeting(boxes_of_edges, &query, &mut |other| {
-                let ends = surface.edges[other as usize].ends;
-                if other > number && body_of(ends[0]) != body_of(edge.ends[0]) {
-                    faces.push(other);
-                }
-            });
+            for other in bodies.near(body_of(edge.ends[0])) {
+                other.edges.for_each_meeting(boxes_of_edges, &query, &mut |other| {
+                    if other > number {
+                        faces.push(other);
+                    }
+                });
+            }
             faces.sort_unstable();
             for other in &*faces {
                 let other = &surface.edges[*other as usize];

@@ -30,7 +30,7 @@ pub use obstacle::{MAX_STAGES, ObstacleLayer, ObstacleSurface, PointPath};
 pub use pair::Pair;
 pub use path::paths_meet;
 pub use step::PairStage;
-pub use surface::{Surface, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
+pub use surface::{Surface, SurfaceBody, SurfaceEdge, SurfaceFacet, SurfacePoint, SurfaceTriangle};
 pub use surface_layer::{ActingPair, SurfaceLayer, SurfaceMemory};
 pub use surface_state::{NEAR, SurfaceNode, SurfaceSearch, SurfaceState};
 pub use tree::{Bounds, BoxTree};

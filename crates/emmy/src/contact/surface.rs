@@ -62,6 +62,15 @@ pub struct SurfaceEdge {
     pub is_sharp: bool,
 }
 
+/// The triangles and edges of a body, by their numbers.
+#[derive(Debug, Clone, Default)]
+pub struct SurfaceBody {
+    /// Triangles, ascending.
+    pub triangles: Vec<u32>,
+    /// Edges, ascending.
+    pub edges: Vec<u32>,
+}
+
 /// Facets of one or several bodies as points and triangles.
 ///
 /// Everything consists of *entities*, fixed combinations of nodes. The points are the quadrature points of the facets,
@@ -112,6 +121,8 @@ pub struct Surface {
     pub triangles: Vec<SurfaceTriangle>,
     /// Edges.
     pub edges: Vec<SurfaceEdge>,
+    /// Bodies with triangles.
+    pub bodies: Vec<SurfaceBody>,
     /// Vertices of triangles with their factors as opponents.
     pub vertices: Vec<(u32, f64)>,
     /// The number of each entity among the vertices, if it is one.
@@ -142,11 +153,6 @@ impl Surface {
     /// Number of sharp edges.
     pub fn n_sharp_edges(&self) -> usize {
         self.edges.iter().filter(|edge| edge.is_sharp).count()
-    }
-
-    /// Number of bodies.
-    pub fn n_bodies(&self) -> usize {
-        self.body_of.iter().max().map_or(0, |body| *body as usize + 1)
     }
 
     /// Number of entities.
@@ -353,6 +359,14 @@ impl Surface {
             self.vertex_of[*vertex as usize] = number;
         }
         self.vertices = factors.into_iter().collect();
+        let n_bodies = self.body_of.iter().max().map_or(0, |body| *body as usize + 1);
+        self.bodies.resize(n_bodies, SurfaceBody::default());
+        for (number, triangle) in (0..).zip(&self.triangles) {
+            self.bodies[self.body_of[triangle.corners[0] as usize] as usize].triangles.push(number);
+        }
+        for (number, edge) in (0..).zip(&self.edges) {
+            self.bodies[self.body_of[edge.ends[0] as usize] as usize].edges.push(number);
+        }
     }
 }
 

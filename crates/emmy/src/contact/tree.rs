@@ -62,8 +62,7 @@ impl Bounds {
     }
 }
 
-/// The boxes of numbered things in a binary tree, to find those that meet a box in a time that grows with their
-/// logarithm.
+/// Some numbered boxes in a binary tree, to find those that meet another box in a time that grows with their logarithm.
 ///
 /// The tree splits at the median along the longest side. [`BoxTree::fit`] gives the boxes other sizes and places at the
 /// cost of one pass, and rebuilds the tree where its boxes overlap too much.
@@ -72,7 +71,7 @@ impl Bounds {
 /// use emmy::internals::contact::{Bounds, BoxTree};
 /// let boxes: Vec<Bounds> = (0..100).map(|i| Bounds::of([i as f64, 0.0, 0.0])).collect();
 /// let mut tree = BoxTree::default();
-/// tree.fit(&boxes);
+/// tree.fit(&boxes, 0..100);
 /// let mut found = Vec::new();
 /// tree.for_each_meeting(&boxes, &Bounds::of([30.0, 0.0, 0.0]).inflated(1.5), &mut |number| found.push(number));
 /// found.sort();
@@ -97,18 +96,18 @@ const IN_LEAF: usize = 4;
 const SPOILT: f64 = 2.0;
 
 impl BoxTree {
-    /// Sets the boxes.
-    pub fn fit(&mut self, boxes: &[Bounds]) {
-        let is_new = self.nodes.is_empty() || self.order.len() != boxes.len();
+    /// Sets the boxes; `members`: the numbers of those in the tree, the same in each call.
+    pub fn fit(&mut self, boxes: &[Bounds], members: impl ExactSizeIterator<Item = u32>) {
+        let is_new = self.nodes.is_empty() || self.order.len() != members.len();
         if is_new || self.refit(boxes) > SPOILT * self.built_area {
-            self.build(boxes);
+            self.build(boxes, members);
         }
     }
 
-    fn build(&mut self, boxes: &[Bounds]) {
+    fn build(&mut self, boxes: &[Bounds], members: impl Iterator<Item = u32>) {
         self.order.clear();
-        self.order.extend(0..boxes.len() as u32);
-        self.n_leaves = boxes.len().div_ceil(IN_LEAF).max(1).next_power_of_two();
+        self.order.extend(members);
+        self.n_leaves = self.order.len().div_ceil(IN_LEAF).max(1).next_power_of_two();
         self.nodes.clear();
         self.nodes.resize(2 * self.n_leaves, Bounds::NONE);
         let mut order = std::mem::take(&mut self.order);
@@ -206,7 +205,7 @@ mod tests {
         let mut tree = BoxTree::default();
         for n in [0, 1, 2, 5, 17, 300, 300, 300, 64] {
             let all = boxes(&mut random, n);
-            tree.fit(&all);
+            tree.fit(&all, 0..n as u32);
             for _ in 0..20 {
                 let query = Bounds::of([random.number(), random.number(), random.number()]).inflated(0.1);
                 let mut found = Vec::new();

@@ -1,8 +1,10 @@
 //! Contact of surfaces with obstacles, and with each other.
 
+mod near;
 mod source;
 mod surfaces;
 
+use self::near::NearPoints;
 use super::contact_summary::ContactSummary;
 use super::integral::Scratch;
 use super::interface::{Book, Force, ForceMemory, Side};
@@ -85,14 +87,23 @@ struct PointForces {
 }
 
 impl ObstacleContact {
-    /// The guards, and the points of the facets.
+    /// The guards, in the order of the nodes, and the points of the facets.
     fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
-        self.surface.points.iter().map(|point| ContactPoint {
+        self.surface.points.iter().map(|point| self.contact_point(point))
+    }
+
+    /// The guards, in the order of the nodes.
+    fn guards(&self) -> impl Iterator<Item = ContactPoint<'_>> {
+        self.contact_points().take(self.surface.nodes.len())
+    }
+
+    fn contact_point<'a>(&'a self, point: &'a SurfacePoint) -> ContactPoint<'a> {
+        ContactPoint {
             layer: if point.is_guard { &self.guards } else { &self.points },
             surface: &self.surface,
             point,
             obstacle: self.summary.obstacle,
-        })
+        }
     }
 
     /// The error of a path that leads through the obstacle.
@@ -110,20 +121,14 @@ impl ObstacleContact {
             from = to;
             Ok(())
         };
-        match rule {
-            ContactRule::Conserving => (0..path.rates.len()).try_for_each(|i| visit(path.stage(i)))?,
-            ContactRule::Points(points) => {
-                (0..points.n_points()).try_for_each(|m| visit(path.at(points.integrals(m))))?;
-            }
-        }
-        visit(path.end())
+        rule.integrals(step.rule).try_for_each(|integrals| visit(path.at(integrals)))
     }
 
     /// Calls a function with the stage averages of the force on each point that has one. Only points with some node
-    /// that is wanted are evaluated.
+    /// that is wanted are evaluated. The list of near points holds for the step.
     fn for_each_force(
         &self,
-        (step, rule, request): (&StepInput<'_>, &ContactRule, Request),
+        (step, near, request): (&StepInput<'_>, &NearPoints, Request),
         is_wanted: impl Fn(u32) -> bool,
         visit: &mut dyn FnMut(&ContactPoint<'_>, &PointForces),
     ) -> Result<()> {
@@ -132,7 +137,9 @@ impl ObstacleContact {
             forces: [[0.0; 3]; MAX_STAGES],
             derivatives: [Mat3::default(); MAX_STAGES * MAX_STAGES],
         };
-        for point in self.contact_points().filter(|point| point.terms().any(|(node, ..)| is_wanted(node))) {
+        let (rule, points) = (&near.rule, &self.surface.points);
+        let near = near.points.iter().map(|number| self.contact_point(&points[*number as usize]));
+        for point in near.filter(|point| point.terms().any(|(node, ..)| is_wanted(node))) {
             let mut rates = [[0.0; 3]; MAX_STAGES];
             let path = point.path(step, &mut rates);
             self.check_path(&path, step, rule)?;
@@ -194,7 +201,12 @@ impl Force for ObstacleContact {
     }
 
     fn memory(&self, rule: &Rule) -> ForceMemory {
-        ForceMemory::new(ContactRule::new(rule))
+        ForceMemory::new(NearPoints::new(ContactRule::new(rule)))
+    }
+
+    fn prepare(&self, (step, _): (&StepInput<'_>, Request), memory: &mut ForceMemory) -> Result<()> {
+        memory.of_mut::<NearPoints>().cover(self, step);
+        Ok(())
     }
 
     fn has_couplings(&self) -> bool {
@@ -273,7 +285,7 @@ impl Force for ObstacleContact {
     fn largest_part(&self, step: &StepInput<'_>, memory: &ForceMemory, correction: &[f64]) -> f64 {
         let (surface, corrected) = (&self.points.surface, StepInput { rates: correction, ..*step });
         let mut part = 1.0f64;
-        for guard in self.contact_points().filter(|point| point.point.is_guard) {
+        for guard in self.guards() {
             let (mut rates, mut changes) = ([[0.0; 3]; MAX_STAGES], [[0.0; 3]; MAX_STAGES]);
             let (path, change) = (guard.path(step, &mut rates), guard.path(&corrected, &mut changes));
             let mut at = |integrals: &[f64]| {
@@ -285,11 +297,7 @@ impl Force for ObstacleContact {
                     part = part.min(most / approach);
                 }
             };
-            match memory.of() {
-                ContactRule::Points(points) => (0..points.n_points()).for_each(|m| at(points.integrals(m))),
-                _ => path.coefficients.chunks_exact(path.rates.len()).for_each(&mut at),
-            }
-            at(path.weights);
+            memory.of::<NearPoints>().rule.integrals(step.rule).for_each(&mut at);
         }
         part
     }
@@ -311,8 +319,7 @@ impl Force for ObstacleContact {
         }
         let most = NEAR * self.points.layer.thickness;
         let nodes = self.surface.pressures_at_nodes(|point| pressures[point.entity as usize]);
-        // The guards are the first points, in the order of the nodes.
-        for ((guard, node), [pressure, area]) in self.contact_points().zip(&self.surface.nodes).zip(nodes) {
+        for ((guard, node), [pressure, area]) in self.guards().zip(&self.surface.nodes).zip(nodes) {
             let gap = guard.layer.surface.gap(guard.at(displacement));
             let gap = if gap < most { gap } else { f64::NAN };
             visit(*node as usize, ContactAtNode { pressure, area, gap });
