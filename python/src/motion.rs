@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
-use emmy::body::{FieldName, Fields, Place, Selection};
+use emmy::body::{FieldName, Fields, NodalMotion, Place, Selection};
 use emmy::mesh::Mesh;
 use emmy::motion::{MarchError, State};
 use emmy_io::directory;
@@ -357,9 +357,15 @@ impl Motion {
         let members = group.map(|group| selection(py, &fields, motion.body().mesh(), name, group));
         let members = members.transpose()?;
         let state = motion.state();
+        let is_accelerated = name == FieldName::Acceleration;
+        let acceleration = if is_accelerated { motion.mean_acceleration(None) } else { Vec::new() };
+        let seen = NodalMotion {
+            acceleration: &acceleration,
+            ..NodalMotion::from([&state.displacement, &state.velocity])
+        };
         let numbers = pool::work(py, || match &members {
-            Some(members) => fields.on(members, &state.displacement, &state.velocity, name),
-            None => fields.at(&state.displacement, &state.velocity, &[name]).remove(0).numbers,
+            Some(members) => fields.on(members, seen, name),
+            None => fields.at(seen, &[name]).remove(0).numbers,
         })?;
         match name.components().len() {
             1 => Ok(PyArray1::from_vec(py, numbers).into_any()),

@@ -83,14 +83,13 @@ impl Begin {
     /// The motion at its start; without a plan there are no steps to check.
     fn motion<'a>(&self, problem: &'a Problem, has_plan: bool) -> Result<Motion<'a>, StartError> {
         let (body, scheme, settings) = (&problem.body, problem.scheme, problem.newton);
-        let mut motion = match self {
+        let motion = match self {
             Begin::Input if has_plan => return problem.motion(&mut []),
             Begin::Input => return problem.motion_from(problem.start_state(&mut [])?),
             Begin::State(state) => Motion::starting(body, scheme, settings, state.clone())?,
             Begin::Snapshot(own) => Motion::resumed(body, scheme, settings, own.snapshot.clone())?,
         };
-        motion.allow_cuts(problem.smallest_step);
-        Ok(motion)
+        Ok(problem.settled(motion))
     }
 }
 

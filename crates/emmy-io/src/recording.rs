@@ -3,11 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
-use emmy::body::{Body, FieldName, Fields};
-use emmy::motion::State;
+use emmy::body::{FieldName, Fields};
+use emmy::motion::Motion;
 
 use crate::checkpoint::Checkpoint;
-use crate::history::{Extreme, RegionMembers};
+use crate::history::{Extreme, RegionMembers, ToldMotion};
 use crate::input::Problem;
 use crate::vtk::{Format, FrameTime, FrameWriter, series_fields};
 
@@ -96,11 +96,17 @@ impl Recording {
     ///
     /// # Errors
     /// Errors of the system.
-    pub(crate) fn write(&mut self, body: &Body, state: &State) -> io::Result<Vec<Extreme>> {
+    pub(crate) fn write(&mut self, motion: &Motion<'_>) -> io::Result<Vec<Extreme>> {
+        let (body, state) = (motion.body(), motion.state());
         if self.files.last_step() == Some(state.step) {
             return Ok(Vec::new());
         }
-        let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
+        let mut fields = self.fields.at([&state.displacement, &state.velocity], &self.names);
+        let told = ToldMotion::new(motion, motion.reference(), self.names.iter().copied());
+        for field in fields.iter_mut().filter(|field| field.name.is_of_motion()) {
+            let n = field.numbers.len();
+            field.numbers.copy_from_slice(&told.vectors(field.name)[..n]);
+        }
         self.files.write(state.step, state.time, &fields)?;
         self.written.push(FrameTime { step: state.step, time: state.time });
         if let Some(regions) = &self.regions {

@@ -242,6 +242,9 @@ pub enum Error {
         /// Names of the existing groups.
         available: String,
     },
+    /// No support moves, so there is no base.
+    #[error("no support moves, so there is no base: name a group")]
+    NoBase,
     /// A mesh whose cells do not all have a material, or have several.
     #[error("cell {cell} belongs to {count} regions; every cell must belong to exactly one")]
     RegionCover {

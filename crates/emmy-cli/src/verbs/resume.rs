@@ -61,8 +61,8 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     }
     agreed(host, fit(&problem, &mut checkpoint))?;
     let snapshot = checkpoint.snapshot(&problem.body).map_err(unreadable)?;
-    let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
-    motion.allow_cuts(problem.smallest_step);
+    let motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
+    let mut motion = problem.settled(motion);
     let results = Results::resume(&problem, lock, &checkpoint);
     let results = results.map_err(|error| unusable(error.to_string(), "nothing was changed"))?;
     if !arguments.options.quiet {

@@ -2,13 +2,14 @@
 
 use emmy::body::{Body, FieldName, Fields, Place, Selection};
 use emmy::mesh::Mesh;
-use emmy::motion::{State, View};
+use emmy::motion::{Motion, State, View};
 use emmy::team::Subdomain;
 use serde::{Deserialize, Serialize};
 
 use super::ColumnInfo;
 use super::Number::{self, Missing, Real};
 use super::regions::{RegionMembers, by_region, nodes_of};
+use super::told::ToldMotion;
 use crate::input::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 
 /// The largest value of a field so far in the body or in a region, and where it was.
@@ -153,7 +154,7 @@ impl Measures {
                 None => fields.select_nodes(&node),
             })
         };
-        let needs_regions = quantities.extremes.iter().any(|name| !is_of_motion(*name));
+        let needs_regions = quantities.extremes.iter().any(|name| !name.is_of_motion());
         Measures {
             selections: quantities.probes.iter().zip(&probes).map(selection).collect(),
             values: quantities.values.iter().map(|value| members(body, &fields, value)).collect(),
@@ -175,7 +176,8 @@ impl Measures {
 
     /// Appends the numbers of a state, and returns its extremes; on a team, a collective call.
     pub(super) fn add_to(&self, view: View<'_>, numbers: &mut Vec<Number>) -> Vec<Extreme> {
-        self.add_probes(view, numbers);
+        let told = self.told(view.motion);
+        self.add_probes(view, &told, numbers);
         for &(_, index) in &self.quantities.reactions {
             match view.motion.reactions().get(index) {
                 Some(reaction) => numbers.extend(reaction.force.into_iter().chain(reaction.moment).map(Real)),
@@ -183,7 +185,7 @@ impl Measures {
             }
         }
         self.quantities.mechanism.add_to(view.record, numbers);
-        let extremes = self.extremes(view);
+        let extremes = self.extremes(view, &told);
         let of =
             |name: &FieldName| extremes.iter().find(|own| own.field == name.name() && own.region.is_none());
         numbers.extend(
@@ -193,16 +195,23 @@ impl Measures {
                 .map(|name| of(name).map_or(Real(f64::NAN), |own| Real(own.value))),
         );
         if let Some(fields) = &self.fields {
-            self.add_values(fields, view, numbers);
+            self.add_values((fields, view.body), &told, numbers);
         }
         extremes
     }
 
-    fn add_values(&self, fields: &Fields, view: View<'_>, numbers: &mut Vec<Number>) {
-        let State { displacement, velocity, .. } = view.state;
-        let ranks = view.body.ranks();
+    /// The motion as all quantities but those of some probes tell it.
+    fn told<'a>(&self, motion: &'a Motion<'_>) -> ToldMotion<'a> {
+        let Quantities { probes, extremes, values, .. } = &self.quantities;
+        let of_probes = probes.iter().flat_map(Probe::fields);
+        let fields = of_probes.chain(extremes.iter().copied()).chain(values.iter().map(|own| own.quantity));
+        ToldMotion::new(motion, self.quantities.reference(), fields)
+    }
+
+    fn add_values(&self, (fields, body): (&Fields, &Body), told: &ToldMotion<'_>, numbers: &mut Vec<Number>) {
+        let ranks = body.ranks();
         for (value, (selections, weights)) in self.quantities.values.iter().zip(&self.values) {
-            let on = |selection| fields.on(selection, displacement, velocity, value.quantity);
+            let on = |selection| fields.on(selection, told.of(value.quantity), value.quantity);
             let all: Vec<f64> = selections.iter().flat_map(on).collect();
             let mut whole = [weights.iter().sum(), weights.len() as f64];
             ranks.sum("size of a group", &mut whole);
@@ -217,12 +226,16 @@ impl Measures {
     }
 
     /// The numbers of all probes; those of other ranks are added as zeros.
-    fn add_probes(&self, view: View<'_>, numbers: &mut Vec<Number>) {
+    fn add_probes(&self, view: View<'_>, told: &ToldMotion<'_>, numbers: &mut Vec<Number>) {
         let mut all = Vec::new();
         for (index, probe) in self.quantities.probes.iter().enumerate() {
+            let reference = || self.quantities.reference_of_probe(probe);
+            let own = probe.relative_to.as_ref();
+            let own = own.map(|_| ToldMotion::new(view.motion, reference(), probe.fields()));
+            let told = own.as_ref().unwrap_or(told);
             for quantity in &probe.quantities {
                 match self.probes[index] {
-                    Some(node) => all.extend(self.at_probe(index, node, *quantity, view)),
+                    Some(node) => all.extend(self.at_probe((index, node), *quantity, view.body, told)),
                     None => all.extend(vec![0.0; quantity.components().len()]),
                 }
             }
@@ -233,28 +246,34 @@ impl Measures {
         numbers.extend(all.into_iter().map(Real));
     }
 
-    fn at_probe(&self, index: usize, node: usize, quantity: ProbeQuantity, view: View<'_>) -> Vec<f64> {
-        let State { displacement, velocity, .. } = view.state;
-        let of_node = |vectors: &[f64]| vectors[3 * node..3 * node + 3].to_vec();
+    fn at_probe(
+        &self,
+        (index, node): (usize, usize),
+        quantity: ProbeQuantity,
+        body: &Body,
+        told: &ToldMotion<'_>,
+    ) -> Vec<f64> {
+        let of_node = |name: FieldName| told.vectors(name)[3 * node..3 * node + 3].to_vec();
         match quantity {
-            ProbeQuantity::Position => view.state.position(view.body, node).to_vec(),
-            ProbeQuantity::Field(FieldName::Displacement) => of_node(displacement),
-            ProbeQuantity::Field(FieldName::Velocity) => of_node(velocity),
+            ProbeQuantity::Position => {
+                let moved = of_node(FieldName::Displacement);
+                body.mesh().points()[node].iter().zip(moved).map(|(X, u)| X + u).collect()
+            }
+            ProbeQuantity::Field(name) if name.is_of_motion() => of_node(name),
             ProbeQuantity::Field(name) => match (&self.fields, self.selections.get(index)) {
-                (Some(fields), Some(Some(selection))) => fields.on(selection, displacement, velocity, name),
+                (Some(fields), Some(Some(selection))) => fields.on(selection, told.of(name), name),
                 _ => vec![f64::NAN; name.components().len()],
             },
         }
     }
 
     /// The largest values at a state.
-    fn extremes(&self, view: View<'_>) -> Vec<Extreme> {
-        let View { body, state, .. } = view;
+    fn extremes(&self, View { body, state, .. }: View<'_>, told: &ToldMotion<'_>) -> Vec<Extreme> {
         let (of_motion, others): (Vec<FieldName>, Vec<FieldName>) =
-            self.quantities.extremes.iter().partition(|name| is_of_motion(**name));
+            self.quantities.extremes.iter().partition(|name| name.is_of_motion());
         let whole = (body.mesh(), &**body.ranks());
         let of = |&name: &FieldName| {
-            Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), motion_of(name, state))
+            Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), &told.vectors(name))
         };
         let mut all: Vec<Extreme> = of_motion.iter().filter_map(of).collect();
         if let (Some(fields), Some(regions)) = (&self.fields, &self.regions) {
@@ -264,24 +283,11 @@ impl Measures {
     }
 }
 
-/// Whether a field is displacement or velocity: they need no fields, and have one value where regions meet.
-fn is_of_motion(name: FieldName) -> bool {
-    matches!(name, FieldName::Displacement | FieldName::Velocity)
-}
-
-/// Displacement or velocity, which need no fields.
-fn motion_of(name: FieldName, state: &State) -> &[f64] {
-    if name == FieldName::Velocity { &state.velocity } else { &state.displacement }
-}
-
-/// Whether a quantity needs more than displacement and velocity.
+/// Whether a quantity needs more than the motion.
 fn needs_fields(quantities: &Quantities) -> bool {
-    let of_probes = quantities.probes.iter().flat_map(|probe| &probe.quantities);
-    let of_probes = of_probes.filter_map(|quantity| match quantity {
-        ProbeQuantity::Position => None,
-        ProbeQuantity::Field(name) => Some(name),
-    });
-    !quantities.values.is_empty() || of_probes.chain(&quantities.extremes).any(|name| !is_of_motion(*name))
+    let of_probes = quantities.probes.iter().flat_map(Probe::fields);
+    let mut all = of_probes.chain(quantities.extremes.iter().copied());
+    !quantities.values.is_empty() || all.any(|name| !name.is_of_motion())
 }
 
 /// Cells of a group that has cells.
@@ -308,7 +314,7 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
     let mut nodes: Vec<u32> = nodes.unwrap_or_else(all_nodes);
     nodes.retain(|&node| counts(ranks, false, node as usize));
     let is_max = value.measure == Measure::Max;
-    if is_of_motion(value.quantity) || of_group.is_none() && !is_max {
+    if value.quantity.is_of_motion() || of_group.is_none() && !is_max {
         return (vec![fields.select_nodes(&nodes)], vec![1.0; nodes.len()]);
     }
     let cells: Vec<u32> = of_group.map_or_else(all_cells, <[u32]>::to_vec);

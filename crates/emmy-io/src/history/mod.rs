@@ -8,6 +8,7 @@ mod mechanism;
 mod peaks;
 mod reader;
 mod regions;
+mod told;
 
 use std::fmt;
 
@@ -27,6 +28,7 @@ pub(crate) use peaks::column_of_peak;
 pub use peaks::{Peak, Peaks};
 pub use reader::{History, HistoryError, Rows};
 pub(crate) use regions::{RegionMembers, nodes_of};
+pub(crate) use told::ToldMotion;
 
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]

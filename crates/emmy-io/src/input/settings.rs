@@ -8,7 +8,7 @@ use emmy::motion::{NewtonSettings, StepPlan};
 
 use super::description::{BELOW_ONE, Described, Kind, POSITIVE, Section, list, whole, word, words};
 use super::fault::{Fault, Place};
-use super::quantities::{PROBE, VALUE, field, of_extremes};
+use super::quantities::{PROBE, RELATIVE_TO, VALUE, field, of_extremes};
 use super::table::{Item, Table};
 use crate::vtk::{Format, Precision};
 
@@ -121,6 +121,8 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "Means, totals and largest values of fields in groups",
         )
         .absent("none")
+        .may("relative_to", Kind::Text, "", RELATIVE_TO)
+        .absent("`\"ground\"`")
 });
 
 const FORMATS: &str = "Files of the frames: `.vtu` files and a collection of them, or one `.vtkhdf` file (ParaView 5.12, VTK 9.3)";

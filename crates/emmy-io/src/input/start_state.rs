@@ -68,12 +68,18 @@ impl Problem {
     /// # Errors
     /// [`StartError`].
     pub fn motion_from(&self, state: State) -> Result<Motion<'_>, StartError> {
-        let mut motion = Motion::starting(&self.body, self.scheme, self.newton, state)?;
+        let motion = Motion::starting(&self.body, self.scheme, self.newton, state)?;
+        let mut motion = self.settled(motion);
         if matches!(self.start, Start::Equilibrium { .. }) || self.is_static() {
             motion = motion.with_static_reactions()?;
         }
-        motion.allow_cuts(self.smallest_step);
         Ok(motion)
+    }
+
+    /// A motion with the cuts and the reference of the input.
+    pub fn settled<'a>(&self, mut motion: Motion<'a>) -> Motion<'a> {
+        motion.allow_cuts(self.smallest_step);
+        motion.relative_to(self.quantities.reference().cloned())
     }
 
     /// The critical step of an explicit scheme at a state, or at the undeformed body; `None` for other schemes.

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use emmy::body::Body;
-use emmy::motion::{Event, Motion, Observer, RunStatistics, State, StepPlan, View};
+use emmy::motion::{Event, Motion, Observer, RunStatistics, StepPlan, View};
 use emmy::team::Subdomain;
 use serde_json::Value;
 
@@ -240,15 +239,15 @@ impl Results {
 
     /// Completes the frames, with the last state if it `is_sound`.
     fn end_frames(&mut self, motion: &Motion<'_>, is_sound: bool) -> io::Result<()> {
-        let written = if is_sound { self.write_frame(motion.body(), motion.state()) } else { Ok(()) };
+        let written = if is_sound { self.write_frame(motion) } else { Ok(()) };
         let finished = self.recording.as_mut().map_or(Ok(()), Recording::finish);
         written.and(finished)
     }
 
     /// Writes a state as a frame, if there are frames.
-    fn write_frame(&mut self, body: &Body, state: &State) -> io::Result<()> {
+    fn write_frame(&mut self, motion: &Motion<'_>) -> io::Result<()> {
         let Some(recording) = &mut self.recording else { return Ok(()) };
-        let stress = recording.write(body, state)?;
+        let stress = recording.write(motion)?;
         keep_largest(&mut self.extremes, stress);
         Ok(())
     }
@@ -418,7 +417,7 @@ impl Observer for Results {
         keep_largest(&mut self.extremes, row.extremes);
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
         if is_frame {
-            self.write_frame(view.body, view.state)?;
+            self.write_frame(view.motion)?;
         }
         self.statistics.clone_from(view.motion.statistics());
         let every = self.output.checkpoint_every;

@@ -79,7 +79,7 @@ fn results(problem: &Problem) -> ([Row; 2], Vec<Extreme>) {
     let start = columns.row(motion.view(), 0.0);
     let (mut recording, missing) = Recording::open(problem, None).unwrap();
     assert!(missing.is_empty());
-    let largest = recording.write(body, motion.state()).unwrap();
+    let largest = recording.write(&motion).unwrap();
     recording.finish().unwrap();
     assert_eq!(recording.written(), [FrameTime { step: 0, time: 0.0 }]);
     (0..2).for_each(|_| _ = motion.step(0.1).unwrap());
@@ -180,7 +180,7 @@ const FORM: (Format, Precision) = (Format::Vtu, Precision::Double);
 fn write(frames: &mut FrameWriter, body: &Body, steps: std::ops::Range<usize>) -> io::Result<()> {
     let state = bent(body);
     let fields: Vec<FieldValues> =
-        Fields::new(body).at(&state.displacement, &state.velocity, &[FieldName::Displacement]);
+        Fields::new(body).at([&state.displacement, &state.velocity], &[FieldName::Displacement]);
     steps.into_iter().try_for_each(|step| frames.write(step, step as f64, &fields))
 }
 

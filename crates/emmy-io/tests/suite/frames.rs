@@ -120,7 +120,7 @@ fn frames_have_the_fields_of_their_state_and_no_stress_at_the_start() {
     let temp = tempfile::tempdir().unwrap();
     let (xml, state, mesh) = frame(temp.path());
     let problem = problem(temp.path(), &[]);
-    let fields = Fields::new(&problem.body).at(&state.displacement, &state.velocity, &FieldName::ALL);
+    let fields = Fields::new(&problem.body).at([&state.displacement, &state.velocity], &FieldName::ALL);
     let start = read(temp.path(), 0);
     for (name, components) in NODAL {
         let field = fields.iter().find(|field| field.name.name() == name).unwrap();

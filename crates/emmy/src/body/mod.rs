@@ -36,7 +36,7 @@ pub use crate::unknowns::{JointState, Mobility, RigidMotion};
 pub use builder::BodyBuilder;
 pub(crate) use constrained_velocity::ConstrainedVelocity;
 pub(crate) use entries::Entries;
-pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
+pub use fields::{FieldName, FieldValues, Fields, NodalMotion, Place, Selection};
 pub(crate) use forces::Assembly;
 pub(crate) use interface::Interface;
 pub use loads::LoadResultant;

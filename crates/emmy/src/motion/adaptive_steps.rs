@@ -97,7 +97,7 @@ impl<'a> Motion<'a> {
                     self.conclude(size, end, &outcome, missed);
                     self.record.local_error = error;
                     self.record.step_limit = Some(limit);
-                    self.statistics.add(self.body, &self.state, &self.record, &self.reactions);
+                    self.count_step();
                     self.choose_degree(control, (size, error), longest)?;
                     if is_met && stop.limit == StepLimit::Kink {
                         control.estimator.restart(&self.state)?;

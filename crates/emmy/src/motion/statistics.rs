@@ -67,10 +67,10 @@ pub struct LargestDisplacement {
 }
 
 impl LargestDisplacement {
-    fn update(&mut self, body: &Body, state: &State) {
+    fn update(&mut self, body: &Body, state: &State, displacement: &[f64]) {
         // Nodes that stand for obstacles are no places of the body, either, and the last.
         let n_obstacles = body.contacts().filter(|contact| contact.obstacle.is_some()).count();
-        let of_mesh = &state.displacement[..body.mesh().n_dofs() - 3 * n_obstacles];
+        let of_mesh = &displacement[..body.mesh().n_dofs() - 3 * n_obstacles];
         let squares = of_mesh.as_chunks().0.iter().enumerate();
         // The end of an axis of a rigid body is no place of it.
         let squares =
@@ -157,6 +157,9 @@ pub struct RunStatistics {
     pub dissipated_energy: f64,
     /// Largest displacement of a node.
     pub largest_displacement: LargestDisplacement,
+    /// Largest displacement relative to another motion ([`super::Motion::relative_to`]); `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_relative_displacement: Option<LargestDisplacement>,
     /// Steps that did not resolve a load or a given motion.
     pub unresolved_loads: usize,
     /// Steps in which a rigid body turned further than they can follow: more than half a turn, or so far that a tenth
@@ -226,7 +229,7 @@ impl RunStatistics {
         self.largest_step_size = self.largest_step_size.max(record.step_size);
         self.accumulated_local_error += record.local_error;
         record.step_limit.into_iter().for_each(|limit| self.step_limits.add(limit));
-        self.largest_displacement.update(body, state);
+        self.largest_displacement.update(body, state, &state.displacement);
         let constraints = body.constraints();
         if !constraints.is_empty() {
             let way = self.largest_displacement.value / constraints.size();
@@ -235,6 +238,11 @@ impl RunStatistics {
         }
         self.add_scales(body, record);
         self.add_residuals(record);
+    }
+
+    /// Adds a relative displacement, `[n_nodes][3]`.
+    pub(super) fn add_relative(&mut self, body: &Body, state: &State, displacement: &[f64]) {
+        self.largest_relative_displacement.get_or_insert_default().update(body, state, displacement);
     }
 
     fn add_scales(&mut self, body: &Body, record: &Record) {

@@ -47,7 +47,7 @@ impl Motion<'_> {
         let missed =
             self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
         self.conclude(step_size, end, &outcome, missed);
-        self.statistics.add(self.body, &self.state, &self.record, &self.reactions);
+        self.count_step();
         Ok(&self.record)
     }
 

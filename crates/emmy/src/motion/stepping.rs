@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::adaptive::{Control, degree_of};
 use super::mechanism::MechanismRecorder;
 use super::{
-    ContactStatistics, Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan,
-    Subdivision,
+    ContactStatistics, Event, EventKind, PlannedStep, Record, ReferenceMotion, Resolution, RunStatistics,
+    Snapshot, StepPlan, Subdivision,
 };
 use crate::body::{Body, JointState, Reaction};
 use crate::error::{Error, Result};
@@ -40,6 +40,8 @@ pub struct Motion<'a> {
     pub(super) state: State,
     /// The state before the last step.
     pub(super) last: State,
+    /// The motion relative to which the largest displacement is told.
+    reference: Option<ReferenceMotion>,
     pub(super) record: Record,
     pub(super) statistics: RunStatistics,
     /// Reactions in the last step; empty before the first.
@@ -173,6 +175,7 @@ impl<'a> Motion<'a> {
             settings,
             stepper,
             last: state.clone(),
+            reference: None,
             state,
             record,
             statistics,
@@ -267,6 +270,31 @@ impl<'a> Motion<'a> {
     /// planned step.
     pub fn allow_cuts(&mut self, smallest_step: Option<f64>) {
         self.smallest = Some(smallest_step.map_or(SmallestStep::Halvings(MAX_HALVINGS), SmallestStep::Size));
+    }
+
+    /// The motion whose [`RunStatistics::largest_relative_displacement`] is relative to another one.
+    pub fn relative_to(self, reference: Option<ReferenceMotion>) -> Self {
+        let mut motion = Motion { reference, ..self };
+        motion.count_relative_displacement();
+        motion
+    }
+
+    /// The motion relative to which displacements are told; `None`: rest.
+    pub fn reference(&self) -> Option<&ReferenceMotion> {
+        self.reference.as_ref()
+    }
+
+    /// Adds the last step to the statistics.
+    pub(super) fn count_step(&mut self) {
+        self.statistics.add(self.body, &self.state, &self.record, &self.reactions);
+        self.count_relative_displacement();
+    }
+
+    fn count_relative_displacement(&mut self) {
+        if let Some(reference) = &self.reference {
+            let [relative, _] = reference.seen(self.body, &self.state.displacement, &self.state.velocity);
+            self.statistics.add_relative(self.body, &self.state, &relative);
+        }
     }
 
     /// Present time \[time\].

@@ -36,6 +36,7 @@ pub(crate) use error::LocalError;
 pub(crate) use iteration::LARGEST_ROUNDING;
 pub(crate) use linear::ApproximateTangent;
 pub use memory::Memory;
+pub(crate) use rigid_step::spin as fitted_spin;
 pub use scheme::Scheme;
 pub(crate) use stage_coefficients::StageCoefficients;
 pub use state::State;

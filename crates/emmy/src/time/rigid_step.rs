@@ -252,7 +252,7 @@ impl RigidStep {
 
 /// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the free axes; `None` if its inertia
 /// is singular.
-pub(super) fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
+pub(crate) fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
     let about = |d: usize, e: usize| if d == e { trace - inertia[d][e] } else { -inertia[d][e] };
     let moments = moment(moments);

@@ -650,7 +650,7 @@ fn fields_of_contact_have_the_uniform_pressure_of_a_plane() {
         for gap in [0.09, 0.045, 0.035, 0.03] {
             let lowered: Vec<f64> =
                 (0..body.n_dofs()).map(|dof| if dof % 3 == 1 { gap - 0.1 } else { 0.0 }).collect();
-            let found = fields.at(&lowered, &lowered, &names);
+            let found = fields.at([&lowered, &lowered], &names);
             let [pressures, gaps] = [0, 1].map(|field| &found[field].numbers);
             let expected = pressure_of_layer(gap, 0.05);
             let largest = pressures.iter().copied().fold(0.0, f64::max);
@@ -673,7 +673,7 @@ fn fields_of_contact_have_the_uniform_pressure_of_a_plane() {
     let rest = vec![0.0; body.n_dofs()];
     let fields = Fields::new(&body);
     let middle = body.mesh().points().iter().position(|X| *X == [0.5, 0.02, 0.5]).unwrap() as u32;
-    let two = fields.on(&fields.select_nodes(&[0, middle]), &rest, &rest, FieldName::ContactPressure);
+    let two = fields.on(&fields.select_nodes(&[0, middle]), [&rest, &rest], FieldName::ContactPressure);
     let (own, of_guard) = (two[0], pressure_of_layer(0.02, 0.025));
     // The guard of the corner has the areas of three facets, of which one is pressed.
     for (own, n) in two.iter().zip([3.0, 1.0]) {
@@ -684,11 +684,11 @@ fn fields_of_contact_have_the_uniform_pressure_of_a_plane() {
     let lower = Obstacle::Plane { point: [0.0, -0.02, 0.0], normal: [0.0, 1.0, 0.0] };
     let both = Body::builder(block_above(0.02)).region(rubber()).contacts([contact(lower), contact(PLANE)]);
     let both = Fields::new(&both.build().unwrap());
-    let found = both.at(&rest, &rest, &[FieldName::ContactPressure, FieldName::ContactGap]);
+    let found = both.at([&rest, &rest], &[FieldName::ContactPressure, FieldName::ContactGap]);
     assert!((found[0].numbers[0] - own - pressure_of_layer(0.04, 0.05)).abs() < 1e-12 * own);
     assert!((found[1].numbers[0] - 0.02).abs() < 1e-15);
     let behind: Vec<f64> = (0..body.n_dofs()).map(|dof| if dof % 3 == 1 { -0.03 } else { 0.0 }).collect();
-    let found = fields.at(&behind, &behind, &[FieldName::ContactPressure, FieldName::ContactGap]);
+    let found = fields.at([&behind, &behind], &[FieldName::ContactPressure, FieldName::ContactGap]);
     assert!(found[0].numbers[0].is_nan() && (found[1].numbers[0] + 0.01).abs() < 1e-15);
     // A body without contact has neither field.
     let alone = Body::builder(block_above(0.02)).region(rubber()).build().unwrap();
@@ -702,7 +702,7 @@ fn the_field_of_the_pressure_adds_up_to_the_force() {
     let body = Body::builder(block_above(0.04)).region(rubber());
     let body = body.contact(Contact { surface: None, ..contact(wall) }).build().unwrap();
     let rest = vec![0.0; body.n_dofs()];
-    let found = Fields::new(&body).at(&rest, &rest, &[FieldName::ContactPressure]);
+    let found = Fields::new(&body).at([&rest, &rest], &[FieldName::ContactPressure]);
     let motion = Motion::new(&body, at(DGM, 1)).unwrap().with_static_reactions().unwrap();
     let force = motion.reactions()[0].force;
     let (mut sum, mut n) = (0.0, 0);

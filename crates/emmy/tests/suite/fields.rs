@@ -347,7 +347,7 @@ fn momentum_density_is_density_times_velocity_without_point_masses() {
     let body = two_cubes();
     let rest = vec![0.0; body.n_dofs()];
     let velocity: Vec<f64> = body.mesh().points().iter().flat_map(|_| [1.0, -2.0, 0.5]).collect();
-    let found = Fields::new(&body).at(&rest, &velocity, &[FieldName::MomentumDensity, FieldName::Velocity]);
+    let found = Fields::new(&body).at([&rest, &velocity], &[FieldName::MomentumDensity, FieldName::Velocity]);
     for (p, X) in found[0].numbers.chunks_exact(3).zip(body.mesh().points()) {
         let density = if X[0] < 0.5 {
             1.0
@@ -386,7 +386,7 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     names.extend(CELLS);
     names.extend(NODAL);
     names.push(FieldName::MomentumDensity);
-    let found = Fields::new(&body).at(&displacement, &displacement, &names);
+    let found = Fields::new(&body).at([&displacement, &displacement], &names);
     let near = |found: &[f64], expected: &[f64]| {
         assert_eq!(found.len(), expected.len());
         found
@@ -486,7 +486,7 @@ fn fields_of_a_selection_are_those_of_the_whole_body() {
     let (body, displacement, velocity) = two_regions();
     let fields = Fields::new(&body);
     for name in FieldName::ALL.into_iter().filter(|&name| fields.has(name)) {
-        let whole = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+        let whole = &fields.at([&displacement, &velocity], &[name])[0].numbers;
         let n = name.components().len();
         let members: Vec<u32> = vec![7, 0, 11, 23];
         let selection = match name.place() {
@@ -495,7 +495,7 @@ fn fields_of_a_selection_are_those_of_the_whole_body() {
         };
         let of = |member: &u32| &whole[n * *member as usize..n * (*member as usize + 1)];
         let expected: Vec<f64> = members.iter().flat_map(of).copied().collect();
-        assert_eq!(fields.on(&selection, &displacement, &velocity, name), expected, "{name}");
+        assert_eq!(fields.on(&selection, [&displacement, &velocity], name), expected, "{name}");
     }
 }
 
@@ -513,7 +513,7 @@ fn each_side_of_an_interface_has_its_own_fields() {
         let nodes = body.mesh().group_nodes(group).unwrap();
         let selection = fields.select_nodes_in(&nodes, cells);
         assert_eq!(selection.members(), nodes);
-        fields.on(&selection, &displacement, &velocity, name)
+        fields.on(&selection, [&displacement, &velocity], name)
     };
     let (cauchy, _, energy) = neo_hooke(&F);
     let components = PAIRS.map(|(i, j)| cauchy[i][j]);
@@ -531,7 +531,7 @@ fn each_side_of_an_interface_has_its_own_fields() {
     for (group, density) in [("left", 2.0), ("right", 0.3)] {
         assert_all_are(&on(group, FieldName::MomentumDensity), &[3.0 * density; 3], 1.0, group);
     }
-    let whole = fields.at(&displacement, &velocity, &[FieldName::VonMisesStress]).remove(0).numbers;
+    let whole = fields.at([&displacement, &velocity], &[FieldName::VonMisesStress]).remove(0).numbers;
     let between = |x: f64| x > 1.01 * von_mises(&cauchy) && x < 0.99 * von_mises(&stiff);
     assert!(whole.iter().any(|&x| between(x)), "no node has a mean of both sides");
 }
@@ -547,7 +547,7 @@ fn energies_of_curved_cells_add_up_to_the_energies_of_the_body() {
         let velocity: Vec<f64> =
             mesh.points().iter().flat_map(|X| [0.3 + X[1] * X[0], 2.0 - X[0], 0.0]).collect();
         let total = |name: FieldName| {
-            let densities = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+            let densities = &fields.at([&displacement, &velocity], &[name])[0].numbers;
             (0..mesh.n_cells()).map(|cell| densities[cell] * fields.volume_for(name, cell)).sum::<f64>()
         };
         let mut momentum = vec![0.0; velocity.len()];
@@ -588,7 +588,7 @@ fn energies_of_cells_add_up_to_the_energies_of_the_body() {
     let (body, displacement, velocity) = two_regions();
     let fields = Fields::new(&body);
     let total = |name: FieldName| {
-        let densities = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+        let densities = &fields.at([&displacement, &velocity], &[name])[0].numbers;
         densities.iter().enumerate().map(|(cell, density)| density * fields.cell_volume(cell)).sum::<f64>()
     };
     let strain = body.strain_energy(&displacement);

@@ -50,7 +50,7 @@ pub(super) fn measure(_: &Problem, run: &Run) -> Result<Measured, String> {
     let state = Equilibrium::new(&body, 0.0, 1).map_err(text)?.start(settings, &[], &mut []);
     let state = state.map_err(|error| error.to_string())?;
     let velocity = vec![0.0; state.displacement.len()];
-    let fields = Fields::new(&body).at(&state.displacement, &velocity, &[FieldName::CellCauchyStress]);
+    let fields = Fields::new(&body).at([&state.displacement, &velocity], &[FieldName::CellCauchyStress]);
     // A uniform state has the section of the deformed block.
     let far = body.mesh().nearest_node([1.0, 1.0, 1.0]);
     let section = (1.0 + state.displacement[3 * far]) * (1.0 + state.displacement[3 * far + 1]);

@@ -4,8 +4,9 @@ mod read;
 mod resolve;
 
 use emmy::body::FieldName;
+use emmy::motion::ReferenceMotion;
 
-pub(super) use read::{PROBE, Requested, VALUE, field, of_extremes, read};
+pub(super) use read::{PROBE, RELATIVE_TO, Requested, VALUE, field, of_extremes, read};
 
 use crate::history::{ColumnInfo, MechanismColumns};
 
@@ -24,6 +25,10 @@ pub struct Quantities {
     pub extremes: Vec<FieldName>,
     /// Values of groups.
     pub values: Vec<GroupValue>,
+    /// The name of the motion relative to which fields are told; `None`: rest.
+    pub relative_to: Option<String>,
+    /// The motions that this name and those of the probes stand for, but [`GROUND`].
+    pub references: Vec<(String, ReferenceMotion)>,
 }
 
 /// A point that is followed: the nearest node.
@@ -39,6 +44,8 @@ pub struct Probe {
     pub node: usize,
     /// The quantities that are written.
     pub quantities: Vec<ProbeQuantity>,
+    /// The name of the motion relative to which they are told; `None`: that of all quantities.
+    pub relative_to: Option<String>,
 }
 
 /// A quantity of a probe.
@@ -49,6 +56,9 @@ pub enum ProbeQuantity {
     /// A field at nodes.
     Field(FieldName),
 }
+
+/// The name of rest as a reference.
+pub(crate) const GROUND: &str = "ground";
 
 /// A number of a field in a group.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,15 +100,25 @@ impl Measure {
 }
 
 impl Probe {
-    /// Its columns.
-    fn columns(&self) -> Vec<ColumnInfo> {
+    /// The fields among its quantities.
+    pub(crate) fn fields(&self) -> impl Iterator<Item = FieldName> + '_ {
+        self.quantities.iter().filter_map(|quantity| match quantity {
+            ProbeQuantity::Position => None,
+            ProbeQuantity::Field(field) => Some(*field),
+        })
+    }
+
+    /// Its columns; `relative_to`: of all quantities.
+    fn columns(&self, relative_to: Option<&str>) -> Vec<ColumnInfo> {
+        let relative = relation(self.relative_to.as_deref().or(relative_to));
         let of = |quantity: &ProbeQuantity| match quantity {
             ProbeQuantity::Position => {
-                let meaning = format!("current position of the probe {}", self.name);
+                let meaning = format!("current position of the probe {}{relative}", self.name);
                 columns(&self.name, quantity.components(), "length", &meaning)
             }
             ProbeQuantity::Field(field) => {
-                let meaning = format!("{field} at the probe {}", self.name);
+                let relative = if field.is_of_motion() { relative.as_str() } else { "" };
+                let meaning = format!("{field} at the probe {}{relative}", self.name);
                 columns(&format!("{}_{field}", self.name), field.components(), field.dimension(), &meaning)
             }
         };
@@ -109,12 +129,26 @@ impl Probe {
 impl Quantities {
     /// All columns, in their order.
     pub fn columns(&self) -> Vec<ColumnInfo> {
-        let probes = self.probes.iter().flat_map(Probe::columns);
+        let probes = self.probes.iter().flat_map(|probe| probe.columns(self.relative_to.as_deref()));
         let reactions = self.reactions.iter().flat_map(|(group, _)| reaction_columns(group));
         let mechanism = self.mechanism.owned().into_iter().map(|(_, column)| column);
-        let extremes = self.extremes.iter().map(|field| extreme_column(*field));
+        let extremes = self.extremes.iter().map(|field| extreme_column(*field, self.relative_to.as_deref()));
         let values = self.values.iter().flat_map(value_columns);
         probes.chain(reactions).chain(mechanism).chain(extremes).chain(values).collect()
+    }
+
+    /// The motion relative to which fields are told; `None`: rest.
+    pub fn reference(&self) -> Option<&ReferenceMotion> {
+        self.reference_of(self.relative_to.as_deref()?)
+    }
+
+    /// The motion relative to which a probe is told; `None`: rest.
+    pub(crate) fn reference_of_probe(&self, probe: &Probe) -> Option<&ReferenceMotion> {
+        self.reference_of(probe.relative_to.as_deref().or(self.relative_to.as_deref())?)
+    }
+
+    fn reference_of(&self, name: &str) -> Option<&ReferenceMotion> {
+        self.references.iter().find(|(own, _)| own == name).map(|(_, motion)| motion)
     }
 
     /// Names of the columns that the input names: all but joints, rigid bodies, and reactions that it does not list.
@@ -133,9 +167,16 @@ fn reaction_columns(group: &str) -> Vec<ColumnInfo> {
     all
 }
 
-fn extreme_column(field: FieldName) -> ColumnInfo {
-    let meaning = format!("largest value of {field} in the body");
+fn extreme_column(field: FieldName, relative_to: Option<&str>) -> ColumnInfo {
+    let relative = if field.is_of_motion() { relation(relative_to) } else { String::new() };
+    let meaning = format!("largest value of {field} in the body{relative}");
     ColumnInfo { name: format!("max_{field}"), dimension: field.dimension().to_string(), meaning }
+}
+
+/// The words for a reference after the name of a quantity.
+fn relation(relative_to: Option<&str>) -> String {
+    let other = relative_to.filter(|name| *name != GROUND);
+    other.map_or_else(String::new, |name| format!(", relative to {name}"))
 }
 
 fn value_columns(value: &GroupValue) -> Vec<ColumnInfo> {

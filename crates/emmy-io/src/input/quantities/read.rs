@@ -12,6 +12,12 @@ use crate::input::table::{Item, Table};
 
 const POSITION: &str = "position";
 
+/// What can be told relative to another motion.
+pub(in crate::input) const RELATIVE_TO: &str = "The motion relative to which displacement, velocity, acceleration and \
+    position are told: that of a group, the mean of its nodes; `\"base\"`: the mean of the nodes that supports drive; \
+    `\"rigid-motion\"`: the rigid motion that fits that of the whole body, whose turned axes then count; `\"ground\"`: \
+    rest. A group with one of these names comes first";
+
 /// Quantities of a probe.
 fn of_probes() -> Vec<&'static str> {
     let at_nodes = FieldName::ALL.into_iter().filter(|field| field.place() == Members::Nodes);
@@ -52,6 +58,8 @@ pub(in crate::input) static PROBE: Described = Described::new(|| {
              `\"displacement\"` in `NAME_displacement_x`",
         )
         .default("[\"position\"]")
+        .may("relative_to", Kind::Text, "", RELATIVE_TO)
+        .absent("that of `[output]`")
 });
 
 /// A value of a group.
@@ -88,6 +96,9 @@ pub(in crate::input) struct Requested {
     pub(super) values: Vec<(GroupValue, Place)>,
     /// Groups of the probes and the values.
     pub(super) groups: Vec<NamedGroup>,
+    pub(super) relative_to: Option<String>,
+    /// All names of motions relative to which something is told.
+    pub(super) references: Vec<(String, Place)>,
 }
 
 impl Requested {
@@ -141,11 +152,15 @@ pub(in crate::input) fn read(table: &Table<'_>, faults: &mut Faults) -> Requeste
         let group = |(name, place)| NamedGroup { name, place, members, or_body };
         named.map(group).collect::<Vec<_>>()
     });
+    let probes: Vec<Table<'_>> = table.must("probes");
+    let relative = std::iter::once(table).chain(&probes).filter_map(|table| table.item("relative_to"));
     Requested {
         groups: groups.concat(),
+        relative_to: table.item("relative_to").map(|item| item.name()),
+        references: relative.map(|item| (item.name(), item.place().clone())).collect(),
         reactions: table.may("reactions").map(names),
         joints: table.may("joints").map(names),
-        probes: named(table.must("probes"), probe, |probe| &probe.name, "probes", faults),
+        probes: named(probes.clone(), probe, |probe| &probe.name, "probes", faults),
         extremes: extremes.into_iter().map(|item| (field(item), item.place().clone())).collect(),
         values: named(table.may("values").unwrap_or_default(), value, |value| &value.name, "values", faults),
     }
@@ -199,6 +214,7 @@ fn probe(table: Table<'_>) -> Result<Probe, Fault> {
         group: table.group().map(|(name, _)| name),
         node: 0,
         quantities: words.into_iter().map(quantity).collect(),
+        relative_to: table.item("relative_to").map(|item| item.name()),
     })
 }
 

@@ -2,15 +2,16 @@
 
 use emmy::body::{Body, FieldName, Fields, Place as Members};
 use emmy::internals::number::{short, short_vector};
+use emmy::motion::ReferenceMotion;
 
 use super::{
-    GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
+    GROUND, GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
 };
 use crate::history::{ColumnInfo, MechanismColumns, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
 use crate::input::placed::Members as MemberKind;
-use crate::input::suggest::listed;
+use crate::input::suggest::{did_you_mean, listed};
 
 impl Requested {
     /// The quantities of a body, with notes on probes whose node is not at the requested point; `place` finds the name
@@ -32,6 +33,7 @@ impl Requested {
             faults.keep(resolve(body, value, place));
         }
         self.check_fields(body, &mut faults);
+        let references = self.references(body, &mut faults);
         let supported: Vec<String> = body.supported_groups().map(str::to_string).collect();
         faults.finish()?;
         let reactions = self.reactions(supported);
@@ -46,7 +48,39 @@ impl Requested {
             probes: values(self.probes),
             extremes: values(self.extremes),
             values: values(self.values),
+            relative_to: self.relative_to,
+            references,
         })
+    }
+
+    /// The motions relative to which something is told, without rest.
+    fn references(&self, body: &Body, faults: &mut Faults) -> Vec<(String, ReferenceMotion)> {
+        let mut all: Vec<(String, ReferenceMotion)> = Vec::new();
+        for (name, place) in &self.references {
+            let motion = match name.as_str() {
+                group if has_nodes(body, group) => ReferenceMotion::of_group(body, group),
+                GROUND => continue,
+                BASE => ReferenceMotion::of_base(body),
+                RIGID_MOTION => Ok(ReferenceMotion::of_body()),
+                unknown => {
+                    let words = [GROUND, BASE, RIGID_MOTION];
+                    let known: Vec<&str> = words.into_iter().chain(body.mesh().groups().names()).collect();
+                    let label = did_you_mean(unknown, known.iter().copied()).unwrap_or("not there".into());
+                    let fault =
+                        Fault::at(place, format!("`relative_to`: there is no group `{unknown}`"), label);
+                    faults.push(fault.help(format!("there are {}", listed(known.iter().copied()))));
+                    continue;
+                }
+            };
+            match motion {
+                Ok(motion) if all.iter().all(|(own, _)| own != name) => all.push((name.clone(), motion)),
+                Ok(_) => {}
+                Err(error) => {
+                    faults.push(Fault::at(place, format!("`relative_to`: {error}"), "not of this body"))
+                }
+            }
+        }
+        all
     }
 
     /// Groups whose reactions are asked for, with their places among those with supports.
@@ -63,11 +97,7 @@ impl Requested {
     /// Every field must be one of the body.
     fn check_fields(&self, body: &Body, faults: &mut Faults) {
         let of_probe = |(probe, place): &(Probe, Place)| {
-            let fields = probe.quantities.iter().filter_map(|quantity| match quantity {
-                ProbeQuantity::Position => None,
-                ProbeQuantity::Field(field) => Some((*field, place.clone())),
-            });
-            fields.collect::<Vec<_>>()
+            probe.fields().map(|field| (field, place.clone())).collect::<Vec<_>>()
         };
         let mut all: Vec<(FieldName, Place)> = self.probes.iter().flat_map(of_probe).collect();
         all.extend(self.extremes.iter().cloned());
@@ -109,7 +139,7 @@ impl Requested {
             taken.push(name);
         }
         taken.extend(self.extremes.iter().map(|(field, _)| format!("max_{field}")));
-        let probes = self.probes.iter().map(|(probe, place)| (names(probe.columns()), place));
+        let probes = self.probes.iter().map(|(probe, place)| (names(probe.columns(None)), place));
         let values = self.values.iter().map(|(value, place)| (names(value_columns(value)), place));
         let named: Vec<(Vec<String>, &Place)> = probes.chain(values).collect();
         for (columns, place) in &named {
@@ -172,6 +202,10 @@ fn resolve(body: &Body, value: &mut GroupValue, place: &Place) -> Result<(), Fau
     Ok(())
 }
 
+/// Names of references that are no groups.
+const BASE: &str = "base";
+const RIGID_MOTION: &str = "rigid-motion";
+
 /// Distance between a probe's point and its node, relative to the size of the mesh, above which there is a remark.
 const FAR: f64 = 1e-6;
 
@@ -198,13 +232,9 @@ fn check_group(body: &Body, probe: &Probe, place: &Place) -> Result<(), Fault> {
 
 /// A note on a probe whose fields are means of several regions.
 fn sides(body: &Body, probe: &Probe) -> Option<String> {
-    let of_node =
-        [FieldName::Displacement, FieldName::Velocity, FieldName::ContactPressure, FieldName::ContactGap];
-    let jumps = |field: FieldName| !of_node.contains(&field);
-    let mut fields = probe.quantities.iter().filter_map(|quantity| match quantity {
-        ProbeQuantity::Field(field) if jumps(*field) => Some(field),
-        _ => None,
-    });
+    let of_contact = [FieldName::ContactPressure, FieldName::ContactGap];
+    let jumps = |field: FieldName| !field.is_of_motion() && !of_contact.contains(&field);
+    let mut fields = probe.fields().filter(|field| jumps(*field));
     let field = fields.next().filter(|_| probe.group.is_none())?;
     let regions = body.regions();
     let mut touches = vec![0.0; regions.len()];
@@ -291,6 +321,7 @@ mod tests {
                     group: None,
                     node: 0,
                     quantities: vec![ProbeQuantity::Position],
+                    relative_to: None,
                 },
                 place(),
             )
@@ -306,6 +337,8 @@ mod tests {
             extremes: vec![(FieldName::Velocity, place())],
             values: vec![value("energy", "body", Measure::Total), value("mean", group, Measure::Mean)],
             groups: Vec::new(),
+            relative_to: None,
+            references: Vec::new(),
         }
     }
 

@@ -22,7 +22,7 @@ use crate::whole_file;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
 /// let mut series = Series::create(&directory, Precision::Double, body.mesh(), body.region_of_cell())?;
 /// for (step, time) in [0.0, 0.5].into_iter().enumerate() {
-///     let fields = Fields::new(&body).at(&[0.0; 24], &[time; 24], &[FieldName::MomentumDensity]);
+///     let fields = Fields::new(&body).at([&[0.0; 24], &[time; 24]], &[FieldName::MomentumDensity]);
 ///     series.write(step, time, &fields)?;
 /// }
 /// series.finish()?;

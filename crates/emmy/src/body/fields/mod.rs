@@ -1,6 +1,7 @@
 //! Fields of a state for output: stress, stretches, densities of energy and momentum, at nodes and in cells.
 
 mod name;
+mod nodal_motion;
 mod point;
 mod projected;
 mod recovery;
@@ -20,12 +21,13 @@ use crate::team::Subdomain;
 
 pub use name::{FieldName, Place};
 use name::{Formula, Needs};
+pub use nodal_motion::NodalMotion;
 use point::{PointState, axial_force};
 use projected::Projections;
 use recovery::{GradientSum, Recovery};
 pub use selection::Selection;
 
-/// The fields of a body, computed from a displacement and a velocity for any scheme.
+/// The fields of a body, computed from the motion of its nodes for any scheme.
 ///
 /// Stresses, stretches and energy at a node follow from the material and the deformation gradient recovered there: in
 /// every cell the displacement gradient is projected from the quadrature points to the nodes
@@ -55,7 +57,7 @@ pub use selection::Selection;
 /// let rubber = NeoHooke::new(0.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
-/// let fields = Fields::new(&body).at(&stretched, &stretched, &[FieldName::CauchyStress]);
+/// let fields = Fields::new(&body).at([&stretched, &stretched], &[FieldName::CauchyStress]);
 /// // sigma = mu (b - I) / J with F = diag(2, 1, 1)
 /// assert!((fields[0].numbers[0] - 750.0).abs() < 1e-10);
 /// # Ok::<(), emmy::Error>(())
@@ -80,7 +82,7 @@ pub struct Fields {
 /// use emmy::prelude::*;
 /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
-/// let values = Fields::new(&body).at(&[0.0; 24], &[1.0; 24], &[FieldName::Velocity]);
+/// let values = Fields::new(&body).at([&[0.0; 24], &[1.0; 24]], &[FieldName::Velocity]);
 /// assert_eq!((values[0].name, values[0].numbers.len()), (FieldName::Velocity, 24));
 /// # Ok::<(), emmy::Error>(())
 /// ```
@@ -96,13 +98,8 @@ impl Body {
     /// Whether the body has a field, as [`Fields::has`], which computes more.
     pub fn has_field(&self, name: FieldName) -> bool {
         let has_contact = self.contacts().next().is_some();
-        is_of_motion(name) || self.made_of.iter().any(|region| has_field(region, name, has_contact))
+        name.is_of_motion() || self.made_of.iter().any(|region| has_field(region, name, has_contact))
     }
-}
-
-/// Whether a field needs no region: rigid bodies have none.
-fn is_of_motion(name: FieldName) -> bool {
-    matches!(name, FieldName::Displacement | FieldName::Velocity)
 }
 
 fn has_field(region: &Region, name: FieldName, has_contact: bool) -> bool {
@@ -135,7 +132,7 @@ impl Fields {
     /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
     /// axial forces need links, and fields of contact need a contact.
     pub fn has(&self, name: FieldName) -> bool {
-        is_of_motion(name) || (0..self.regions.len()).any(|region| self.region_has(region, name))
+        name.is_of_motion() || (0..self.regions.len()).any(|region| self.region_has(region, name))
     }
 
     /// Groups of the regions, in the order of their numbers; `None`: every cell.
@@ -148,11 +145,13 @@ impl Fields {
         has_field(&self.regions[region], name, !self.contacts.is_empty())
     }
 
-    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are
-    /// those of the nodes and cells of the mesh.
+    /// Some fields of a motion, whose lists have [`Body::n_dofs`] numbers. The fields are those of the nodes and cells of
+    /// the mesh.
     ///
     /// On a team a call of all ranks: fields at guests come from their owners.
-    pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
+    pub fn at<'a>(&self, motion: impl Into<NodalMotion<'a>>, names: &[FieldName]) -> Vec<FieldValues> {
+        let motion = motion.into();
+        let displacement = motion.displacement;
         let is_of_state = |name: &FieldName| name.info().formula.is_of_state();
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
         let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
@@ -161,11 +160,11 @@ impl Fields {
         let numbers = |name: FieldName| match name.place() {
             Place::Nodes => {
                 let members = (0..self.mesh.n_nodes()).zip(self.density.iter().copied());
-                self.numbers(name, (&nodes, &contact), members, [displacement, velocity])
+                self.numbers(name, (&nodes, &contact), members, motion)
             }
             Place::Cells => {
                 let members = (0..self.mesh.n_cells()).map(|cell| (cell, 0.0));
-                self.numbers(name, (&cells, &contact), members, [displacement, velocity])
+                self.numbers(name, (&cells, &contact), members, motion)
             }
         };
         let mut fields: Vec<FieldValues> =
@@ -187,18 +186,17 @@ impl Fields {
     }
 
     /// The numbers of a field at some members, each with the density around it; `states`: those of the members, and
-    /// contact at every node; `motion`: displacement and velocity.
+    /// contact at every node.
     fn numbers(
         &self,
         name: FieldName,
         (states, contact): (&[PointState], &[ContactAtNode]),
         members: impl Iterator<Item = (usize, f64)>,
-        motion: [&[f64]; 2],
+        motion: NodalMotion<'_>,
     ) -> Vec<f64> {
         match name.info().formula {
             Formula::Vector(vector) => {
-                let of_node = |node: usize| motion.map(|own| nodal::at(own, node));
-                members.flat_map(|(node, density)| vector(density, of_node(node))).collect()
+                members.flat_map(|(node, density)| vector(density, motion.at(node))).collect()
             }
             Formula::OfCell(number) | Formula::OfMass(number) => {
                 members.map(|(cell, _)| number(self, motion, cell)).collect()

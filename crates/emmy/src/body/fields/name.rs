@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::Fields;
 use super::point::{PointState, von_mises};
+use super::{Fields, NodalMotion};
 use crate::force::ContactAtNode;
 use crate::tensor::Sym;
 
@@ -50,12 +50,12 @@ pub(super) enum Needs {
 
 /// Formula of a field.
 pub(super) enum Formula {
-    /// A vector at a node from the mean density of the cells around it, its displacement and its velocity.
-    Vector(fn(f64, [[f64; 3]; 2]) -> [f64; 3]),
-    /// A number in a cell from displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
-    OfCell(fn(&Fields, [&[f64]; 2], usize) -> f64),
+    /// A vector at a node from the mean density of the cells around it, its displacement, velocity and acceleration.
+    Vector(fn(f64, [[f64; 3]; 3]) -> [f64; 3]),
+    /// A number in a cell from the motion, without a deformation gradient.
+    OfCell(fn(&Fields, NodalMotion<'_>, usize) -> f64),
     /// The same for a mean over the points of the mass matrix.
-    OfMass(fn(&Fields, [&[f64]; 2], usize) -> f64),
+    OfMass(fn(&Fields, NodalMotion<'_>, usize) -> f64),
     /// A number of contact at a node.
     Contact(fn(&ContactAtNode) -> f64),
     /// A number of the state at a node or in a cell.
@@ -111,7 +111,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Vector(|_, [displacement, _]| displacement),
+        formula: Formula::Vector(|_, [displacement, ..]| displacement),
     }
     /// v \[length/time\].
     Velocity {
@@ -121,7 +121,17 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Vector(|_, [_, velocity]| velocity),
+        formula: Formula::Vector(|_, [_, velocity, _]| velocity),
+    }
+    /// Mean of dv/dt over the last step; NaN before the first \[length/time^2\].
+    Acceleration {
+        name: "acceleration",
+        description: "mean acceleration over the last step: the change of the velocity over the step size",
+        dimension: "length/time²",
+        place: Place::Nodes,
+        components: VECTOR,
+        needs: Needs::Nothing,
+        formula: Formula::Vector(|_, [.., acceleration]| acceleration),
     }
     /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
     MomentumDensity {
@@ -131,7 +141,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Volume,
-        formula: Formula::Vector(|density, [_, velocity]| velocity.map(|component| density * component)),
+        formula: Formula::Vector(|density, [_, velocity, _]| velocity.map(|component| density * component)),
     }
     /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
     CauchyStress {
@@ -252,7 +262,7 @@ fields! {
         place: Place::Cells,
         components: SCALAR,
         needs: Needs::Links,
-        formula: Formula::OfCell(|fields, [displacement, _], cell| fields.axial_force(displacement, cell)),
+        formula: Formula::OfCell(|fields, motion, cell| fields.axial_force(motion.displacement, cell)),
     }
     /// Mean of `rho_0 v^2/2` in a cell; times its [`Fields::volume_for`], the kinetic energy of the cell. Point masses
     /// are not in it.
@@ -263,7 +273,7 @@ fields! {
         place: Place::Cells,
         components: SCALAR,
         needs: Needs::Volume,
-        formula: Formula::OfMass(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
+        formula: Formula::OfMass(|fields, motion, cell| fields.kinetic_energy_density(motion.velocity, cell)),
     }
     /// Normal force of contact on a node over the reference area around it, on those facets that are pressed; the sum
     /// of all contacts, and 0 where none acts \[force/length^2\].
@@ -318,6 +328,12 @@ impl FieldName {
             Place::Cells => Some(self),
             Place::Nodes => FieldName::from_name(&format!("cell_{}", self.name())),
         }
+    }
+
+    /// Whether it is displacement, velocity or acceleration, which every body has and which can be told relative to
+    /// another motion; rigid bodies have no other fields.
+    pub const fn is_of_motion(self) -> bool {
+        matches!(self, FieldName::Displacement | FieldName::Velocity | FieldName::Acceleration)
     }
 
     /// Names of the components, in VTK's order of symmetric tensors; one empty name of a scalar.

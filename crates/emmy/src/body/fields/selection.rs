@@ -15,7 +15,7 @@ use super::{FieldName, FieldValues, Fields, Place};
 /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(rubber).build()?;
 /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
 /// let fields = Fields::new(&body);
-/// let stress = fields.on(&fields.select_nodes(&[0, 3]), &stretched, &stretched, FieldName::VonMisesStress);
+/// let stress = fields.on(&fields.select_nodes(&[0, 3]), [&stretched, &stretched], FieldName::VonMisesStress);
 /// // mu (lambda^2 - 1) / lambda for a stretch of 2 along x alone
 /// assert!(stress.len() == 2 && (stress[0] - 750.0).abs() < 1e-10);
 /// # Ok::<(), emmy::Error>(())
@@ -69,7 +69,7 @@ impl Fields {
     /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
     /// let (fields, face) = (Fields::new(&body), [4, 5]);
     /// let stress = |cells: Vec<u32>| {
-    ///     fields.on(&fields.select_nodes_in(&face, cells), &stretched, &stretched, FieldName::VonMisesStress)[0]
+    ///     fields.on(&fields.select_nodes_in(&face, cells), [&stretched, &stretched], FieldName::VonMisesStress)[0]
     /// };
     /// // mu (lambda^2 - 1) / lambda for a stretch of 2 along x alone
     /// assert!((stress(vec![0]) - 75.0).abs() < 1e-11 && (stress(vec![1]) - 750.0).abs() < 1e-10);
@@ -105,32 +105,32 @@ impl Fields {
     }
 
     /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`] if all
-    /// cells around them are selected: `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a
+    /// cells around them are selected: `[n_members][n_components]`. On a
     /// team no call of all ranks: nodes are own ones, because the cells around guests are not all here.
     ///
     /// # Panics
     /// If the field and the selection have different places.
-    pub fn on(
+    pub fn on<'a>(
         &self,
         selection: &Selection,
-        displacement: &[f64],
-        velocity: &[f64],
+        motion: impl Into<NodalMotion<'a>>,
         name: FieldName,
     ) -> Vec<f64> {
-        self.all_on(selection, displacement, velocity, &[name]).remove(0).numbers
+        self.all_on(selection, motion, &[name]).remove(0).numbers
     }
 
     /// Several fields as [`Fields::on`]; the deformation is recovered once.
     ///
     /// # Panics
     /// If a field and the selection have different places.
-    pub fn all_on(
+    pub fn all_on<'a>(
         &self,
         selection: &Selection,
-        displacement: &[f64],
-        velocity: &[f64],
+        motion: impl Into<NodalMotion<'a>>,
         names: &[FieldName],
     ) -> Vec<FieldValues> {
+        let motion = motion.into();
+        let displacement = motion.displacement;
         assert!(
             names.iter().all(|name| name.place() == selection.place),
             "a selection of nodes for fields at nodes, of cells for fields in cells"
@@ -141,7 +141,7 @@ impl Fields {
         let numbers = |name: FieldName| {
             let members = selection.members.iter().map(|&member| member as usize);
             let densities = selection.densities.iter().copied().chain(std::iter::repeat(0.0));
-            self.numbers(name, (&states, &contact), members.zip(densities), [displacement, velocity])
+            self.numbers(name, (&states, &contact), members.zip(densities), motion)
         };
         names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
     }

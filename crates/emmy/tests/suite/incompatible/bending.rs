@@ -89,7 +89,8 @@ fn stresses_include_the_modes() {
         let state = equilibrium(&body);
         let fields = Fields::new(&body);
         let node = body.mesh().nearest_node([5.0, 1.0, 1.0]);
-        let stress = &fields.at(&state.displacement, &state.velocity, &[FieldName::CauchyStress])[0].numbers;
+        let stress =
+            &fields.at([&state.displacement, &state.velocity], &[FieldName::CauchyStress])[0].numbers;
         let probe = fields.on(
             &fields.select_nodes(&[node as u32]),
             &state.displacement,
