@@ -347,3 +347,106 @@ values = [
         }
     }
 }
+
+/// A bar on a table that shakes along z with the acceleration `a0 cos(w t)`.
+const SHAKEN: &str = r#"
+mesh.box = { size = [3, 1, 1], cells = [3, 1, 1] }
+region = [{ density = 2, material.neo-hooke = { lambda = 1000, mu = 500 } }]
+support = [
+  { group = "x-min", fix = ["x", "y"] },
+  { group = "x-min", accelerate = { z = "4*cos(3*t)" } },
+]
+time = { scheme = "DGM", degree = 2, steps = [{ until = 1, size = 0.02 }] }
+[output]
+directory = "out"
+every = 10
+fields = ["displacement", "acceleration", "von_mises_stress"]
+extremes = ["displacement", "acceleration", "von_mises_stress"]
+relative_to = "base"
+probes = [
+  { name = "tip", point = [3, 0, 0], quantities = ["position", "displacement", "velocity", "acceleration", "von_mises_stress"] },
+  { name = "seen", point = [3, 0, 0], quantities = ["displacement", "velocity", "acceleration", "von_mises_stress"], relative_to = "ground" },
+  { name = "foot", point = [0, 0, 0], quantities = ["acceleration"], relative_to = "ground" },
+  { name = "back", point = [0, 0, 0], quantities = ["displacement", "acceleration"], relative_to = "x-max" },
+]
+values = [
+  { name = "end", group = "x-max", quantity = "acceleration" },
+  { name = "foot_mean", group = "x-min", quantity = "acceleration" },
+]
+"#;
+
+/// Relative to the base, its motion, known as a function of time, is taken off; accelerations are means over the step.
+#[test]
+fn motions_are_told_relative_to_the_base() {
+    let place = Place::with(SHAKEN);
+    let closing = place.succeed(&["run", "box.toml"]).stderr;
+    let history = place.history("out");
+    let column = |name: &str| history.get(name).unwrap_or_else(|| panic!("{name}: {:?}", history.keys()));
+    let (mut largest, mut fastest) = (0.0f64, 0.0f64);
+    for row in 0..=50 {
+        let t = 0.02 * row as f64;
+        let near = |name: &str, exact: f64, within: f64| {
+            let own = column(name)[row];
+            assert!((own - exact).abs() < within, "{name}, row {row}: {own} is not {exact}");
+        };
+        let of = |name: &str| column(name)[row];
+        // From rest: v = 4/3 sin 3t, u = 4/9 (1 - cos 3t).
+        let [path, speed] = [4.0 / 9.0 * (1.0 - (3.0 * t).cos()), 4.0 / 3.0 * (3.0 * t).sin()];
+        near("tip_displacement_z", of("seen_displacement_z") - path, 1e-10);
+        near("tip_velocity_z", of("seen_velocity_z") - speed, 1e-9);
+        near("tip_displacement_x", of("seen_displacement_x"), 1e-15);
+        near("tip_z", of("tip_displacement_z"), 1e-15);
+        near("tip_von_mises_stress", of("seen_von_mises_stress"), 1e-15);
+        let norm = ["x", "y", "z"].iter().map(|axis| of(&format!("tip_displacement_{axis}")).powi(2));
+        largest = largest.max(norm.sum::<f64>().sqrt());
+        fastest = fastest.max(of("max_displacement"));
+        if row == 0 {
+            for name in ["tip_acceleration_z", "foot_acceleration_z", "max_acceleration", "end_z"] {
+                assert!(of(name).is_nan(), "no step has led to the start: {name}");
+            }
+            continue;
+        }
+        // The change of the speed of the base over the step.
+        let mean = (speed - 4.0 / 3.0 * (3.0 * (t - 0.02)).sin()) / 0.02;
+        near("foot_acceleration_z", mean, 1e-8);
+        near("tip_acceleration_z", of("seen_acceleration_z") - mean, 1e-8);
+        near("foot_mean_z", 0.0, 1e-8);
+        let change = (of("tip_velocity_z") - column("tip_velocity_z")[row - 1]) / 0.02;
+        near("tip_acceleration_z", change, 1e-10);
+        near("back_acceleration_z", -of("end_z"), 1e-8);
+    }
+    assert!(largest > 0.003 && fastest >= largest - 1e-12, "{largest} {fastest}");
+    let summary = place.summary("out");
+    let told = summary["largest_relative_displacement"].as_f64().unwrap();
+    assert!((told - fastest).abs() < 1e-12, "{told} {fastest}");
+    assert!(summary["largest_displacement"].as_f64().unwrap() > 0.8, "the base moves by 8/9");
+    assert!(closing.contains("largest displacement relative to base: "), "{closing}");
+    assert!(place.read("out/report.html").contains("\"is_driven\":true"));
+    // Stopped and resumed: the same numbers.
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.5"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "1"]);
+    let parts = place.history("parts");
+    for (name, numbers) in history.iter().filter(|(name, _)| *name != "wall_seconds") {
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(numbers), bits(&parts[name]), "{name}");
+    }
+    assert_eq!(place.summary("parts")["largest_relative_displacement"], told);
+}
+
+#[test]
+fn a_reference_is_a_group_the_base_or_the_rigid_motion() {
+    let place = Place::with(SHAKEN);
+    let check = |set: &str| place.emmy(&["check", "box.toml", "--set", set]);
+    for name in ["ground", "base", "rigid-motion", "x-max"] {
+        assert_eq!(check(&format!("output.relative_to=\"{name}\"")).code, 0, "{name}");
+    }
+    let unknown = check("output.relative_to=\"x-mix\"");
+    assert_eq!(unknown.code, 2);
+    for part in ["`relative_to`: there is no group `x-mix`", "did you mean `x-m", "`rigid-motion`"] {
+        assert!(unknown.stderr.contains(part), "{}", unknown.stderr);
+    }
+    let place = Place::with(BOX);
+    let failed = place.emmy(&["check", "box.toml", "--set", "output.relative_to=\"base\""]);
+    assert_eq!(failed.code, 2);
+    assert!(failed.stderr.contains("no support moves, so there is no base"), "{}", failed.stderr);
+}

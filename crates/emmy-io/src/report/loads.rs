@@ -9,15 +9,8 @@ use crate::message::counted;
 /// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always
 /// acts; the end of an interval is null if it does not end. Attractions are part of the strain energy and not included.
 pub(super) fn loads(input: &Table) -> Vec<Value> {
-    let entries = |name: &str| {
-        let list = input.get(name).and_then(toml::Value::as_array);
-        list.into_iter().flatten().filter_map(toml::Value::as_table)
-    };
-    let loads = entries("load").filter(|load| !load.contains_key("attraction")).map(load);
-    let is_driven =
-        |support: &&Table| ["move", "accelerate", "rotate"].iter().any(|key| support.contains_key(*key));
-    let mut loads: Vec<Load> =
-        loads.chain(entries("support").filter(is_driven).map(driven_support)).collect();
+    let loads = entries(input, "load").filter(|load| !load.contains_key("attraction")).map(load);
+    let mut loads: Vec<Load> = loads.chain(driven_supports(input).map(driven_support)).collect();
     if loads.len() > MAX_LOADS {
         loads = together(loads);
     }
@@ -25,6 +18,22 @@ pub(super) fn loads(input: &Table) -> Vec<Value> {
         .into_iter()
         .map(|Load { label, intervals }| json!({ "label": label, "intervals": intervals }))
         .collect()
+}
+
+/// Whether some support of a resolved input moves.
+pub(super) fn is_driven(input: &Table) -> bool {
+    driven_supports(input).next().is_some()
+}
+
+fn driven_supports(input: &Table) -> impl Iterator<Item = &Table> {
+    let is_driven =
+        |support: &&Table| ["move", "accelerate", "rotate"].iter().any(|key| support.contains_key(*key));
+    entries(input, "support").filter(is_driven)
+}
+
+fn entries<'a>(input: &'a Table, name: &str) -> impl Iterator<Item = &'a Table> {
+    let list = input.get(name).and_then(toml::Value::as_array);
+    list.into_iter().flatten().filter_map(toml::Value::as_table)
 }
 
 /// Largest number of loads shown separately.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::collection::FrameSource;
 use super::history::Thinned;
-use super::loads::loads;
+use super::loads::{is_driven, loads};
 use super::pack::Pack;
 use super::{ReportError, Room, events, frames};
 use crate::comparison::{self, RunError};
@@ -68,6 +68,7 @@ impl RunData {
             "summary": summary,
             "input": shortened(input),
             "loads": loads(&tree),
+            "is_driven": is_driven(&tree),
             "events": events,
             "more_events": more_events,
             "probes": names(&tree, "probes"),

@@ -39,6 +39,7 @@ mod pressure;
 mod quadratic_cells;
 mod reactions;
 mod reference_cases;
+mod relative_motion;
 mod resumed_motions;
 mod rigid_groups;
 mod rigid_links;

@@ -67,13 +67,17 @@ impl Closing<'_> {
     fn largest(&self) {
         let Closing { results, problem, .. } = *self;
         let units = problem.units;
-        let most = results.statistics().largest_displacement;
+        let statistics = results.statistics();
+        let (most, to) = match (statistics.largest_relative_displacement, &problem.quantities.relative_to) {
+            (Some(most), Some(name)) => (most, format!(" relative to {name}")),
+            _ => (statistics.largest_displacement, String::new()),
+        };
         if most.value > 0.0 {
             let value = units.number(most.value, "length");
             let at = units.vector(most.point, "length");
             message!(
                 self.host,
-                "largest displacement: {value} at {}, node {} at {at}",
+                "largest displacement{to}: {value} at {}, node {} at {at}",
                 moment(problem, most.time),
                 most.node
             );

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::point::PointState;
 use super::recovery::sums;
-use super::{FieldName, FieldValues, Fields, Place};
+use super::{FieldName, FieldValues, Fields, NodalMotion, Place};
 
 /// Some nodes or cells of a body, for [`Fields::on`].
 ///

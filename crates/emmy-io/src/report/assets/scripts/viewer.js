@@ -143,7 +143,7 @@ class Viewer {
     this.motion = this.frames.box(Number(this.factor.value), this.showsModes);
     this.shown = null;
     if (!this.hasChosenFollow && this.toggles.follow) {
-      this.settings.follow = this.toggles.follow.checked || this.motion.size > 2.5 * this.reference.size;
+      this.settings.follow = this.toggles.follow.checked || this.current.is_driven || this.motion.size > 2.5 * this.reference.size;
       this.toggles.follow.checked = this.settings.follow;
       this.hasChosenFollow = true;
     }
