@@ -60,10 +60,14 @@ class Motion(MotionView):
     smallest_step : float, optional
         Size down to which a failing step is halved.
     probes : dict, optional
-        Nodes whose path goes into the history: points by name, or dicts of ``point`` and ``quantities``.
+        Nodes whose path goes into the history: points by name, or dicts of ``point``, ``quantities`` and
+        ``relative_to``.
     reactions, joints, extremes, values : optional
         Groups of supports and names of contacts, names of joints, fields and means of fields for the history, as in the
         input.
+    relative_to : str, optional
+        Motion relative to which displacements, velocities and accelerations are told, in the history and by `field`:
+        "base", that of the supports; "rigid-motion", the one that fits that of the body; or the name of a group.
     equilibrium : bool, int or dict, optional
         Whether to start from the static equilibrium; or the number of load steps.
     limits : dict, optional
@@ -117,6 +121,7 @@ class Motion(MotionView):
         joints: Sequence[str] | None = None,
         extremes: Sequence[str] | None = None,
         values: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
+        relative_to: str | None = None,
         equilibrium: bool | int | Mapping[str, Any] | None = None,
         limits: Mapping[str, float] | None = None,
         title: str | None = None,
@@ -133,7 +138,8 @@ class Motion(MotionView):
         if velocity is not None:
             given = words.vectors(velocity, body.n_nodes, "initial")
         outputs = {
-            "probes": probes, "reactions": reactions, "joints": joints, "extremes": extremes, "values": values
+            "probes": probes, "reactions": reactions, "joints": joints, "extremes": extremes, "values": values,
+            "relative_to": relative_to,
         }  # fmt: skip
         tree = _plan.tree(
             scheme=scheme, degree=degree, steps=steps, until=until, adaptive=adaptive, smallest_step=smallest_step,

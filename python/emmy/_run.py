@@ -261,16 +261,20 @@ class Comparison:
         The page; of sweeps the table `compare.csv`.
     summaries : list of dict
         Summary of each run; of sweeps their rows.
+    inputs : list of dict
+        For each run its values of all keys in which the inputs differ, as they stand in a file; None where a key is
+        missing. Empty for sweeps.
 
     Examples
     --------
     >>> import pathlib
-    >>> emmy.Comparison(pathlib.Path("compare/report.html"), []).report.name
+    >>> emmy.Comparison(pathlib.Path("compare/report.html"), [], []).report.name
     'report.html'
     """
 
     report: Path
     summaries: list[dict[str, Any]]
+    inputs: list[dict[str, str | None]]
 
 
 def compare(directories: Sequence[StrPath], *, output: StrPath = "compare") -> Comparison:
@@ -297,10 +301,14 @@ def compare(directories: Sequence[StrPath], *, output: StrPath = "compare") -> C
     >>> path = emmy.new("spinning-block")
     >>> for scheme in ("DGM", "AS(5)"):
     ...     run = emmy.run(path, set={"output.every": 0, "time.scheme": scheme}, until=0.1, output=scheme)
-    >>> [summary["scheme"] for summary in emmy.compare(["DGM", "AS(5)"]).summaries]
+    >>> compared = emmy.compare(["DGM", "AS(5)"])
+    >>> [summary["scheme"] for summary in compared.summaries]
     ['DGM', 'AS(5)']
+    >>> compared.inputs
+    [{'time.scheme': '"DGM"'}, {'time.scheme': '"AS(5)"'}]
     """
     text = call("compare", *directories, output=output, quiet=True, json=True)
     lines = [json.loads(line) for line in text.splitlines()]
     page = "report.html" if all("summary" in line for line in lines) else "compare.csv"
-    return Comparison(Path(output) / page, [line.get("summary", line) for line in lines])
+    inputs = [line["input"] for line in lines if "summary" in line]
+    return Comparison(Path(output) / page, [line.get("summary", line) for line in lines], inputs)

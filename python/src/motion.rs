@@ -356,13 +356,12 @@ impl Motion {
         let motion = work.running.motion();
         let members = group.map(|group| selection(py, &fields, motion.body().mesh(), name, group));
         let members = members.transpose()?;
-        let state = motion.state();
+        let reference = motion.reference().filter(|_| name.is_of_motion());
+        let [displacement, velocity] = motion.seen_from(reference);
         let is_accelerated = name == FieldName::Acceleration;
-        let acceleration = if is_accelerated { motion.mean_acceleration(None) } else { Vec::new() };
-        let seen = NodalMotion {
-            acceleration: &acceleration,
-            ..NodalMotion::from([&state.displacement, &state.velocity])
-        };
+        let acceleration = if is_accelerated { motion.mean_acceleration(reference) } else { Vec::new() };
+        let seen =
+            NodalMotion { displacement: &displacement, velocity: &velocity, acceleration: &acceleration };
         let numbers = pool::work(py, || match &members {
             Some(members) => fields.on(members, seen, name),
             None => fields.at(seen, &[name]).remove(0).numbers,

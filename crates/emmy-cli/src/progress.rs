@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use emmy::time::Scheme;
-use emmy_io::message::shown;
+use emmy_io::message::{counted, shown};
 use emmy_io::units::Units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -106,15 +106,24 @@ impl<'h> Progress<'h> {
         }
     }
 
-    /// Time, balance of the step relative to a scale of the energy, Newton iterations; load fraction of an equilibrium.
+    /// Time, balance of the step relative to a scale of the energy, and work; load fraction of an equilibrium.
     fn message(&self, record: &Record, energy: f64, is_static: bool) -> String {
         let balance = if energy > 0.0 { record.energy_residual.abs() / energy } else { 0.0 };
         if is_static {
             let fraction = number(record.time);
-            return format!("load fraction {fraction}  Newton {}", record.newton_iterations);
+            return format!("load fraction {fraction}  {}", work(record));
         }
         let time = self.units.number(record.time, "time");
-        format!("t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
+        format!("t = {time}  energy balance {balance:.0e}  {}", work(record))
+    }
+}
+
+/// The work of a step.
+fn work(record: &Record) -> String {
+    let corrections = counted(record.newton_iterations, "correction", "corrections");
+    match record.refactorizations {
+        0 => corrections,
+        n => format!("{corrections}, {}", counted(n, "factorisation", "factorisations")),
     }
 }
 

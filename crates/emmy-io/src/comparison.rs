@@ -20,6 +20,8 @@ pub struct Run {
     pub history: History,
     /// Its summary.
     pub summary: Value,
+    /// Its input with all defaults; empty if it is missing.
+    pub input: toml::Table,
 }
 
 /// Why a directory cannot be compared.
@@ -55,7 +57,8 @@ impl Run {
         let summary = summary(directory)?;
         let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_else(|| directory.display().to_string());
-        Ok(Run { name, history, summary })
+        let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
+        Ok(Run { name, history, summary, input: input.parse().unwrap_or_default() })
     }
 
     /// A column of the history; empty if it is missing.
@@ -131,7 +134,7 @@ pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
             "angular-momentum-residual",
             residual("angular momentum residual", ANGULAR_MOMENTUM, "angular_momentum_residual"),
         ),
-        ("newton-iterations", step("Newton iterations of a step", "", "newton_iterations")),
+        ("newton-iterations", step("corrections of a step", "", "newton_iterations")),
         ("step-size", step("step size", "time", "step_size")),
         (
             "linear-momentum-residual",

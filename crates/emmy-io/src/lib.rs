@@ -35,6 +35,7 @@ pub mod chart;
 pub mod checkpoint;
 pub mod comparison;
 pub mod convergence;
+pub mod differences;
 pub mod directory;
 pub mod drawing;
 pub mod events;

@@ -75,7 +75,7 @@ impl RunLog {
         let time = short(record.time);
         let step_size = short(record.step_size);
         self.line(&format!(
-            "step {step}  t = {time}  h = {step_size}  Newton {newton_iterations} (linear {linear_iterations})  \
+            "step {step}  t = {time}  h = {step_size}  corrections {newton_iterations} (linear {linear_iterations})  \
              E {:.6e}  balances: E {:.1e}, p {:.1e}, L {:.1e}",
             record.total_energy,
             record.energy_residual,

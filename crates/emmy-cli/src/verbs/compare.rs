@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy_io::comparison::{self, Run, RunError};
+use emmy_io::differences::{self, KeyDifference};
 use emmy_io::directory;
 use emmy_io::report;
 use emmy_io::sweep::table::{self, is_sweep};
@@ -147,7 +148,9 @@ fn runs(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     })?;
     let named = runs.iter().map(|run| run.name.clone()).zip(arguments.directories.iter().cloned());
     let page = report::write_comparison(&arguments.output, &named.collect::<Vec<_>>())?;
-    print::result(host, &if arguments.json { lines(&runs) } else { table(&runs) })?;
+    let differences = differences::of_inputs(&runs);
+    let text = if arguments.json { lines(&runs, &differences) } else { tables(&runs, &differences) };
+    print::result(host, &text)?;
     if !arguments.quiet {
         let stem = arguments.output.join("compare");
         message!(host, "written: {0}.svg, {0}.png, and single charts in {0}-*", stem.display());
@@ -171,7 +174,7 @@ const COLUMNS: [(&str, &str); 8] = [
     ("scheme", "scheme"),
     ("degree", "degree"),
     ("steps", "steps"),
-    ("newton_iterations", "Newton"),
+    ("newton_iterations", "corrections"),
     ("worst_energy_residual", "worst energy residual"),
     ("worst_angular_momentum_residual", "angular momentum"),
     ("wall_seconds", "seconds"),
@@ -187,6 +190,40 @@ fn table(runs: &[Run]) -> String {
     print::columns(std::iter::once(head).chain(runs.iter().map(row)).collect())
 }
 
+/// The runs, the keys in which their inputs differ, and the peaks of their columns.
+fn tables(runs: &[Run], differences: &[KeyDifference]) -> String {
+    let mut text = table(runs);
+    if runs.len() < 2 {
+        return text;
+    }
+    let names = || runs.iter().map(|run| run.name.clone());
+    let head = |title: &str| std::iter::once(title.to_string()).chain(names()).collect::<Vec<_>>();
+    let missing = || "-".to_string();
+    let keys = differences.iter().map(|own| {
+        let values = own.values.iter().map(|value| value.clone().unwrap_or_else(missing));
+        std::iter::once(own.key.clone()).chain(values).collect()
+    });
+    if !differences.is_empty() {
+        let rows = std::iter::once(head("input")).chain(keys).collect();
+        text += &format!("\n{}", print::columns(rows));
+    }
+    let peaks = differences::of_peaks(runs);
+    if !peaks.is_empty() {
+        let others = names().skip(1).map(|name| format!("{name}, %"));
+        let head = head("peak").into_iter().chain(others).collect::<Vec<_>>();
+        let rows = peaks.iter().map(|own| {
+            let values = own.values.iter().map(|value| print::number(*value));
+            let parts = own.differences.iter().map(|part| match part.is_finite() {
+                true => format!("{:+.2}", 100.0 * part),
+                false => missing(),
+            });
+            std::iter::once(own.column.clone()).chain(values).chain(parts).collect()
+        });
+        text += &format!("\n{}", print::columns(std::iter::once(head).chain(rows).collect()));
+    }
+    text
+}
+
 fn cell(key: &str, value: &Value) -> String {
     match (value, value.as_f64()) {
         (Value::String(text), _) => text.clone(),
@@ -197,8 +234,15 @@ fn cell(key: &str, value: &Value) -> String {
     }
 }
 
-fn lines(runs: &[Run]) -> String {
-    runs.iter().map(|run| format!("{}\n", json!({ "run": run.name, "summary": run.summary }))).collect()
+fn lines(runs: &[Run], differences: &[KeyDifference]) -> String {
+    let input = |place: usize| -> Map<String, Value> {
+        differences.iter().map(|own| (own.key.clone(), own.values[place].clone().into())).collect()
+    };
+    let line = |(place, run): (usize, &Run)| {
+        let object = json!({ "run": run.name, "summary": run.summary, "input": input(place) });
+        format!("{object}\n")
+    };
+    runs.iter().enumerate().map(line).collect()
 }
 
 impl From<RunError> for Failure {

@@ -60,7 +60,7 @@ const MAX_SHOWN: usize = 20;
 const SHOWN: [(&str, &str); 6] = [
     ("end_time", "end time"),
     ("steps", "steps"),
-    ("newton_iterations_per_step", "Newton/step"),
+    ("newton_iterations_per_step", "corrections/step"),
     ("total_energy", "total energy"),
     ("energy_drift", "energy drift"),
     ("wall_seconds", "seconds"),

@@ -16,7 +16,29 @@ fn runs_are_drawn_and_listed_side_by_side() {
     let outcome = place.succeed(&["compare", "conserving", "runs/standard"]);
     let lines: Vec<Vec<&str>> =
         outcome.stdout.lines().map(|line| line.split_whitespace().collect()).collect();
-    assert_eq!(lines.len(), 3);
+    let blank = lines.iter().position(Vec::is_empty).unwrap();
+    assert_eq!(blank, 3);
+    // The keys that differ, and the peaks of the probe.
+    assert_eq!(lines[4], ["input", "conserving", "standard"]);
+    assert_eq!(lines[5], ["time.scheme", "\"AS(2)\"", "\"FE(2)\""]);
+    assert_eq!(lines[6], ["time.degree", "1", "2"]);
+    assert!(
+        lines[7].is_empty() && lines[8] == ["peak", "conserving", "standard", "standard,", "%"],
+        "{lines:?}"
+    );
+    let history = ["conserving", "runs/standard"].map(|run| place.history(run));
+    let peak = |run: usize, column: &str| {
+        let numbers = history[run][column].iter().copied();
+        numbers.reduce(|most, x| if x.abs() > most.abs() { x } else { most }).unwrap()
+    };
+    let size =
+        ["tip_x", "tip_y", "tip_z"].map(|column| peak(0, column).abs()).into_iter().fold(0.0, f64::max);
+    for column in ["tip_x", "tip_y", "tip_z"] {
+        let row = lines.iter().find(|line| line.first() == Some(&column)).unwrap();
+        let percent: f64 = row[3].parse().unwrap();
+        let exact = 100.0 * (peak(1, column) - peak(0, column)) / size;
+        assert!((percent - exact).abs() < 0.006, "{column}: {percent} is not {exact}");
+    }
     assert_eq!(lines[1][..4], ["conserving", "AS(2)", "1", "8"]);
     assert_eq!(lines[2][..4], ["standard", "FE(2)", "2", "8"]);
     let newton = place.summary("conserving")["newton_iterations"].to_string();

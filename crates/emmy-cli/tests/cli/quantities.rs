@@ -431,6 +431,10 @@ fn motions_are_told_relative_to_the_base() {
         assert_eq!(bits(numbers), bits(&parts[name]), "{name}");
     }
     assert_eq!(place.summary("parts")["largest_relative_displacement"], told);
+    // Columns of one name cannot tell something else from there on.
+    let ground = place.emmy(&["resume", "parts", "--until", "2", "--set", "output.relative_to=\"ground\""]);
+    assert_eq!(ground.code, 2);
+    assert!(ground.stderr.contains("`output.relative_to` is \"ground\""), "{}", ground.stderr);
 }
 
 #[test]

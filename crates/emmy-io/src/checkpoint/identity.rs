@@ -23,6 +23,9 @@ const FIXED: [&str; 12] = [
     "equilibrium",
 ];
 
+/// Keys of `[output]` that say what the columns of the history tell. Other names of columns have a message of their own.
+const FIXED_OUTPUT: [&str; 3] = ["relative_to", "probes", "values"];
+
 /// The run that a checkpoint belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
@@ -40,7 +43,7 @@ pub struct Identity {
 pub enum Mismatch {
     /// A key of the input has another value.
     #[error(
-        "`{key}` is {now}, but {before} in the checkpoint: body, loads, supports and initial state of a run cannot change; \
+        "`{key}` is {now}, but {before} in the checkpoint: body, loads, supports, initial state and columns of a run cannot change; \
          start another run with `emmy run`"
     )]
     Key {
@@ -98,6 +101,16 @@ impl Identity {
         for key in FIXED {
             let found = difference(key, of(&before_input, key).as_ref(), of(&now_input, key).as_ref());
             if let Some((key, before, now)) = found {
+                return Err(Mismatch::Key { key, before, now });
+            }
+        }
+        let output = |table: &toml::Table, key: &str| table.get("output")?.get(key).cloned();
+        for key in FIXED_OUTPUT {
+            let [before, now] = [&before_input, &now_input].map(|table| output(table, key));
+            let n_entries = |list: &Option<toml::Value>| list.as_ref()?.as_array().map(Vec::len);
+            let found = (n_entries(&before) == n_entries(&now))
+                .then(|| difference(&format!("output.{key}"), before.as_ref(), now.as_ref()));
+            if let Some((key, before, now)) = found.flatten() {
                 return Err(Mismatch::Key { key, before, now });
             }
         }

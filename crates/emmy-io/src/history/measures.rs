@@ -257,7 +257,7 @@ impl Measures {
         match quantity {
             ProbeQuantity::Position => {
                 let moved = of_node(FieldName::Displacement);
-                body.mesh().points()[node].iter().zip(moved).map(|(X, u)| X + u).collect()
+                body.mesh().points()[node].iter().zip(moved).map(|(at, u)| at + u).collect()
             }
             ProbeQuantity::Field(name) if name.is_of_motion() => of_node(name),
             ProbeQuantity::Field(name) => match (&self.fields, self.selections.get(index)) {

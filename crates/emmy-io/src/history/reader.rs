@@ -70,7 +70,7 @@ pub enum HistoryError {
 }
 
 /// A history in memory.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
     columns: Vec<String>,
     rows: Vec<Vec<f64>>,

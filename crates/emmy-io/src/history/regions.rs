@@ -57,7 +57,7 @@ impl RegionMembers {
         let (at_nodes, in_cells) = (at(Place::Nodes), at(Place::Cells));
         let values = |region: usize| {
             let of = |selection: Option<&Selection>, names: &[FieldName]| {
-                let all = |selection: &Selection| fields.all_on(selection, displacement, velocity, names);
+                let all = |selection: &Selection| fields.all_on(selection, [displacement, velocity], names);
                 selection.filter(|_| !names.is_empty()).map_or_else(Vec::new, all)
             };
             let mut values = of(self.nodes.get(region), &at_nodes);

@@ -1,5 +1,7 @@
 //! Motions relative to a part of the body.
 
+#![allow(non_snake_case)]
+
 use std::borrow::Cow;
 
 use super::Motion;

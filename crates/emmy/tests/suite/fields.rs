@@ -55,7 +55,7 @@ fn linear(F: &Mat3<f64>) -> impl Fn([f64; 3]) -> [f64; 3] {
 
 fn fields(body: &Body, displacement: &[f64], names: &[FieldName]) -> Vec<Vec<f64>> {
     let rest = vec![0.0; displacement.len()];
-    Fields::new(body).at(displacement, &rest, names).into_iter().map(|field| field.numbers).collect()
+    Fields::new(body).at([displacement, &rest[..]], names).into_iter().map(|field| field.numbers).collect()
 }
 
 /// Fields of a neo-Hookean point: Cauchy stress `(mu (b - I) + lambda ln J I) / J`, second Piola-Kirchhoff stress `mu

@@ -8,8 +8,9 @@ use crate::print::{columns, number};
 
 /// As a table.
 pub(super) fn text(rows: &[MemberRun]) -> String {
-    let head =
-        ["step size", "error", "order", "relative error", "Newton", "seconds"].map(String::from).to_vec();
+    let head = ["step size", "error", "order", "relative error", "corrections", "seconds"]
+        .map(String::from)
+        .to_vec();
     columns(
         std::iter::once(head)
             .chain(rows.iter().zip(orders(rows)).map(|(row, order)| line(row, order)))

@@ -40,7 +40,7 @@ impl Closing<'_> {
             },
             moment(problem, statistics.time),
             self.seconds,
-            counted(statistics.newton_iterations, "Newton iteration", "Newton iterations")
+            counted(statistics.newton_iterations, "correction", "corrections")
         );
         self.work(statistics);
         if problem.is_static() {

@@ -4,9 +4,7 @@ use emmy::body::{Body, FieldName, Fields, Place as Members};
 use emmy::internals::number::{short, short_vector};
 use emmy::motion::ReferenceMotion;
 
-use super::{
-    GROUND, GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
-};
+use super::{GROUND, GroupValue, Measure, Probe, Quantities, Requested, reaction_columns, value_columns};
 use crate::history::{ColumnInfo, MechanismColumns, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
@@ -308,6 +306,7 @@ mod tests {
     use emmy::mesh::{Share, block, owners};
     use emmy::team::{Team, Threads};
 
+    use super::super::ProbeQuantity;
     use super::*;
 
     /// A probe at a node, one amid eight nodes, and values of a group.

@@ -93,8 +93,7 @@ fn stresses_include_the_modes() {
             &fields.at([&state.displacement, &state.velocity], &[FieldName::CauchyStress])[0].numbers;
         let probe = fields.on(
             &fields.select_nodes(&[node as u32]),
-            &state.displacement,
-            &state.velocity,
+            [&state.displacement, &state.velocity],
             FieldName::CauchyStress,
         );
         assert_eq!((stress.len(), probe[0]), (6 * body.mesh().n_nodes(), stress[6 * node]));

@@ -35,7 +35,7 @@ fn patch(kind: CellKind) -> Mesh {
 
 fn at(body: &Body, displacement: &[f64], names: &[FieldName]) -> Vec<Vec<f64>> {
     let rest = vec![0.0; displacement.len()];
-    Fields::new(body).at(displacement, &rest, names).into_iter().map(|field| field.numbers).collect()
+    Fields::new(body).at([displacement, &rest[..]], names).into_iter().map(|field| field.numbers).collect()
 }
 
 /// A smooth displacement with strains of a tenth, which changes volumes by as much.

@@ -31,7 +31,7 @@ function tickLabels(plot, ticks) {
 }
 
 class Chart {
-  // spec: { title, unit, data, choices: [{ name, unit, lines: [{ label, colour, dash, width, values, times, stairs }] }], log, range, draw, tools }
+  // spec: { title, unit, data, first, choices: [{ name, unit, lines: [{ label, colour, dash, width, values, times, stairs }] }], log, range, draw, tools }
   constructor(place, spec, clock) {
     Object.assign(this, { spec, clock });
     this.plotPlace = element("div", { class: "plot", style: `min-height:${spec.height ?? 165}px` });
@@ -44,7 +44,7 @@ class Chart {
       element("div", { class: "chart-head" }, title, this.switch?.node ?? null, spec.tools ?? null, this.keys),
       this.plotPlace);
     place.append(this.node);
-    this.choose(0);
+    this.choose(spec.first ?? 0);
     new ResizeObserver(() => this.resize()).observe(this.plotPlace);
     charts.push(this);
   }

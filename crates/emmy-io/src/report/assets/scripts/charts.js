@@ -156,7 +156,7 @@ function chartsOfRuns(runs, clock) {
     residual("linear_momentum", "Linear momentum balance of each step", "residual, as a part of the largest |P|"),
     ofRuns({ title: "Kinetic energy", unit: unit("T", "kinetic_energy"), lines: column("kinetic_energy") }),
     ofRuns({ title: "Strain energy", unit: unit("V", "strain_energy"), lines: column("strain_energy") }),
-    ofRuns({ title: "Newton iterations", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),
+    ofRuns({ title: "Corrections", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),
     ofRuns({ title: "Step size", unit: unit("", "step_size"), range: fromZero, lines: stairs("step_size") }),
   ];
   const errors = each((run) => run.column("local_error")).filter((line) => line.values);

@@ -5,7 +5,7 @@ function newtonChart(run, clock) {
   const iterations = run.column("newton_iterations");
   if (!count || !count.length) {
     const line = { label: "iterations", values: fromFirstStep(iterations), colour: "--c0", stairs: true };
-    return ofRun(run, { title: "Newton iterations", unit: `of each ${stepName(run)}`, height: 150, whole: true, range: fromZero, lines: [line] });
+    return ofRun(run, { title: "Corrections", unit: `of each ${stepName(run)}`, height: 150, whole: true, range: fromZero, lines: [line] });
   }
   const [start, end, residual, target] = ["start", "end", "residual", "target"].map((name) => run.array(`newton/${name}`));
   const first = new Uint32Array(count.length + 1);

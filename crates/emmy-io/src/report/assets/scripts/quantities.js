@@ -103,13 +103,21 @@ function linesOf(run, { parts, owner, name }) {
   return lines;
 }
 
-// Charts of the quantities that all of several runs have, one component at a time.
+// Largest difference of two numbers.
+function rangeOf(values) {
+  const numbers = values.filter((value) => value !== null);
+  return numbers.length ? numbers.reduce((most, value) => Math.max(most, value), -Infinity) - numbers.reduce((least, value) => Math.min(least, value), Infinity) : 0;
+}
+
+// Charts of the quantities that all of several runs have, one component at a time, that of the largest range first.
 function comparedQuantities(runs, each) {
   const others = runs.slice(1).map((run) => new Set(run.history.columns));
   const isShared = ({ parts }) => others.every((columns) => parts.every(({ column }) => columns.has(column)));
   return quantities(runs[0]).filter(isShared).map(({ title, unit, owner, joint, name, parts }) => {
     const what = inUnit(owner === undefined && joint === undefined ? unit : words(name), unitOf(runs[0], parts[0].column));
     const choices = parts.map(({ column, component }) => ({ name: component, unit: what, lines: each((run) => nulled(run.column(column))) }));
-    return ofRuns({ title, height: 150, ...(choices.length > 1 ? { choices } : choices[0]) });
+    const ranges = choices.map(({ lines }) => Math.max(...lines.map(({ values }) => rangeOf(values))));
+    const first = ranges.indexOf(Math.max(...ranges));
+    return ofRuns({ title, height: 150, ...(choices.length > 1 ? { choices, first: Math.max(first, 0) } : choices[0]) });
   });
 }
