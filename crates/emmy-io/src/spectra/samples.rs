@@ -112,7 +112,8 @@ impl Series {
             });
         }
         let step = positive("the distance of the samples", step.unwrap_or(median))?;
-        let count = (duration / step * (1.0 + f64::EPSILON)).floor() + 1.0;
+        // The end is a sample although the steps have rounding.
+        let count = (duration / step * (1.0 + SAME_STEP)).floor() + 1.0;
         if count > MAX_SAMPLES {
             let reason =
                 format!("a distance of {step} makes {count:.0} samples; at most {MAX_SAMPLES:.0} are taken");

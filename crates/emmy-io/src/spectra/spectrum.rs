@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
+use emmy::internals::number::short;
+
 use super::samples::{self, Samples, Series};
 use super::{Detrend, Frequencies, Segments, SpectrumError, Window};
 use super::{amplitudes, derivative, frequency_response, power_spectral_density, shock_response};
@@ -145,7 +147,10 @@ impl Settings {
         }
         let mut notes = Vec::new();
         if is_interpolated && self.step.is_none() {
-            notes.push(format!("the steps differ: the columns are interpolated at distances of {step}"));
+            notes.push(format!(
+                "the steps differ: the columns are interpolated at distances of {}",
+                short(step)
+            ));
         }
         let mut spectrum = Spectrum { kind: self.kind, frequencies: Vec::new(), columns: Vec::new(), notes };
         match self.kind {
@@ -237,8 +242,9 @@ impl Settings {
         }
         if frequencies.iter().any(|f| *f > highest * (1.0 + 1e-9)) {
             let note = format!(
-                "frequencies above {highest:.6} have fewer than {SAMPLES_PER_PERIOD} samples in a period: peaks may be \
-                 missed by more than 5 %"
+                "frequencies above {} have fewer than {SAMPLES_PER_PERIOD} samples in a period: peaks may be missed by more \
+                 than 5 %",
+                short(highest)
             );
             spectrum.notes.push(note);
         }

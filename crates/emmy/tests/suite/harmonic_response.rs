@@ -136,14 +136,19 @@ fn a_bar_responds_as_one_dimensional_waves() {
     let pulled = HarmonicResponse::new(&body, None, 6, &undamped, &Excitation::Loads(vec![0])).unwrap();
     let shaken =
         HarmonicResponse::new(&body, None, 6, &undamped, &Excitation::Base([1.0, 0.0, 0.0])).unwrap();
+    // Near an anti-resonance, such as 2.618, large parts cancel, so the error is compared with the static response, too.
+    let near = |found: [f64; 2], expected: f64, at_rest: f64| {
+        let error = (found[0] - expected).abs() / expected.abs().max(at_rest);
+        // Linear cells are stiff by (k h)^2/24 in a frequency, up to 4e-4 of it for the second mode.
+        assert!(error < 2e-3 && found[1] == 0.0, "{found:?} {expected}");
+    };
     // omega_1 = 1.309, omega_2 = 3.927.
     for omega in [0.2, 1.0, 2.0, 3.0] {
         let k = omega / 5.0;
         let displacement = pulled.relative(omega, tip, Quantity::Displacement)[0];
-        // Linear cells are stiff by (k h)^2/24 in a frequency, 1e-4 of it; near a resonance it counts more.
-        close(displacement, [4.0 / (50.0 * k) * (k * 6.0).tan(), 0.0], 3e-3);
+        near(displacement, 4.0 / (50.0 * k) * (k * 6.0).tan(), 4.0 * 6.0 / 50.0);
         let acceleration = shaken.absolute(omega, tip, Quantity::Acceleration)[0];
-        close(acceleration, [1.0 / (k * 6.0).cos(), 0.0], 3e-3);
+        near(acceleration, 1.0 / (k * 6.0).cos(), 1.0);
     }
 }
 
