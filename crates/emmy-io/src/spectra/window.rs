@@ -17,7 +17,7 @@ pub enum Window {
     Hann,
     /// 1 everywhere.
     Boxcar,
-    /// A window with an error of 0.1 % in amplitudes between two frequencies of the transform.
+    /// A window with an error of up to 0.12 % in amplitudes between two frequencies of the transform.
     FlatTop,
     /// Blackman's.
     Blackman,

@@ -247,9 +247,6 @@ fn rates(modes: &[Mode], ratios: &[f64]) -> Result<Vec<f64>> {
 
 /// `v^T C v` of each mode.
 fn rates_of_body(body: &Body, state: Option<&State>, modes: &[Mode]) -> Result<Vec<f64>> {
-    if !body.dissipates() && body.drag() == 0.0 {
-        return Ok(vec![0.0; modes.len()]);
-    }
     let rest = State { displacement: vec![0.0; body.n_dofs()], ..State::default() };
     let state = state.unwrap_or(&rest);
     let mut forces = Forces::new(body);

@@ -147,6 +147,9 @@ impl Forces<'_> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn damping(&mut self, state: &State) -> Result<Vec<f64>> {
+        if !self.body.dissipates() {
+            return Ok(self.rest.clone());
+        }
         self.assemble(&state.displacement, Request::Stress)?;
         let mut at_rest = self.rest.clone();
         self.assembly.matrix.copy_force(&mut at_rest);
