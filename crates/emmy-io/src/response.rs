@@ -25,7 +25,7 @@ const MODES: &str = "response_modes.csv";
 
 /// Amplitudes of the probes of a problem over the frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sweep {
+pub struct ProbeResponse {
     /// Frequencies \[1/time\].
     pub frequencies: Vec<f64>,
     /// The quantity.
@@ -34,7 +34,7 @@ pub struct Sweep {
     pub components: Vec<(String, Vec<f64>, Vec<f64>)>,
 }
 
-impl Sweep {
+impl ProbeResponse {
     /// The response at the probes of a problem, with the motion of the supports or relative to them.
     pub fn new(
         problem: &Problem,
@@ -59,7 +59,7 @@ impl Sweep {
                 components.push((format!("{}_{letter}", probe.name), amplitudes, phases));
             }
         }
-        Sweep { frequencies, quantity, components }
+        ProbeResponse { frequencies, quantity, components }
     }
 
     /// The frequency at which the amplitude of a component is infinite, and the component.
@@ -117,7 +117,7 @@ pub fn write(
     directory: &Path,
     problem: &Problem,
     response: &HarmonicResponse,
-    sweep: &Sweep,
+    probes: &ProbeResponse,
 ) -> Result<(), DirectoryError> {
     check(directory, problem)?;
     directory::prepare_kind(directory, KIND, WITNESS)?;
@@ -126,9 +126,9 @@ pub fn write(
         let version = env!("CARGO_PKG_VERSION");
         let input = format!("{MARK} {version}: the input of this harmonic response.\n\n{}", problem.resolved);
         replace(&directory.join(WITNESS), input.as_bytes())?;
-        sweep.figure(problem).write(&directory.join("response"))?;
+        probes.figure(problem).write(&directory.join("response"))?;
         replace(&directory.join(MODES), modes(response).as_bytes())?;
-        replace(&directory.join(TABLE), sweep.csv().as_bytes())
+        replace(&directory.join(TABLE), probes.csv().as_bytes())
     };
     written().map_err(|error| DirectoryError::System { path: directory.to_path_buf(), error })
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
 use emmy_io::input::{self, Overrides, Problem};
-use emmy_io::response::{self, Sweep};
+use emmy_io::response::{self, ProbeResponse};
 use emmy_io::spectra::Frequencies;
 
 use super::{modes, with_ending, with_threads};
@@ -102,18 +102,18 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         Name::Acceleration => Quantity::Acceleration,
     };
     let frequencies = arguments.frequencies.values(false);
-    let sweep = Sweep::new(&problem, &found, frequencies, (quantity, arguments.relative));
-    if let Some((f, name)) = sweep.infinite() {
+    let probes = ProbeResponse::new(&problem, &found, frequencies, (quantity, arguments.relative));
+    if let Some((f, name)) = probes.infinite() {
         let message = format!("the amplitude of `{name}` is infinite at the frequency {}", number(f));
         let help =
             "a mode without damping is excited at its own frequency: give --damping, or other frequencies";
         return Err(Failure::Usage { message, help: Some(help.to_string()) });
     }
-    response::write(&output, &problem, &found, &sweep)?;
-    print::result(host, &table(&problem, &sweep))?;
+    response::write(&output, &problem, &found, &probes)?;
+    print::result(host, &table(&problem, &probes))?;
     if !arguments.quiet {
         problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
-        remarks(&problem, &found, &sweep, host);
+        remarks(&problem, &found, &probes, host);
         message!(host, "written: {}", output.join(response::TABLE).display());
     }
     Ok(())
@@ -148,21 +148,21 @@ impl Arguments {
 }
 
 /// The largest amplitude of each component, with its frequency.
-fn table(problem: &Problem, sweep: &Sweep) -> String {
+fn table(problem: &Problem, probes: &ProbeResponse) -> String {
     let head = ["largest amplitude of".to_string(), "value".to_string()];
     let head = head.into_iter().chain([problem.units.label("frequency", "frequency")]).collect();
     let row = |(name, amplitudes, _): &(String, Vec<f64>, Vec<f64>)| {
-        let largest = amplitudes.iter().zip(&sweep.frequencies).max_by(|(a, _), (b, _)| a.total_cmp(b));
+        let largest = amplitudes.iter().zip(&probes.frequencies).max_by(|(a, _), (b, _)| a.total_cmp(b));
         let cells = largest.map(|(value, f)| [number(*value), number(*f)]).into_iter().flatten();
         std::iter::once(name.clone()).chain(cells).collect()
     };
-    columns(std::iter::once(head).chain(sweep.components.iter().map(row)).collect())
+    columns(std::iter::once(head).chain(probes.components.iter().map(row)).collect())
 }
 
 /// Remarks on the modes.
-fn remarks(problem: &Problem, found: &HarmonicResponse, sweep: &Sweep, host: &dyn Host) {
+fn remarks(problem: &Problem, found: &HarmonicResponse, probes: &ProbeResponse, host: &dyn Host) {
     let highest = found.modes().last().map_or(0.0, |mode| mode.frequency());
-    let last = sweep.frequencies.last().copied().unwrap_or(0.0);
+    let last = probes.frequencies.last().copied().unwrap_or(0.0);
     if highest < last && found.modes().len() < n_modes(&problem.body) {
         let highest = problem.units.number(highest, "frequency");
         message!(

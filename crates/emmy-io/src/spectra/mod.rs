@@ -17,7 +17,7 @@ pub use files::{TABLE, check, write};
 pub(crate) use files::{over_frequency, table};
 pub use frequencies::Frequencies;
 pub use samples::{Samples, Series, derivative};
-pub use shock::{Extremes, ShockResponse, shock_response};
+pub use shock::{Peaks, ShockResponse, shock_response};
 pub use spectrum::{Kind, Settings, Spectrum};
 pub use welch::{
     Detrend, FrequencyResponse, Segments, amplitudes, frequency_response, power_spectral_density,

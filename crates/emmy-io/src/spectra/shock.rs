@@ -8,16 +8,16 @@ use rayon::prelude::*;
 
 use super::{SpectrumError, positive};
 
-/// Largest values of a response.
+/// Peaks of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Extremes {
+pub struct Peaks {
     /// Largest value, at least 0.
     pub positive: f64,
     /// Largest value of the opposite sign, at least 0.
     pub negative: f64,
 }
 
-impl Extremes {
+impl Peaks {
     /// The larger of both.
     pub fn maximax(&self) -> f64 {
         self.positive.max(self.negative)
@@ -33,12 +33,12 @@ impl Extremes {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShockResponse {
     /// Absolute acceleration of the mass.
-    pub acceleration: Extremes,
+    pub acceleration: Peaks,
     /// Displacement of the mass relative to the base.
-    pub displacement: Extremes,
+    pub displacement: Peaks,
 }
 
-/// Shock response spectrum of a base acceleration: the extremes of oscillators with quality factor `q = 1/(2 zeta)`, at
+/// Shock response spectrum of a base acceleration: the peaks of oscillators with quality factor `q = 1/(2 zeta)`, at
 /// rest at first, one for each frequency.
 ///
 /// ```math

@@ -231,13 +231,13 @@ impl Settings {
         for (name, record) in names.iter().zip(values) {
             let found = shock_response(record, step, &frequencies, self.q)?;
             for (quantity, of) in [("acceleration", 0), ("displacement", 1)] {
-                let extremes = || found.iter().map(move |own| [own.acceleration, own.displacement][of]);
+                let peaks = || found.iter().map(move |own| [own.acceleration, own.displacement][of]);
                 let mut add = |ending: &str, numbers| {
                     spectrum.columns.push((format!("{name}_{quantity}_{ending}"), numbers));
                 };
-                add("maximax", extremes().map(|own| own.maximax()).collect());
-                add("positive", extremes().map(|own| own.positive).collect());
-                add("negative", extremes().map(|own| own.negative).collect());
+                add("maximax", peaks().map(|own| own.maximax()).collect());
+                add("positive", peaks().map(|own| own.positive).collect());
+                add("negative", peaks().map(|own| own.negative).collect());
             }
         }
         if frequencies.iter().any(|f| *f > highest * (1.0 + 1e-9)) {

@@ -107,7 +107,9 @@ impl HarmonicResponse {
     ) -> Result<Self> {
         body.space.check_whole("a harmonic response")?;
         if body.observer_spin().is_some() {
-            return Err(refused("a body with a load `rotation` has complex modes, which are not superposed"));
+            return Err(rejected(
+                "a body with a load `rotation` has complex modes, which are not superposed",
+            ));
         }
         let mut linearised = match state {
             Some(state) => Linearised::about(body, state)?,
@@ -115,7 +117,7 @@ impl HarmonicResponse {
         };
         let modes = solved(body, &mut linearised, count)?;
         if modes.iter().any(|mode| mode.angular_frequency < 0.0) {
-            return Err(refused("the state has unstable modes, so it does not vibrate steadily"));
+            return Err(rejected("the state has unstable modes, so it does not vibrate steadily"));
         }
         let (force, base) = force(body, excitation)?;
         let modal_forces: Vec<f64> = modes.iter().map(|mode| dot(&mode.shape, &force)).collect();
@@ -184,7 +186,7 @@ impl HarmonicResponse {
     }
 }
 
-fn refused(reason: impl Into<String>) -> Error {
+fn rejected(reason: impl Into<String>) -> Error {
     Error::Response { reason: reason.into() }
 }
 
@@ -212,18 +214,18 @@ fn force(body: &Body, excitation: &Excitation) -> Result<(Vec<f64>, [f64; 3])> {
     let mut force = vec![0.0; body.n_dofs()];
     match excitation {
         Excitation::Loads(numbers) if numbers.is_empty() => {
-            Err(refused("there is no load to excite the body"))
+            Err(rejected("there is no load to excite the body"))
         }
         Excitation::Loads(numbers) => {
             for number in numbers {
                 let load = body.unit_load(*number);
                 let load =
-                    load.ok_or_else(|| refused(format!("there is no load with the number {number}")))?;
+                    load.ok_or_else(|| rejected(format!("there is no load with the number {number}")))?;
                 force.iter_mut().zip(load).for_each(|(sum, x)| *sum += x);
             }
             match force.iter().all(|x| x.is_finite()) {
                 true => Ok((force, [0.0; 3])),
-                false => Err(refused("a load is not finite at t = 0")),
+                false => Err(rejected("a load is not finite at t = 0")),
             }
         }
         Excitation::Base(acceleration) => {
@@ -238,9 +240,9 @@ fn force(body: &Body, excitation: &Excitation) -> Result<(Vec<f64>, [f64; 3])> {
 /// `2 zeta omega` of each mode.
 fn rates(modes: &[Mode], ratios: &[f64]) -> Result<Vec<f64>> {
     if let Some(ratio) = ratios.iter().find(|ratio| !(ratio.is_finite() && **ratio >= 0.0)) {
-        return Err(refused(format!("a damping ratio is {ratio}, but must not be negative")));
+        return Err(rejected(format!("a damping ratio is {ratio}, but must not be negative")));
     }
-    let Some(last) = ratios.last() else { return Err(refused("there is no damping ratio")) };
+    let Some(last) = ratios.last() else { return Err(rejected("there is no damping ratio")) };
     let ratios = ratios.iter().chain(std::iter::repeat(last));
     Ok(modes.iter().zip(ratios).map(|(mode, ratio)| 2.0 * ratio * mode.angular_frequency).collect())
 }

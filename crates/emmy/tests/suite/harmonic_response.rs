@@ -234,8 +234,8 @@ fn peak(body: &Body, count: usize, place: [f64; 3]) -> (f64, f64) {
         let [re, im] = found.relative(std::f64::consts::TAU * f, node, Quantity::Displacement)[2];
         re.hypot(im)
     };
-    let sweep = (0..=2000).map(|i| natural * (0.95 + 5e-5 * f64::from(i)));
-    let all = sweep.map(|f| (f, amplitude(f)));
+    let frequencies = (0..=2000).map(|i| natural * (0.95 + 5e-5 * f64::from(i)));
+    let all = frequencies.map(|f| (f, amplitude(f)));
     all.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap()
 }
 
