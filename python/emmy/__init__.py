@@ -58,6 +58,7 @@ from ._results import Frame, Frames, Run
 from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
 from ._run import Comparison, check, compare, report, resume, run
 from ._solids import CiarletGeymonat, Hencky, NeoHooke, Orthotropic, SaintVenantKirchhoff
+from ._spectra import Response, response, spectrum
 from ._state import Snapshot, State
 from ._studies import Convergence, Modes, Problem, converge, equilibrium, load, modes
 from ._sweep import Sweep, sweep
@@ -70,8 +71,9 @@ __all__ = [
     "Gent", "Goal", "GoalError", "Gradient", "Hencky", "History", "HolzapfelGasserOgden", "Initial", "InputError",
     "Joint", "LimitExceeded", "Load", "Mass", "Material", "Mesh", "MeshError", "Mobility", "Modes", "MooneyRivlin",
     "Motion", "Named", "NeoHooke", "NeoHookeIsochoric", "Ogden", "Orthotropic", "Parameter", "Peak", "Plane",
-    "Prescribed", "Problem", "Region", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot", "Sphere",
-    "Spring", "State", "Step", "Support", "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh", "__version__",
-    "check", "compare", "converge", "elements", "equilibrium", "examples", "fields", "load", "materials", "meshes",
-    "modes", "new", "report", "resume", "run", "schema", "schemes", "set_threads", "solvers", "sweep", "threads",
+    "Prescribed", "Problem", "Region", "Response", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot",
+    "Sphere", "Spring", "State", "Step", "Support", "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh",
+    "__version__", "check", "compare", "converge", "elements", "equilibrium", "examples", "fields", "load",
+    "materials", "meshes", "modes", "new", "report", "response", "resume", "run", "schema", "schemes", "set_threads",
+    "solvers", "spectrum", "sweep", "threads",
 ]  # fmt: skip

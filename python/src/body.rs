@@ -18,7 +18,7 @@ use crate::function::{Callables, of_input};
 use crate::mesh::{Mesh, table_of, vectors};
 use crate::snapshot::{Snapshot, StateArrays, StateTuple, arrays, nodal, tuple};
 use crate::tree::tree;
-use crate::{errors, pool};
+use crate::{errors, pool, spectra};
 
 /// Checks a table of a section of the input alone.
 #[pyfunction]
@@ -425,6 +425,18 @@ impl Body {
         }
         let inverted = emmy::Error::Inverted { cell: state.smallest_cell, det: state.smallest_determinant };
         Err(errors::library(py, &inverted))
+    }
+
+    /// Harmonic response about the reference, or about a state, as [`spectra::response`].
+    #[pyo3(signature = (request, state=None))]
+    fn response<'py>(
+        &self,
+        py: Python<'py>,
+        request: spectra::Request,
+        state: Option<About<'py>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let state = state.map(|about| about.state(py, self.inner())).transpose()?;
+        spectra::response(py, self.inner(), state.as_ref(), request)
     }
 
     /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `residuals`,

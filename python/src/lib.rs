@@ -14,6 +14,7 @@ mod plan;
 mod pool;
 mod running;
 mod snapshot;
+mod spectra;
 mod starting;
 mod step;
 mod tree;
@@ -39,6 +40,8 @@ mod _emmy {
     use super::pool::{on_one_thread, set_threads, threads};
     #[pymodule_export]
     use super::snapshot::Snapshot;
+    #[pymodule_export]
+    use super::spectra::spectrum;
     #[pymodule_export]
     use super::step::Step;
     #[pymodule_export]

@@ -22,6 +22,8 @@
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`sweep`](mod@sweep) | sweeps over the values of keys: `sweep.csv` |
 //! | [`modes`] | natural modes: `modes.csv`, a frame for each mode |
+//! | [`response`] | harmonic responses: `response.csv` and its plot |
+//! | [`spectra`] | spectra of columns of a run: `spectrum.csv` and its plot |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | estimated sizes of the files of a run |
 //! | [`properties`] | measured materials with their sources |
@@ -52,11 +54,13 @@ mod picture;
 pub mod properties;
 mod recording;
 pub mod report;
+pub mod response;
 pub mod results;
 mod rows;
 pub mod shares;
 mod side_by_side;
 pub mod sizes;
+pub mod spectra;
 mod stored;
 pub mod summary;
 pub mod sweep;

@@ -817,6 +817,12 @@ pub enum Error {
         /// The computation.
         what: &'static str,
     },
+    /// A harmonic response that does not exist.
+    #[error("harmonic response: {reason}")]
+    Response {
+        /// Reason.
+        reason: String,
+    },
     /// An impossible load by an observer that turns, or vibrations that it does not have.
     #[error("load `rotation`: {reason}")]
     Rotation {

@@ -9,10 +9,12 @@ mod modes;
 mod new;
 mod period;
 mod report;
+mod response;
 mod resume;
 mod run;
 mod schema;
 mod sizes;
+mod spectrum;
 mod split;
 mod sweep;
 
@@ -47,6 +49,11 @@ pub(crate) enum Verb {
     /// `[equilibrium]`, or `initial.state`), without viscosity and drag. Rigid modes are counted among them, with the
     /// frequency 0.
     Modes(modes::Arguments),
+    /// Compute the response to harmonic excitation, by the modes
+    ///
+    /// The loads of the input, or the shaking supports, excite the body about the start of the motion. `response.csv`
+    /// has amplitudes and phases at the probes, `response.svg` their plot.
+    Response(response::Arguments),
     /// Write report.html of a run again
     ///
     /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion
@@ -71,6 +78,11 @@ pub(crate) enum Verb {
     /// Runs go side by side, each on one thread; `sweep.csv` has a row for each. A run that fails is a row with its
     /// message. Rows are written when their runs end, and --resume continues an interrupted sweep.
     Sweep(sweep::Arguments),
+    /// Compute spectra of columns of a run: power spectral density, frequency response, shock response
+    ///
+    /// Averages over segments are those of SciPy's `signal.welch` and `csd`, shock response spectra those of ISO
+    /// 18431-4. `spectrum.csv` has the numbers, `spectrum.svg` their plot.
+    Spectrum(spectrum::Arguments),
     /// Split the mesh of an input into parts for `emmy-mpi run --parts`
     ///
     /// Each rank then reads only its part, so no rank needs memory for the whole mesh.
@@ -148,11 +160,13 @@ impl Verb {
             Verb::Check(arguments) => check::run(&arguments, host),
             Verb::Run(arguments) => run::run(&arguments, host),
             Verb::Modes(arguments) => modes::run(&arguments, host),
+            Verb::Response(arguments) => response::run(&arguments, host),
             Verb::Report(arguments) => report::run(&arguments, host),
             Verb::Resume(arguments) => resume::run(&arguments, host),
             Verb::Compare(arguments) => compare::run(&arguments, host),
             Verb::Converge(arguments) => converge::run(&arguments, host),
             Verb::Sweep(arguments) => sweep::run(&arguments, host),
+            Verb::Spectrum(arguments) => spectrum::run(&arguments, host),
             Verb::Split(arguments) => split::run(&arguments, host),
             Verb::List(arguments) => list::run(&arguments, host),
             Verb::Schema => schema::run(host),
@@ -224,6 +238,14 @@ fn read(file: &Path, overrides: &Overrides, host: &dyn Host) -> Result<Problem, 
         }
         None => emmy_io::input::read(file, overrides)?,
     })
+}
+
+/// A directory beside another one, with an ending added to its name.
+fn with_ending(directory: &Path, ending: &str) -> PathBuf {
+    // Components leave out a slash at the end, behind which the ending would be a directory in it.
+    let mut name = directory.components().as_path().as_os_str().to_os_string();
+    name.push(ending);
+    name.into()
 }
 
 /// The same outcome on all ranks of the host's team.

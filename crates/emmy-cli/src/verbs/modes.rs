@@ -9,7 +9,7 @@ use emmy::modes::{Mode, modes, modes_about, n_modes};
 use emmy::motion::State;
 use emmy_io::input::{self, Overrides, Problem, Start};
 
-use super::with_threads;
+use super::{with_ending, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print::{self, columns, number};
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
 }
 
 /// Number of modes without `--count`.
-const DEFAULT_COUNT: usize = 10;
+pub(super) const DEFAULT_COUNT: usize = 10;
 
 /// Computes, prints and writes the modes.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
@@ -71,11 +71,7 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
 
 impl Arguments {
     fn directory(&self, problem: &Problem) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| {
-            let mut name = problem.output.directory.clone().into_os_string();
-            name.push("-modes");
-            name.into()
-        })
+        self.output.clone().unwrap_or_else(|| with_ending(&problem.output.directory, "-modes"))
     }
 }
 
@@ -92,7 +88,7 @@ fn computed(problem: &Problem, state: Option<&State>, count: Option<u32>) -> Res
 }
 
 /// An iteration that does not converge is not a fault of the input.
-fn failure(error: emmy::Error, is_count_given: bool) -> Failure {
+pub(super) fn failure(error: emmy::Error, is_count_given: bool) -> Failure {
     match error {
         emmy::Error::TooManyModes { free, .. } => {
             let help = match free {

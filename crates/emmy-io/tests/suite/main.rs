@@ -37,3 +37,4 @@ mod meshes;
 mod own_schemes;
 mod parts;
 mod report_vendor;
+mod spectra;

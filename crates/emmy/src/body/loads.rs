@@ -98,6 +98,16 @@ impl Body {
         self.over_time().map(resultant).collect()
     }
 
+    /// A load at factor 1 in the reference configuration, `[n_nodes][3]`, as [`Body::load_resultants`]; `None` if there
+    /// is none of this number.
+    pub(crate) fn unit_load(&self, number: usize) -> Option<Vec<f64>> {
+        let load = self.over_time().find(|load| load.number() == number)?;
+        let mut force = vec![0.0; self.n_dofs()];
+        load.add_unit_force(&mut force);
+        self.space.gather(&mut force);
+        Some(force)
+    }
+
     /// Whether a load or a given displacement acts at a time, before a jump there.
     ///
     /// ```

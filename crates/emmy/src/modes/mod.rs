@@ -1,10 +1,12 @@
-//! Natural modes: small free vibrations about a state at rest.
+//! Natural modes: small free vibrations about a state at rest, and the response to harmonic excitation by them.
 
 mod pencil;
+mod response;
 mod rigid;
 mod turning;
 
 use pencil::{BodyPencil, Linearised, n_dependent, n_free};
+pub use response::{Excitation, HarmonicResponse, ModalDamping, Quantity};
 
 use crate::body::Body;
 use crate::error::{Error, Result};

@@ -191,6 +191,15 @@ impl<'a> BodyPencil<'a> {
         }
     }
 
+    /// The displacement `(K + s M)^-1 f` under a force.
+    pub(super) fn displacement(&mut self, mut force: Vec<f64>) -> Vec<f64> {
+        self.hold(&mut force);
+        self.solve(&mut force);
+        let mut displacement = self.allowed(&force).into_owned();
+        self.body.space.follow(&mut displacement);
+        displacement
+    }
+
     /// The motion that the constraints allow with the free degrees of freedom of a vector.
     fn allowed<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
         let mut x = Cow::Borrowed(x);

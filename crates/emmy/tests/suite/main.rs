@@ -17,6 +17,7 @@ mod energy_formulas;
 mod equilibrium;
 mod fields;
 mod functions_at_once;
+mod harmonic_response;
 mod incompatible;
 mod joint_releases;
 mod joints;

@@ -2,14 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use std::collections::HashMap;
 use std::f64::consts::{PI, SQRT_2};
 
 use emmy::Error;
 use emmy::body::{Body, Load, PointTerms, Region, Support};
 use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
-use emmy::internals::element::element;
 use emmy::internals::quadrature::Quadrature;
 use emmy::internals::time::CentralDifferences;
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
@@ -18,29 +16,8 @@ use emmy::modes::{Mode, lowest_elastic_mode, modes, modes_about};
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::TimeElement;
 
+use crate::shared::bricks::brick;
 use crate::shared::points::{masses, network};
-
-/// A block of hexahedra of a kind from the origin on; groups of nodes `x-min`, `x-max` and `all`.
-fn brick(kind: CellKind, size: [f64; 3], cells: [usize; 3]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    let mut nodes: HashMap<[usize; 3], u32> = HashMap::new();
-    let [nx, ny, nz] = cells;
-    for cell in (0..nx * ny * nz).map(|at| [at % nx, at / nx % ny, at / (nx * ny)]) {
-        let mut node = |xi: &[f64; 3]| {
-            // Twice the place on the grid of cells.
-            let place = [0, 1, 2].map(|d| 2 * cell[d] + (xi[d] + 1.0).round() as usize);
-            let point = [0, 1, 2].map(|d| size[d] * place[d] as f64 / (2 * cells[d]) as f64);
-            *nodes.entry(place).or_insert_with(|| builder.point(point))
-        };
-        let cell: Vec<u32> = element(kind).nodes().iter().map(&mut node).collect();
-        builder.cell(kind, &cell).unwrap();
-    }
-    for (name, x) in [("x-min", 0), ("x-max", 2 * nx)] {
-        builder.node_group(name, nodes.iter().filter(|(place, _)| place[0] == x).map(|(_, &node)| node));
-    }
-    builder.node_group("all", nodes.into_values());
-    builder.build().unwrap()
-}
 
 /// A body of density 2.
 fn body(mesh: Mesh, youngs_modulus: f64, poissons_ratio: f64, supports: &[Support]) -> Body {

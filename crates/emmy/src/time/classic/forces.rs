@@ -142,6 +142,23 @@ impl Forces<'_> {
         Ok(net)
     }
 
+    /// Force of viscosity, drag and dampers in a state, which is linear in its velocity, `[n_nodes][3]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(crate) fn damping(&mut self, state: &State) -> Result<Vec<f64>> {
+        if !self.body.dissipates() {
+            return Ok(self.rest.clone());
+        }
+        self.assemble(&state.displacement, Request::Stress)?;
+        let mut at_rest = self.rest.clone();
+        self.assembly.matrix.copy_force(&mut at_rest);
+        let mut damped: Vec<f64> = at_rest.iter().map(|force| -force).collect();
+        self.add_damping(state, &self.rest.clone(), &mut damped)?;
+        damped.iter_mut().zip(&at_rest).for_each(|(net, internal)| *net += internal);
+        Ok(damped)
+    }
+
     /// Adds viscosity, drag and other forces whose work is lost to the force that remains for inertia.
     ///
     /// A mid-point rule on the path `u + (alpha - 1/2) v` sees the displacement u and the rate v.

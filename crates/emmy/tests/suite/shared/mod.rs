@@ -1,6 +1,7 @@
 //! Bodies, meshes and observers that several tests share.
 
 pub(crate) mod blocks;
+pub(crate) mod bricks;
 pub(crate) mod cells;
 pub(crate) mod contact;
 pub(crate) mod faces;

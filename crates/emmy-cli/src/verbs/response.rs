@@ -1,0 +1,176 @@
+//! `emmy response FILE`: harmonic response by modes.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
+use emmy_io::input::{self, Overrides, Problem};
+use emmy_io::response::{self, ProbeResponse};
+use emmy_io::spectra::Frequencies;
+
+use super::{modes, with_ending, with_threads};
+use crate::failure::Failure;
+use crate::host::{Host, message};
+use crate::print::{self, columns, number};
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Input file (TOML)
+    file: PathBuf,
+    /// Frequencies in cycles per time: A:B:N at equal distances, A:B:N:log in equal ratios
+    #[arg(long, value_name = "A:B:N")]
+    frequencies: Frequencies,
+    /// Shake the supports along an axis with an acceleration of amplitude 1, instead of the loads
+    #[arg(long, value_name = "AXIS")]
+    base: Option<Axis>,
+    /// Number of a load that excites the body, from 0 (repeatable) [default: all]
+    #[arg(long, value_name = "I", conflicts_with = "base")]
+    load: Vec<usize>,
+    /// Damping ratio of every mode, or one for each mode with commas, the last of which holds for all later ones
+    /// [default: viscosity and drag of the input]
+    #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true)]
+    damping: Vec<f64>,
+    /// Quantity of the amplitudes
+    #[arg(long, value_name = "NAME", default_value = "displacement")]
+    quantity: Name,
+    /// With --base: motion relative to the base
+    #[arg(long, requires = "base")]
+    relative: bool,
+    /// Number of modes, the lowest first [default: 10, or all of a smaller body]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    count: Option<u32>,
+    /// Output directory [default: the directory of the input, with `-response` added]
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Change a value of the input, such as region.0.density=2.5 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// No messages on standard error
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Direction of the base.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// Name of a quantity.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Name {
+    Displacement,
+    Velocity,
+    Acceleration,
+}
+
+/// Computes, prints and writes the response.
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.threads, host, || run_here(arguments, host))?
+}
+
+fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let overrides = Overrides { set: arguments.set.clone(), ..Overrides::default() };
+    let problem = input::read(&arguments.file, &overrides)?;
+    let output = &arguments.output;
+    let output = output.clone().unwrap_or_else(|| with_ending(&problem.output.directory, "-response"));
+    response::check(&output, &problem)?;
+    let excitation = arguments.excitation(&problem)?;
+    if problem.quantities.probes.is_empty() {
+        let message = "the input has no probe, so there is no place for a response".to_string();
+        let help = "add `probes = [{ name = \"tip\", point = [0, 0, 0] }]` to [output]";
+        return Err(Failure::Usage { message, help: Some(help.to_string()) });
+    }
+    let state = problem.state_of_vibration()?;
+    let count =
+        arguments.count.map_or(modes::DEFAULT_COUNT.min(n_modes(&problem.body).max(1)), |n| n as usize);
+    let damping = match arguments.damping[..] {
+        [] => ModalDamping::OfBody,
+        _ => ModalDamping::Ratios(arguments.damping.clone()),
+    };
+    let found = HarmonicResponse::new(&problem.body, state.as_ref(), count, &damping, &excitation);
+    let found = found.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
+    let quantity = match arguments.quantity {
+        Name::Displacement => Quantity::Displacement,
+        Name::Velocity => Quantity::Velocity,
+        Name::Acceleration => Quantity::Acceleration,
+    };
+    let frequencies = arguments.frequencies.values(false);
+    let probes = ProbeResponse::new(&problem, &found, frequencies, (quantity, arguments.relative));
+    if let Some((f, name)) = probes.infinite() {
+        let message = format!("the amplitude of `{name}` is infinite at the frequency {}", number(f));
+        let help =
+            "a mode without damping is excited at its own frequency: give --damping, or other frequencies";
+        return Err(Failure::Usage { message, help: Some(help.to_string()) });
+    }
+    response::write(&output, &problem, &found, &probes)?;
+    print::result(host, &table(&problem, &probes))?;
+    if !arguments.quiet {
+        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
+        remarks(&problem, &found, &probes, host);
+        message!(host, "written: {}", output.join(response::TABLE).display());
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn excitation(&self, problem: &Problem) -> Result<Excitation, Failure> {
+        let n_loads = problem.body.load_resultants().len();
+        let missing =
+            |message: String, help: &str| Err(Failure::Usage { message, help: Some(help.to_string()) });
+        match (self.base, &self.load[..]) {
+            (Some(axis), _) => Ok(Excitation::Base(match axis {
+                Axis::X => [1.0, 0.0, 0.0],
+                Axis::Y => [0.0, 1.0, 0.0],
+                Axis::Z => [0.0, 0.0, 1.0],
+            })),
+            (None, []) if n_loads == 0 => missing(
+                "the input has no load to excite the body".to_string(),
+                "--base z shakes the supports",
+            ),
+            (None, []) => Ok(Excitation::Loads((0..n_loads).collect())),
+            (None, numbers) => match numbers.iter().find(|number| **number >= n_loads) {
+                Some(number) => {
+                    let help = format!("its loads have the numbers 0 to {}", n_loads.saturating_sub(1));
+                    let help = if n_loads == 0 { "--base z shakes the supports".to_string() } else { help };
+                    missing(format!("--load: the input has no load with the number {number}"), &help)
+                }
+                None => Ok(Excitation::Loads(numbers.to_vec())),
+            },
+        }
+    }
+}
+
+/// The largest amplitude of each component, with its frequency.
+fn table(problem: &Problem, probes: &ProbeResponse) -> String {
+    let head = ["largest amplitude of".to_string(), "value".to_string()];
+    let head = head.into_iter().chain([problem.units.label("frequency", "frequency")]).collect();
+    let row = |(name, amplitudes, _): &(String, Vec<f64>, Vec<f64>)| {
+        let largest = amplitudes.iter().zip(&probes.frequencies).max_by(|(a, _), (b, _)| a.total_cmp(b));
+        let cells = largest.map(|(value, f)| [number(*value), number(*f)]).into_iter().flatten();
+        std::iter::once(name.clone()).chain(cells).collect()
+    };
+    columns(std::iter::once(head).chain(probes.components.iter().map(row)).collect())
+}
+
+/// Remarks on the modes.
+fn remarks(problem: &Problem, found: &HarmonicResponse, probes: &ProbeResponse, host: &dyn Host) {
+    let highest = found.modes().last().map_or(0.0, |mode| mode.frequency());
+    let last = probes.frequencies.last().copied().unwrap_or(0.0);
+    if highest < last && found.modes().len() < n_modes(&problem.body) {
+        let highest = problem.units.number(highest, "frequency");
+        message!(
+            host,
+            "note: the highest mode has a frequency of {highest}: a larger --count has resonances beyond it"
+        );
+    }
+    if found.damping_rates().iter().all(|rate| *rate == 0.0) {
+        message!(host, "note: there is no damping: --damping 0.02 gives every mode 2 %");
+    }
+}

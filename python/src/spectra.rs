@@ -1,0 +1,131 @@
+//! Spectra of series, and harmonic responses.
+
+use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity};
+use emmy::motion::State;
+use emmy_io::spectra::{Series, Settings, Spectrum};
+use numpy::{Complex64, PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::{errors, pool};
+
+/// Name of the only series.
+const NAME: &str = "x";
+
+/// Words of a spectrum: kind, window, trend.
+type Words = (String, String, String);
+
+/// A word of a list of names, as its value.
+fn word<T: std::str::FromStr>(py: Python<'_>, place: &str, text: &str, names: &[&str]) -> PyResult<T> {
+    text.parse().map_err(|_| {
+        errors::argument(py, place, &format!("{text:?} is unknown; there is {}", names.join(", ")))
+    })
+}
+
+/// A spectrum of values at times, with an input if its kind has one: columns by name.
+#[pyfunction]
+#[pyo3(signature = (time, values, input, words, numbers, segment, overlap, frequencies, derivative))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn spectrum<'py>(
+    py: Python<'py>,
+    time: PyReadonlyArray1<'py, f64>,
+    values: PyReadonlyArray1<'py, f64>,
+    input: Option<PyReadonlyArray1<'py, f64>>,
+    words: Words,
+    numbers: (Option<f64>, f64),
+    segment: Option<usize>,
+    overlap: Option<usize>,
+    frequencies: Option<PyReadonlyArray1<'py, f64>>,
+    derivative: usize,
+) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+    use emmy_io::spectra::{Detrend, Kind, Window};
+    let (kind, window, detrend) = words;
+    let (step, q) = numbers;
+    let list = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
+    let settings = Settings {
+        kind: word(py, "kind", &kind, &Kind::NAMES)?,
+        window: word(py, "window", &window, &Window::NAMES)?,
+        detrend: word(py, "detrend", &detrend, &Detrend::NAMES)?,
+        derivative,
+        step,
+        segment,
+        overlap,
+        frequencies: frequencies.as_ref().map(list),
+        q,
+    };
+    let values = std::iter::once(&values).chain(&input).map(list).collect();
+    let series = Series { time: list(&time), values };
+    let found = pool::work(py, || settings.of_series(&series, &[NAME.to_string()]))?;
+    let found = found.map_err(|error| errors::argument(py, "", &error.to_string()))?;
+    let Spectrum { frequencies, columns, notes, .. } = found;
+    let table = PyDict::new(py);
+    table.set_item("frequency", PyArray1::from_vec(py, frequencies))?;
+    for (name, numbers) in columns {
+        table.set_item(&name[NAME.len() + 1..], PyArray1::from_vec(py, numbers))?;
+    }
+    Ok((table, notes))
+}
+
+/// Excitation, damping, quantity and place of a harmonic response.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request {
+    frequencies: Vec<f64>,
+    nodes: Vec<usize>,
+    base: Option<[f64; 3]>,
+    loads: Option<Vec<usize>>,
+    damping: Option<Vec<f64>>,
+    quantity: String,
+    relative: bool,
+    count: usize,
+}
+
+/// A harmonic response about a state: `amplitudes`, `natural_frequencies`, `damping_ratios`, `modal_forces`.
+pub(crate) fn response<'py>(
+    py: Python<'py>,
+    body: &emmy::body::Body,
+    state: Option<&State>,
+    request: Request,
+) -> PyResult<Bound<'py, PyDict>> {
+    let quantity = match request.quantity.as_str() {
+        "displacement" => Quantity::Displacement,
+        "velocity" => Quantity::Velocity,
+        "acceleration" => Quantity::Acceleration,
+        other => {
+            let message = format!("{other:?} is unknown; there is displacement, velocity, acceleration");
+            return Err(errors::argument(py, "quantity", &message));
+        }
+    };
+    let excitation = match (request.base, request.loads) {
+        (Some(base), _) => Excitation::Base(base),
+        (None, Some(loads)) => Excitation::Loads(loads),
+        (None, None) => Excitation::Loads((0..body.load_resultants().len()).collect()),
+    };
+    let damping = request.damping.map_or(ModalDamping::OfBody, ModalDamping::Ratios);
+    let (nodes, frequencies) = (&request.nodes, &request.frequencies);
+    let found = pool::work(py, || -> emmy::Result<_> {
+        let found = HarmonicResponse::new(body, state, request.count, &damping, &excitation)?;
+        let at = |f: &f64, node: usize| {
+            let omega = std::f64::consts::TAU * f;
+            match request.relative {
+                true => found.relative(omega, node, quantity),
+                false => found.absolute(omega, node, quantity),
+            }
+        };
+        let all = frequencies.iter().flat_map(|f| nodes.iter().flat_map(move |&node| at(f, node)));
+        let amplitudes: Vec<Complex64> = all.map(|[re, im]| Complex64::new(re, im)).collect();
+        Ok((found, amplitudes))
+    })?;
+    let (found, amplitudes) = found.map_err(|error| match error {
+        emmy::Error::Modes { .. } | emmy::Error::Linear { .. } => errors::step(py, &error),
+        error => errors::library(py, &error),
+    })?;
+    let table = PyDict::new(py);
+    let amplitudes = PyArray1::from_vec(py, amplitudes).reshape([frequencies.len(), nodes.len(), 3])?;
+    table.set_item("amplitudes", amplitudes)?;
+    let natural = found.modes().iter().map(|mode| mode.frequency());
+    table.set_item("natural_frequencies", PyArray1::from_iter(py, natural))?;
+    table.set_item("damping_ratios", PyArray1::from_vec(py, found.damping_ratios()))?;
+    table.set_item("modal_forces", PyArray1::from_slice(py, found.modal_forces()))?;
+    Ok(table)
+}
