@@ -31,6 +31,7 @@ mod results;
 mod resume;
 mod resume_rejections;
 mod run;
+mod short_forms;
 mod sweep;
 mod ties;
 mod units;

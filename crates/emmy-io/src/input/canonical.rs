@@ -15,7 +15,9 @@ pub(super) fn spell(node: &mut Node, kind: &'static Kind) {
                 *text = word.to_string();
             }
         }
-        (_, Value::Table(entries)) => kind.section().into_iter().for_each(|section| spell_keys(entries, section)),
+        (_, Value::Table(entries)) => {
+            kind.section().into_iter().for_each(|section| spell_keys(entries, section))
+        }
         _ => {}
     });
 }

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use super::description::{Described, Key, Kind, Rule, Section, tables};
 use super::{
-    contact, coupling, equilibrium, expect, initial, joint, load, material, nodal, parameters, region, rigid, settings, shape,
-    support, tie, time, units,
+    contact, coupling, equilibrium, expect, initial, joint, load, material, nodal, parameters, region, rigid,
+    settings, shape, support, tie, time, units,
 };
 
 /// The whole input.
@@ -16,7 +16,12 @@ pub(super) static ROOT: Described = Described::new(|| {
     )
     .may("title", Kind::Text, "", "Any text; it goes into the summary")
     .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
-    .may("parameters", Kind::Table(&parameters::PARAMETERS), "", "Numbers by name, for values that are computed")
+    .may(
+        "parameters",
+        Kind::Table(&parameters::PARAMETERS),
+        "",
+        "Numbers by name, for values that are computed",
+    )
     .may("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
     .absent("required, unless there is `rigid`")
     .may("region", tables(1, &region::REGION), "", "Material of the cells; one or more")

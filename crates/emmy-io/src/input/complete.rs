@@ -49,11 +49,7 @@ pub(super) fn fill(own: &mut Node, kind: &'static Kind) -> Result<(), InputError
 }
 
 /// Visits a table and the tables in it with their descriptions, each before those in it.
-fn for_each_table(
-    node: &mut Node,
-    kind: &'static Kind,
-    visit: &mut impl FnMut(&mut Node, &'static Section),
-) {
+fn for_each_table(node: &mut Node, kind: &'static Kind, visit: &mut impl FnMut(&mut Node, &'static Section)) {
     for_each_value(node, kind, &mut |node, kind| match (kind, &node.value) {
         (Kind::Table(section) | Kind::TimeFunction(section), Value::Table(_)) => visit(node, section),
         _ => {}
@@ -71,7 +67,9 @@ pub(super) fn for_each_value(
     match (kind, &mut node.value) {
         (Kind::Either(kinds), _) => kinds.iter().for_each(|kind| for_each_value(node, kind, visit)),
         (Kind::Tables(..), Value::Table(_)) => for_each_value(node, kind.inner(), visit),
-        (_, Value::Array(items)) => items.iter_mut().for_each(|item| for_each_value(item, kind.inner(), visit)),
+        (_, Value::Array(items)) => {
+            items.iter_mut().for_each(|item| for_each_value(item, kind.inner(), visit))
+        }
         (_, Value::Table(entries)) => {
             let Some(section) = kind.section() else { return };
             for Entry { key, node, .. } in entries {

@@ -33,10 +33,9 @@ pub(super) fn read(table: &Table<'_>) -> Expected {
 }
 
 impl Expected {
-    /// Compares with a body.
+    /// Compares with a body; a call of all ranks of a team.
     pub(super) fn check(&self, body: &Body, units: Units, faults: &mut Faults) {
-        let volume = body.regions().iter().map(|region| region.volume).sum::<f64>();
-        let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();
+        let [mass, volume] = body.mass_and_volume();
         let by_volume = self.volume.as_ref().map(|(expected, _)| volume / expected);
         if let Some((expected, place)) = &self.volume {
             let advice = power_of_1000(volume / expected).map(of_lengths);
@@ -93,18 +92,22 @@ const LENGTHS: [(&str, i32); 4] = [("m", 0), ("mm", -3), ("cm", -2), ("µm", -6)
 
 /// Advice where a volume is wrong by a power of ten.
 fn of_lengths(power: i32) -> String {
-    let units = mistaken(&LENGTHS, power / 3).map_or(String::new(), |[given, meant]| {
-        format!(", as if they were in {given} in place of {meant}")
-    });
+    let units = mistaken(&LENGTHS, power / 3)
+        .map_or(String::new(), |[given, meant]| format!(", as if they were in {given} in place of {meant}"));
     let factor = written(shifted(1.0, -power / 3));
-    format!("the lengths of the mesh are probably in a wrong unit{units}: `mesh.scale` multiplies them, here by {factor}")
+    format!(
+        "the lengths of the mesh are probably in a wrong unit{units}: `mesh.scale` multiplies them, here by {factor}"
+    )
 }
 
 /// Advice where a density is wrong by a power of ten.
 fn of_densities(power: i32) -> String {
     let units = mistaken(&DENSITIES, power)
         .map_or(String::new(), |[given, meant]| format!(", as if it were in {given} in place of {meant}"));
-    format!("the density is probably in a wrong unit{units}: multiply it by {}", written(shifted(1.0, -power)))
+    format!(
+        "the density is probably in a wrong unit{units}: multiply it by {}",
+        written(shifted(1.0, -power))
+    )
 }
 
 /// The first unit in which a number is larger by a power of ten than in another one, and this one.
@@ -120,7 +123,10 @@ mod tests {
 
     #[test]
     fn powers_of_1000_are_found() {
-        assert_eq!([1.0, 1.2, 950.0, 1.05e-9, 5.0, 100.0].map(power_of_1000), [None, None, Some(3), Some(-9), None, None]);
+        assert_eq!(
+            [1.0, 1.2, 950.0, 1.05e-9, 5.0, 100.0].map(power_of_1000),
+            [None, None, Some(3), Some(-9), None, None]
+        );
     }
 
     #[test]

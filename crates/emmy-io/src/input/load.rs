@@ -322,7 +322,8 @@ impl Given<'_> {
 fn gravity(given: Given<'_>, faults: &mut Faults) -> Result<Acting, Fault> {
     let Some(system) = given.context.units.system() else {
         let message = "`gravity` needs `[units]`: the acceleration of gravity has another number in each system of units";
-        let help = "add `[units]`, such as system = \"m-kg-s\", or give the vector: acceleration = [0, 0, -9.81]";
+        let help =
+            "add `[units]`, such as system = \"m-kg-s\", or give the vector: acceleration = [0, 0, -9.81]";
         return Err(given.value.fault(message, "in which units?").help(help));
     };
     let size = units::standard_gravity(system);

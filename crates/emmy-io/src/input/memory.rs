@@ -12,8 +12,8 @@ use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, canonical, catalogue, complete, contact, coupling, joint, load, material, measured,
-    nodal, parameters, reading, region, rigid, support, tie, walk,
+    Overrides, Problem, adaptive, canonical, catalogue, complete, contact, coupling, joint, load, material,
+    measured, nodal, parameters, reading, region, rigid, support, tie, walk,
 };
 use crate::units::Units;
 

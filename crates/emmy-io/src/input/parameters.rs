@@ -14,11 +14,15 @@ const NAME: &str = "parameters";
 
 /// `[parameters]`.
 pub(super) static PARAMETERS: Described = Described::new(|| {
-    Section::new("[parameters]", "Numbers by name, from which other numbers of the input are computed").others(Others {
-        kind: NUMBER,
-        doc: "A number, or an expression of other parameters such as `\"= 2*E\"`",
-    })
+    Section::new("[parameters]", "Numbers by name, from which other numbers of the input are computed")
+        .others(Others {
+            kind: NUMBER,
+            doc: "A number, or an expression of other parameters such as `\"= 2*E\"`",
+        })
 });
+
+/// Variables of expressions, which parameters of the same name do not replace.
+const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];
 
 /// Longest chain of parameters that depend on each other.
 const LONGEST: usize = 100;
@@ -84,7 +88,7 @@ struct Parameters {
 }
 
 impl Parameters {
-    /// The parameters of an input. A value of another kind than a table stays, and has its fault when the input is read.
+    /// The parameters of an input. A value of another kind than a table stays, and has its fault when it is read.
     fn taken_out(tree: &mut Node, faults: &mut Faults) -> Parameters {
         let Some(entries) = tree.entries_mut() else { return Parameters { all: Vec::new() } };
         let is_own = |entry: &Entry| entry.key == NAME && matches!(entry.node.value, Value::Table(_));
@@ -103,8 +107,12 @@ impl Parameters {
                     faults.push(Fault::at(&place, message, "choose another name"));
                     State::Wrong
                 }
-                None if !name.chars().all(is_name) || name.starts_with(|c: char| c.is_numeric()) || name.is_empty() => {
-                    let message = format!("`{name}` cannot be a parameter: a name has letters, digits and `_` alone");
+                None if !name.chars().all(is_name)
+                    || name.starts_with(|c: char| c.is_numeric())
+                    || name.is_empty() =>
+                {
+                    let message =
+                        format!("`{name}` cannot be a parameter: a name has letters, digits and `_` alone");
                     faults.push(Fault::at(&place, message, "not a name"));
                     State::Wrong
                 }
@@ -117,7 +125,13 @@ impl Parameters {
 
     fn evaluate(&mut self, node: &mut Node, kind: &'static Kind, faults: &mut Faults) {
         for_each_value(node, kind, &mut |node, kind| {
-            if faults.are_many() || !is_computed(kind, &node.value) {
+            if faults.are_many() {
+                return;
+            }
+            if !is_computed(kind, &node.value) {
+                if let (Kind::TimeFunction(_) | Kind::Expression, Value::String(text)) = (kind, &node.value) {
+                    node.value = Value::String(self.with_numbers(text, faults));
+                }
                 return;
             }
             let Some(value) = self.computed(node, &mut Vec::new(), faults) else { return };
@@ -128,6 +142,34 @@ impl Parameters {
                 _ => Value::Float(value),
             };
         });
+    }
+
+    /// An expression of time or position with numbers in place of the parameters.
+    fn with_numbers(&mut self, text: &str, faults: &mut Faults) -> String {
+        let mut written = String::new();
+        let mut rest = text;
+        while let Some(first) = rest.chars().next() {
+            let is_name = |c: char| c.is_alphanumeric() || c == '_';
+            // `2e3` and its exponent are one number.
+            let length = match first {
+                c if is_name(c) || c == '.' => {
+                    rest.find(|c: char| !is_name(c) && c != '.').unwrap_or(rest.len())
+                }
+                c => c.len_utf8(),
+            };
+            let (word, others) = rest.split_at(length);
+            let index = self.all.iter().position(|own| own.name == word && !VARIABLES.contains(&word));
+            if let Some(index) = index {
+                self.all[index].is_used = true;
+            }
+            match index.and_then(|index| self.value(index, &mut Vec::new(), faults)) {
+                Some(value) if value < 0.0 => written += &format!("({value:?})"),
+                Some(value) => written += &format!("{value:?}"),
+                None => written += word,
+            }
+            rest = others;
+        }
+        written
     }
 
     /// The number of a text that begins with `=`, unless it has a fault; `chain`: the parameters that depend on it.
@@ -202,7 +244,8 @@ impl Parameters {
             }
             own => {
                 let found = own.kind();
-                let message = format!("the parameter `{name}` must be a number or an expression, not {found}");
+                let message =
+                    format!("the parameter `{name}` must be a number or an expression, not {found}");
                 let fault = Fault::at(&node.place, message, format!("this is {found}"));
                 faults.push(fault.help(format!("an expression begins with `=`: {name} = \"= 2*pi\"")));
                 None
@@ -252,6 +295,16 @@ mod tests {
     }
 
     #[test]
+    fn expressions_of_time_and_position_may_use_parameters() {
+        let text = "parameters = { A = -2, f = 1e-7, t = 5, e3 = 7, b = '= t' }\n\
+                    [[load]]\nbody_force = ['2e3*A^2 + x', 0, '= b']\nhistory = 'A*sin(2*pi*f*t) + 1e3'\n";
+        let (text, notes) = computed(text).unwrap();
+        assert!(text.contains("body_force = [\"2e3*(-2.0)^2 + x\", 0, 5.0]"), "{text}");
+        assert!(text.contains("history = \"(-2.0)*sin(2*pi*1e-7*t) + 1e3\""), "{text}");
+        assert_eq!(notes, ["no value of the input depends on the parameter `e3`"]);
+    }
+
+    #[test]
     fn faults_are_all_named() {
         let faults = |text: &str| computed(text).unwrap_err();
         let circle = "parameters = { a = '= b + 1', b = '= 2*c', c = '= a', d = '= d' }";
@@ -276,7 +329,8 @@ mod tests {
         }
         assert_eq!(several.len(), 8, "{several:#?}");
         let chain: Vec<String> = (1..200).map(|i| format!("a{i} = '= a{}'", i - 1)).collect();
-        let chain = faults(&format!("[parameters]\na0 = 1\nlast = '= a199'\n{}\n", chain.join("\n")));
+        let chain =
+            faults(&format!("[newton]\ntolerance = '= a199'\n[parameters]\na0 = 1\n{}\n", chain.join("\n")));
         assert!(chain.iter().any(|fault| fault.contains("in a row")), "{chain:?}");
     }
 

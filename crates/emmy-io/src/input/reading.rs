@@ -83,6 +83,7 @@ impl Prepared {
         for flag in &overrides.set {
             set::apply(&mut tree, flag)?;
         }
+        set::apply_to_time(&mut tree, overrides)?;
         canonical::spell(&mut tree, &ROOT_KIND);
         let mut faults = Faults::default();
         let unused = parameters::evaluate(&mut tree, &mut faults);

@@ -222,7 +222,8 @@ fn columns() -> String {
 }
 
 fn units() -> String {
-    let head = ["system", "mass", "length", "time", "force", "stress", "energy", "steel", "gravity"];
+    let head =
+        ["system", "mass", "length", "time", "force", "stress", "energy", "frequency", "steel", "gravity"];
     let row = |system: &UnitSystem| {
         let names = format!("{}, {}", code(system.name), code(system.full_name));
         let density = "mass/length³";

@@ -30,7 +30,8 @@ fn table(section: &Section) -> Value {
     let is_required = |key: &&Key| key.if_absent == IfAbsent::Required;
     let required: Vec<&str> = section.keys.iter().filter(is_required).map(|key| key.name).collect();
     let named = |key: &Key| std::iter::once(key.name).chain(synonyms::accepted(key.name));
-    let properties = section.keys.iter().flat_map(|key| named(key).map(|name| (name.to_string(), property(key))));
+    let properties =
+        section.keys.iter().flat_map(|key| named(key).map(|name| (name.to_string(), property(key))));
     let properties: Map<String, Value> = properties.collect();
     let mut schema = json!({
         "title": section.name,

@@ -256,6 +256,9 @@ fn mismatch(item: Item<'_>) -> Fault {
         (Kind::Number(_) | Kind::Whole(..), Some(text)) if text.parse::<f64>().is_ok() => {
             fault.help("numbers stand without quotes")
         }
+        (Kind::Number(_) | Kind::Whole(..), Some(text)) if text.contains('*') => {
+            fault.help(format!("an expression begins with `=`: {} = \"= {text}\"", item.key))
+        }
         (Kind::Number(_) | Kind::Whole(..), Some(text))
             if text.starts_with(|c: char| c.is_ascii_digit() || ".+-".contains(c)) =>
         {
@@ -443,7 +446,9 @@ fn two_constants(table: &Table<'_>) -> Result<(), Fault> {
     let names: Vec<String> = ELASTIC_CONSTANTS.iter().map(|own| format!("`{}`", own.name)).collect();
     let pairs = |(i, name): (usize, &String)| match &names[i + 1..] {
         [] => None,
-        [others @ .., last] if !others.is_empty() => Some(format!("{name} with {} or {last}", others.join(", "))),
+        [others @ .., last] if !others.is_empty() => {
+            Some(format!("{name} with {} or {last}", others.join(", ")))
+        }
         [last, ..] => Some(format!("{name} with {last}")),
     };
     let pairs: Vec<String> = names.iter().enumerate().filter_map(pairs).collect();

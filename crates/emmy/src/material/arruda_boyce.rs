@@ -1,7 +1,7 @@
 //! Arruda-Boyce material.
 
-use super::isochoric::Isochoric;
 use super::elastic::ELASTIC_CONSTANTS;
+use super::isochoric::Isochoric;
 use super::model::{Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::polynomial::Polynomial;
 use super::volumetric::Volume;
@@ -78,7 +78,10 @@ impl Modelled for ArrudaBoyce {
         purpose: "rubber, eight chains of rigid links",
         parameters: &[
             ELASTIC_CONSTANTS,
-            &[Parameter::number("lambda_m", Bounds::Above(1.0), "", "Locking stretch of a chain"), VOLUMETRIC],
+            &[
+                Parameter::number("lambda_m", Bounds::Above(1.0), "", "Locking stretch of a chain"),
+                VOLUMETRIC,
+            ],
         ],
         cells: ModelCells::Solids,
     };

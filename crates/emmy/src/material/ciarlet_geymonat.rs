@@ -2,10 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::elastic::ELASTIC_CONSTANTS;
 use super::model::{Model, ModelCells, Modelled, Values};
 use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;

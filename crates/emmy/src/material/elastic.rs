@@ -6,15 +6,18 @@ use super::lame;
 use super::model::{BULK_MODULUS, Bounds, IfAbsent, Parameter, Values};
 use crate::error::{Error, Result};
 
-/// Young's modulus, Poisson's ratio, shear modulus, bulk modulus and first Lamé parameter.
+/// Lamé parameters, Young's modulus, Poisson's ratio and bulk modulus.
 pub const ELASTIC_CONSTANTS: &[Parameter] = &[
+    Parameter::number("lambda", Bounds::Any, "stress", "First Lamé parameter, above -2/3 `mu`").of_a_pair(),
+    Parameter::positive("mu", "stress", "Shear modulus G at small strain").of_a_pair(),
     Parameter::positive("youngs_modulus", "stress", "Young's modulus E at small strain").of_a_pair(),
     Parameter::number("poissons_ratio", Bounds::Between(-1.0, 0.5), "", "Poisson's ratio nu at small strain")
         .of_a_pair(),
-    Parameter::positive("mu", "stress", "Shear modulus G at small strain").of_a_pair(),
     BULK_MODULUS.of_a_pair(),
-    Parameter::number("lambda", Bounds::Any, "stress", "First Lamé parameter, above -2/3 `mu`").of_a_pair(),
 ];
+
+/// Names of the constants in the order of the formulas below.
+const NAMES: [&str; 5] = ["youngs_modulus", "poissons_ratio", "mu", "bulk_modulus", "lambda"];
 
 impl Parameter {
     /// The same parameter as one of the elastic constants.
@@ -49,7 +52,7 @@ impl Values {
     /// # Errors
     /// [`Error::MaterialParameter`] if no stable solid has the two.
     pub fn elastic(&self, material: &'static str) -> Result<Elastic> {
-        let given = [0, 1, 2, 3, 4].map(|index| self.optional(ELASTIC_CONSTANTS[index].name));
+        let given = NAMES.map(|name| self.optional(name));
         let (lambda, mu, bulk_modulus) = match given {
             [Some(E), Some(nu), None, None, None] => {
                 let (lambda, mu) = lame(material, E, nu)?;
@@ -64,7 +67,8 @@ impl Values {
                 (factor * (3.0 * K - E), factor * E, K)
             }
             [Some(E), None, None, None, Some(lambda)] => {
-                let (difference, root) = (E - 3.0 * lambda, (E * E + 9.0 * lambda * lambda + 2.0 * E * lambda).sqrt());
+                let (difference, root) =
+                    (E - 3.0 * lambda, (E * E + 9.0 * lambda * lambda + 2.0 * E * lambda).sqrt());
                 // Both are the positive root; the second one without cancellation where lambda is large.
                 let mu = match difference >= 0.0 {
                     true => (difference + root) / 4.0,
@@ -119,7 +123,7 @@ mod tests {
 
     /// The values of two of the constants.
     fn pair(own: [(usize, f64); 2]) -> Values {
-        Values::from_iter(own.map(|(index, value)| (ELASTIC_CONSTANTS[index].name, Value::Number(value))))
+        Values::from_iter(own.map(|(index, value)| (NAMES[index], Value::Number(value))))
     }
 
     #[test]
@@ -133,7 +137,8 @@ mod tests {
             for (i, j) in (0..5).flat_map(|i| (i + 1..5).map(move |j| (i, j))) {
                 let own = pair([(i, all[i]), (j, all[j])]).elastic("neo-hooke").unwrap();
                 // Some pairs amplify rounding by up to 1/(1 - 2 nu) = 5000, in (E, K), (E, G) and (K, lambda).
-                let near = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + b.abs()) * (1.0 + mu / (1.0 + nu));
+                let near =
+                    |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + b.abs()) * (1.0 + mu / (1.0 + nu));
                 assert!(
                     near(own.lambda, lambda) && near(own.mu, mu) && near(own.bulk_modulus, bulk_modulus),
                     "{i} {j} {nu}: {own:?}"

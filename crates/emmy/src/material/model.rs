@@ -11,7 +11,7 @@ use crate::error::Result;
 /// use emmy::internals::material::Modelled;
 /// use emmy::material::Gent;
 /// let names: Vec<&str> = Gent::MODEL.every_parameter().map(|parameter| parameter.name).collect();
-/// assert_eq!(names[2..], ["mu", "bulk_modulus", "lambda", "jm", "volumetric"]);
+/// assert_eq!(names[2..], ["youngs_modulus", "poissons_ratio", "bulk_modulus", "jm", "volumetric"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {

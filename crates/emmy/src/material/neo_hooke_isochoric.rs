@@ -1,7 +1,7 @@
 //! Isochoric neo-Hooke material.
 
-use super::isochoric::Isochoric;
 use super::elastic::ELASTIC_CONSTANTS;
+use super::isochoric::Isochoric;
 use super::model::{Model, ModelCells, Modelled, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, positive, split_material};
