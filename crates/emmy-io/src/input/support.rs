@@ -26,7 +26,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
     let several = Kind::Words(1, Box::new(word("a component", COMPONENTS)));
     Section::new("[[support]]", "Nodes that are held, moved or turned")
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
-        .may("fix", either(word("components", FIXED), several), "", "Components that do not move; `\"all\"` is `\"xyz\"`")
+        .may("fix", either(word("a set of components", FIXED), several), "", "Components that do not move; `\"all\"` is `\"xyz\"`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
         .may(
             "accelerate",

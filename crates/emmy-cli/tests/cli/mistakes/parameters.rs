@@ -14,7 +14,7 @@ fn expected(name: &str, own: &str) -> Mistake {
 
 pub(super) fn all() -> Vec<Mistake> {
     vec![
-        density("parameter-misspelt", "steel = 7850.0", "= 2*stell").unseen(),
+        density("parameter-in-an-expression-misspelt", "steel = 7850.0", "= 2*stell").unseen(),
         density("parameters-in-a-circle", "a = \"= 2*b\"\nb = \"= a/2\"", "= a").unseen(),
         density("parameter-that-is-a-constant", "e = 2.0", "= 2*e").unseen(),
         density("parameter-in-words", "rho = \"7850\"", "= rho"),
