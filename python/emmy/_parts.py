@@ -100,7 +100,7 @@ class Support(Table):
     group : str
         Group of nodes, facets or cells.
     fix : str or list of str, optional
-        Components that do not move, such as "xyz" or ["x", "z"].
+        Components that do not move, such as "xyz", "all" or ["x", "z"].
     move : dict, optional
         History of the displacement of components, such as ``{"x": "0.1*sin(5*t)"}``. A function comes with its
         rate, as a pair ``(function, rate)``: the method needs the velocity.
@@ -142,7 +142,7 @@ class Support(Table):
 
     def __post_init__(self) -> None:
         if isinstance(self.fix, str):
-            object.__setattr__(self, "fix", tuple(self.fix))
+            object.__setattr__(self, "fix", tuple("xyz" if self.fix.lower() == "all" else self.fix))
         for key in ("move", "accelerate", "rotate"):
             given = getattr(self, key)
             if given is not None and not isinstance(given, Mapping):

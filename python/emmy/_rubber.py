@@ -20,9 +20,15 @@ class NeoHookeIsochoric(Material):
 
     Parameters
     ----------
-    mu : float > 0
-        Shear modulus.
-    bulk_modulus : float > 0
+    lambda_ : float, optional
+        First Lamé parameter, above -2/3 `mu`.
+    mu : float > 0, optional
+        Shear modulus G at small strain.
+    youngs_modulus : float > 0, optional
+        Young's modulus E at small strain.
+    poissons_ratio : float between -1 and 0.5, optional
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
         Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
     volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
         Law of volume W_vol(J); "simo-taylor" if not given.
@@ -30,7 +36,8 @@ class NeoHookeIsochoric(Material):
     Raises
     ------
     InputError
-        If a value is out of its range.
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
+        or a value is out of its range.
 
     Examples
     --------
@@ -39,8 +46,11 @@ class NeoHookeIsochoric(Material):
     """
 
     model = "neo-hooke-isochoric"
-    mu: float
-    bulk_modulus: float
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
     volumetric: str | None = None
 
 
@@ -124,11 +134,17 @@ class Gent(Material):
 
     Parameters
     ----------
-    mu : float > 0
-        Shear modulus at small strain.
     jm : float > 0
         Limit of I1bar - 3; steps that reach it fail.
-    bulk_modulus : float > 0
+    lambda_ : float, optional
+        First Lamé parameter, above -2/3 `mu`.
+    mu : float > 0, optional
+        Shear modulus G at small strain.
+    youngs_modulus : float > 0, optional
+        Young's modulus E at small strain.
+    poissons_ratio : float between -1 and 0.5, optional
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
         Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
     volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
         Law of volume W_vol(J); "simo-taylor" if not given.
@@ -136,7 +152,8 @@ class Gent(Material):
     Raises
     ------
     InputError
-        If a value is out of its range.
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
+        or a value is out of its range.
 
     Examples
     --------
@@ -145,9 +162,12 @@ class Gent(Material):
     """
 
     model = "gent"
-    mu: float
     jm: float
-    bulk_modulus: float
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
     volumetric: str | None = None
 
 
@@ -158,11 +178,17 @@ class ArrudaBoyce(Material):
 
     Parameters
     ----------
-    mu : float > 0
-        Shear modulus at small strain.
     lambda_m : float > 1
         Locking stretch of a chain.
-    bulk_modulus : float > 0
+    lambda_ : float, optional
+        First Lamé parameter, above -2/3 `mu`.
+    mu : float > 0, optional
+        Shear modulus G at small strain.
+    youngs_modulus : float > 0, optional
+        Young's modulus E at small strain.
+    poissons_ratio : float between -1 and 0.5, optional
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
         Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
     volumetric : {"logarithmic", "quadratic", "simo-taylor", "miehe", "liu"}, optional
         Law of volume W_vol(J); "simo-taylor" if not given.
@@ -170,7 +196,8 @@ class ArrudaBoyce(Material):
     Raises
     ------
     InputError
-        If a value is out of its range.
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
+        or a value is out of its range.
 
     Examples
     --------
@@ -179,9 +206,12 @@ class ArrudaBoyce(Material):
     """
 
     model = "arruda-boyce"
-    mu: float
     lambda_m: float
-    bulk_modulus: float
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
     volumetric: str | None = None
 
 

@@ -18,16 +18,18 @@ class SaintVenantKirchhoff(Material):
     lambda_ : float, optional
         First Lamé parameter, above -2/3 `mu`.
     mu : float > 0, optional
-        Shear modulus.
+        Shear modulus G at small strain.
     youngs_modulus : float > 0, optional
         Young's modulus E at small strain.
     poissons_ratio : float between -1 and 0.5, optional
-        Poisson's ratio nu at small strain; lambda = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
 
     Raises
     ------
     InputError
-        If not exactly one of (lambda_, mu) and (youngs_modulus, poissons_ratio) is given,
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
         or a value is out of its range.
 
     Examples
@@ -41,6 +43,7 @@ class SaintVenantKirchhoff(Material):
     mu: float | None = None
     youngs_modulus: float | None = None
     poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
 
 
 class NeoHooke(Material):
@@ -53,16 +56,18 @@ class NeoHooke(Material):
     lambda_ : float, optional
         First Lamé parameter, above -2/3 `mu`.
     mu : float > 0, optional
-        Shear modulus.
+        Shear modulus G at small strain.
     youngs_modulus : float > 0, optional
         Young's modulus E at small strain.
     poissons_ratio : float between -1 and 0.5, optional
-        Poisson's ratio nu at small strain; lambda = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
 
     Raises
     ------
     InputError
-        If not exactly one of (lambda_, mu) and (youngs_modulus, poissons_ratio) is given,
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
         or a value is out of its range.
 
     Examples
@@ -76,6 +81,7 @@ class NeoHooke(Material):
     mu: float | None = None
     youngs_modulus: float | None = None
     poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
 
 
 class CiarletGeymonat(Material):
@@ -88,16 +94,18 @@ class CiarletGeymonat(Material):
     lambda_ : float, optional
         First Lamé parameter, above -2/3 `mu`.
     mu : float > 0, optional
-        Shear modulus.
+        Shear modulus G at small strain.
     youngs_modulus : float > 0, optional
         Young's modulus E at small strain.
     poissons_ratio : float between -1 and 0.5, optional
-        Poisson's ratio nu at small strain; lambda = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
 
     Raises
     ------
     InputError
-        If not exactly one of (lambda_, mu) and (youngs_modulus, poissons_ratio) is given,
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
         or a value is out of its range.
 
     Examples
@@ -111,6 +119,7 @@ class CiarletGeymonat(Material):
     mu: float | None = None
     youngs_modulus: float | None = None
     poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
 
 
 class Hencky(Material):
@@ -123,16 +132,18 @@ class Hencky(Material):
     lambda_ : float, optional
         First Lamé parameter, above -2/3 `mu`.
     mu : float > 0, optional
-        Shear modulus.
+        Shear modulus G at small strain.
     youngs_modulus : float > 0, optional
         Young's modulus E at small strain.
     poissons_ratio : float between -1 and 0.5, optional
-        Poisson's ratio nu at small strain; lambda = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+        Poisson's ratio nu at small strain.
+    bulk_modulus : float > 0, optional
+        Bulk modulus K; at small strain nu = (3 K - 2 mu) / (6 K + 2 mu).
 
     Raises
     ------
     InputError
-        If not exactly one of (lambda_, mu) and (youngs_modulus, poissons_ratio) is given,
+        If not exactly two of lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus are given,
         or a value is out of its range.
 
     Examples
@@ -148,6 +159,7 @@ class Hencky(Material):
     mu: float | None = None
     youngs_modulus: float | None = None
     poissons_ratio: float | None = None
+    bulk_modulus: float | None = None
 
 
 class Orthotropic(Material):

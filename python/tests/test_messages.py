@@ -79,16 +79,16 @@ def goal_error(motion):
 
 
 KINDS = (
-    "exactly one of `traction`, `force`, `nodal_force`, `moment`, `torque`, `pressure`, `acceleration`, `body_force`, "
-    "`attraction`, `rotation`, `drag`"
+    "exactly one of `traction`, `force`, `nodal_force`, `moment`, `torque`, `pressure`, `acceleration`, `gravity`, "
+    "`body_force`, `attraction`, `rotation`, `drag`"
 )
 NO_PLAN = "the motion has no plan; give steps=... or until=... with adaptive=..., or use motion.step(size)"
 
 MESSAGES = [
     (
-        lambda: emmy.Motion(free_block(), scheme="dgm", steps=(1.0, 0.1)),
+        lambda: emmy.Motion(free_block(), scheme="dg", steps=(1.0, 0.1)),
         emmy.InputError,
-        'scheme: "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points'
+        'scheme: "dg": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points'
         ", AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences; "
         'did you mean "DGM"?',
     ),
@@ -107,7 +107,7 @@ MESSAGES = [
     (
         lambda: emmy.NeoHooke(E=210e3),
         TypeError,
-        "NeoHooke has no argument E; it has: lambda_, mu, youngs_modulus, poissons_ratio",
+        "NeoHooke has no argument E; it has: lambda_, mu, youngs_modulus, poissons_ratio, bulk_modulus",
     ),
     (
         lambda: emmy.NeoHooke(youngs_modulus=1.0, poissons_ratio=0.5),
@@ -132,8 +132,9 @@ MESSAGES = [
     (
         lambda: emmy.NeoHooke(lambda_=1.0),
         emmy.InputError,
-        "`neo-hooke` needs exactly one pair of parameters: either `lambda` and `mu`, or `youngs_modulus` and "
-        "`poissons_ratio`",
+        "lambda_: `neo-hooke` needs exactly two elastic constants, not 1; the pairs: `lambda` with `mu`, "
+        "`youngs_modulus`, `poissons_ratio` or `bulk_modulus`; `mu` with `youngs_modulus`, `poissons_ratio` or "
+        "`bulk_modulus`; `youngs_modulus` with `poissons_ratio` or `bulk_modulus`; `poissons_ratio` with `bulk_modulus`",
     ),
     (
         lambda: emmy.NeoHooke(lambda_="1", mu=1.0),

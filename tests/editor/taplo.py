@@ -32,7 +32,7 @@ def change(old, new):
 # Wrong inputs, the key, and the message about it.
 WRONG = {
     "a mistyped key": (change("\ntolerance = ", "\ntolerence = "), "tolerence", "('tolerence' was unexpected)"),
-    "a text for a number": (change("density = 0.5", 'density = "0.5"'), "density", '"0.5" is not of type "number"'),
+    "a text for a number": (change("density = 0.5", 'density = "0.5"'), "density", '"0.5" does not match'),
     "an unknown word": (INPUT + '\n[solver]\nkind = "dircet"\n', "kind", '"dircet" is not one of'),
 }
 # Inputs with the cursor at ^, and some of the completions there.

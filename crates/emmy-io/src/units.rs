@@ -195,9 +195,20 @@ pub fn described(field: FieldName) -> String {
 
 /// The standard acceleration of gravity in a system.
 pub fn gravity(system: &UnitSystem) -> String {
-    let dimension = "length/time²";
-    format!("{} {}", written(shifted(GRAVITY, -system.power(dimension))), system.unit(dimension))
+    format!("{} {}", written(standard_gravity(system)), system.unit(ACCELERATION))
 }
+
+/// The number of the standard acceleration of gravity in a system.
+///
+/// ```
+/// use emmy_io::units::{UnitSystem, standard_gravity};
+/// assert_eq!(standard_gravity(UnitSystem::named("mm-t-s").unwrap()), 9806.65);
+/// ```
+pub fn standard_gravity(system: &UnitSystem) -> f64 {
+    shifted(GRAVITY, -system.power(ACCELERATION))
+}
+
+const ACCELERATION: &str = "length/time²";
 
 /// A number times a power of ten, rounded once.
 ///

@@ -31,6 +31,7 @@ pub mod element {
 
 /// Descriptions of materials and their parameters, from which inputs are checked and documented.
 pub mod material {
+    pub use crate::material::elastic::{ELASTIC_CONSTANTS, Elastic};
     pub use crate::material::model::{
         Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, ParameterKind, Value, Values,
     };

@@ -189,6 +189,12 @@ struct Input {
     /// End of the run: later steps are dropped, or the last phase is extended
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     until: Option<f64>,
+    /// Size of the steps, where the input has one phase of them: time.steps.size
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    dt: Option<f64>,
+    /// Degree of the time elements: time.degree
+    #[arg(long, value_name = "K")]
+    degree: Option<usize>,
 }
 
 impl Parts {
@@ -201,14 +207,16 @@ impl Parts {
 impl Input {
     /// As [`TeamVerb::compared`].
     fn compared(&self) -> String {
-        let Input { file: _, output, set, until } = self;
-        format!("{output:?} {set:?} {until:?}")
+        let Input { file: _, output, set, until, dt, degree } = self;
+        format!("{output:?} {set:?} {until:?} {dt:?} {degree:?}")
     }
 
     fn overrides(&self) -> Overrides {
         Overrides {
             set: self.set.clone(),
             until: self.until,
+            step_size: self.dt,
+            degree: self.degree,
             output: self.output.clone(),
             ..Overrides::default()
         }

@@ -127,7 +127,7 @@ fn check_and_compare_return_what_the_program_prints() {
 
 #[test]
 fn mistakes_come_back_as_failures_with_all_their_faults() {
-    let place = Place::with(&BOX.replace("density = 2.0", "density = -2.0").replace("\"AS(2)\"", "\"dgm\""));
+    let place = Place::with(&BOX.replace("density = 2.0", "density = -2.0").replace("\"AS(2)\"", "\"DG\""));
     let kept = Kept::default();
     let failure = run(&place, "out", &kept, &[]).unwrap_err();
     assert_eq!((failure.code(), kept.output(), kept.messages()), (2, String::new(), String::new()));

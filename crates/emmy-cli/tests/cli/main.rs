@@ -32,6 +32,7 @@ mod resume;
 mod resume_rejections;
 mod run;
 mod spectra;
+mod short_forms;
 mod sweep;
 mod ties;
 mod units;

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use super::description::{Described, Key, Kind, Rule, Section, tables};
 use super::{
-    contact, coupling, equilibrium, initial, joint, load, material, nodal, region, rigid, settings, shape,
-    support, tie, time, units,
+    contact, coupling, equilibrium, expect, initial, joint, load, material, nodal, parameters, region, rigid,
+    settings, shape, support, tie, time, units,
 };
 
 /// The whole input.
@@ -16,6 +16,12 @@ pub(super) static ROOT: Described = Described::new(|| {
     )
     .may("title", Kind::Text, "", "Any text; it goes into the summary")
     .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
+    .may(
+        "parameters",
+        Kind::Table(&parameters::PARAMETERS),
+        "",
+        "Numbers by name, for values that are computed",
+    )
     .may("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
     .absent("required, unless there is `rigid`")
     .may("region", tables(1, &region::REGION), "", "Material of the cells; one or more")
@@ -59,7 +65,8 @@ pub(super) static ROOT: Described = Described::new(|| {
     .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
     .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
     .default("{}")
-    .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early");
+    .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
+    .may("expect", Kind::Table(&expect::EXPECT), "", "Mass and volume that the body must have");
     Section { rule: Rule::Input(&["time", "equilibrium"]), ..section }
 });
 
@@ -95,9 +102,9 @@ pub(super) fn elsewhere(section: &Section, word: &str) -> Option<String> {
     Some(format!("`{word}` belongs in {name}"))
 }
 
-/// The kind of a table of the input and its description, by the key under which it stands, if need be with the table
-/// that has the key: `obstacle.plane`.
-pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
+/// The kind of a table of the input, by the key under which it stands, if need be with the table that has the key:
+/// `obstacle.plane`.
+pub(super) fn kind_of(key: &str) -> Option<&'static Kind> {
     let (table, key) = key.rsplit_once('.').map_or((None, key), |(table, key)| (Some(table), key));
     let tables = all().into_iter().filter(|section| table.is_none_or(|table| section.name == table));
     let keys = tables.flat_map(|section| &section.keys).filter(|own| own.name == key);
@@ -105,7 +112,7 @@ pub(super) fn kind_of(key: &str) -> Option<(&'static Kind, &'static Section)> {
         Kind::Tables(..) => own.kind.inner(),
         _ => &own.kind,
     };
-    keys.map(kind).find_map(|kind| Some((kind, kind.section()?)))
+    keys.map(kind).find(|kind| kind.section().is_some())
 }
 
 /// Every table, each before the tables in it.

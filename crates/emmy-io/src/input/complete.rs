@@ -6,12 +6,12 @@ use emmy::internals::material::IfAbsent;
 use emmy::motion::{Phase, StepPlan};
 
 use super::Start;
-use super::catalogue::ROOT;
-use super::description::Section;
+use super::catalogue::ROOT_KIND;
+use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
 use super::measured::MEASURED;
 use super::shape::MeshPath;
-use super::tree::{self, Node, Value};
+use super::tree::{self, Entry, Node, Value};
 use crate::{link, message};
 
 /// Inserts the defaults of missing keys.
@@ -20,7 +20,7 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
     let by_time = tree
         .get_mut("output")
         .is_some_and(|own| own.get_mut("interval").is_some() && own.get_mut("every").is_none());
-    fill(tree, &ROOT)?;
+    fill(tree, &ROOT_KIND)?;
     let output = tree.get_mut("output").filter(|_| by_time);
     output
         .and_then(Node::entries_mut)
@@ -30,9 +30,9 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
 }
 
 /// Inserts the defaults of the missing keys of a table and of the tables in it; their place is that of their table.
-pub(super) fn fill(own: &mut Node, section: &'static Section) -> Result<(), InputError> {
+pub(super) fn fill(own: &mut Node, kind: &'static Kind) -> Result<(), InputError> {
     let mut result = Ok(());
-    for_each_table(own, section, &mut |table, section| {
+    for_each_table(own, kind, &mut |table, section| {
         for key in &section.keys {
             let (None, IfAbsent::Value(value)) = (table.get_mut(key.name), key.if_absent) else { continue };
             match tree::parse("defaults", &format!("{} = {value}", key.name)) {
@@ -49,18 +49,36 @@ pub(super) fn fill(own: &mut Node, section: &'static Section) -> Result<(), Inpu
 }
 
 /// Visits a table and the tables in it with their descriptions, each before those in it.
-fn for_each_table(
+fn for_each_table(node: &mut Node, kind: &'static Kind, visit: &mut impl FnMut(&mut Node, &'static Section)) {
+    for_each_value(node, kind, &mut |node, kind| match (kind, &node.value) {
+        (Kind::Table(section) | Kind::TimeFunction(section), Value::Table(_)) => visit(node, section),
+        _ => {}
+    });
+}
+
+/// Visits a value and the values in it with their kinds, each before those in it. A value that may be of two kinds, or
+/// one table or several, is visited with each.
+pub(super) fn for_each_value(
     node: &mut Node,
-    section: &'static Section,
-    visit: &mut impl FnMut(&mut Node, &'static Section),
+    kind: &'static Kind,
+    visit: &mut impl FnMut(&mut Node, &'static Kind),
 ) {
-    match &mut node.value {
-        Value::Array(items) => return items.iter_mut().for_each(|item| for_each_table(item, section, visit)),
-        Value::Table(_) => visit(node, section),
-        _ => return,
-    }
-    for (name, inner) in section.keys.iter().filter_map(|key| Some((key.name, key.kind.section()?))) {
-        node.get_mut(name).into_iter().for_each(|value| for_each_table(value, inner, visit));
+    visit(node, kind);
+    match (kind, &mut node.value) {
+        (Kind::Either(kinds), _) => kinds.iter().for_each(|kind| for_each_value(node, kind, visit)),
+        (Kind::Tables(..), Value::Table(_)) => for_each_value(node, kind.inner(), visit),
+        (_, Value::Array(items)) => {
+            items.iter_mut().for_each(|item| for_each_value(item, kind.inner(), visit))
+        }
+        (_, Value::Table(entries)) => {
+            let Some(section) = kind.section() else { return };
+            for Entry { key, node, .. } in entries {
+                let own = section.key_of(key).map(|key| &key.kind);
+                let own = own.or(section.others.as_ref().map(|others| &others.kind));
+                own.into_iter().for_each(|kind| for_each_value(node, kind, visit));
+            }
+        }
+        _ => {}
     }
 }
 
@@ -89,7 +107,7 @@ pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>)
 /// Makes the files of histories absolute, or else relative to the output directory, and returns their paths.
 pub(super) fn resolve_histories(tree: &mut Node, directory: &Path, output: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
-    for_each_table(tree, &ROOT, &mut |table, section| {
+    for_each_table(tree, &ROOT_KIND, &mut |table, section| {
         let Some(Node { value: Value::String(name), .. }) =
             table.get_mut("file").filter(|_| std::ptr::eq(section, &*MEASURED))
         else {

@@ -6,7 +6,7 @@ use emmy::mesh::{Mesh, Placement};
 
 use super::catalogue::{self, ROOT_KIND};
 use super::complete;
-use super::description::Section;
+use super::description::{Kind, Section};
 use super::fault::{Fault, Faults, Place};
 use super::rigid::GROUND;
 use super::root::Root;
@@ -29,10 +29,10 @@ pub(super) fn insert(tree: &mut Node, directory: &Path) -> Option<MeshFile> {
     let (acting, notes) = acting_entries(&file.entries, &file.mesh, &left_out);
     file.notes.extend(notes);
     for entry in acting {
-        let (_, section) = catalogue::kind_of(&entry.section)?;
+        let kind = catalogue::kind_of(&entry.section)?;
         let place = Place::of_path(&format!("{from}: {}", entry.card()));
         let mut node = node(&toml::Value::Table(entry.table.clone()), &place);
-        complete::fill(&mut node, section).ok()?;
+        complete::fill(&mut node, kind).ok()?;
         append(tree, &entry.section, node);
     }
     Some(file)
@@ -135,7 +135,7 @@ impl DeckEntry {
     /// assert_eq!((scaled["mass"].as_float(), scaled["centre"][0].as_float()), (Some(2.0), Some(0.01)));
     /// ```
     pub fn scaled(mut self, factor: f64) -> Self {
-        if let Some((_, section)) = catalogue::kind_of(&self.section) {
+        if let Some(section) = catalogue::kind_of(&self.section).and_then(Kind::section) {
             scale_lengths(&mut self.table, section, factor);
         }
         self
@@ -157,7 +157,7 @@ impl DeckEntry {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn placed(mut self, placement: &Placement) -> Self {
-        if let Some((_, section)) = catalogue::kind_of(&self.section) {
+        if let Some(section) = catalogue::kind_of(&self.section).and_then(Kind::section) {
             place_vectors(&mut self.table, section, placement);
         }
         self

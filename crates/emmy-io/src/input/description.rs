@@ -102,8 +102,8 @@ pub(super) enum Rule {
     Free,
     /// Exactly one of these must be given, each with the keys that it needs.
     ExactlyOne(Vec<Vec<&'static str>>),
-    /// Exactly one of these sets of keys must be given, and no key of the others.
-    OneSet(&'static [&'static [Parameter]]),
+    /// Exactly two of the elastic constants must be given.
+    TwoElasticConstants,
     /// At least one of these must be given.
     AtLeastOne(Vec<&'static str>),
     /// `density` must be given unless the material has no mass; `pressure` belongs to a projected volume.
@@ -268,7 +268,7 @@ impl Section {
             Rule::ExactlyOne(sets) => sets.iter().filter_map(|keys| keys.first().copied()).collect(),
             Rule::AtLeastOne(keys) => keys.clone(),
             Rule::Input(keys) => keys.to_vec(),
-            Rule::Free | Rule::Region | Rule::OneSet(_) => Vec::new(),
+            Rule::Free | Rule::Region | Rule::TwoElasticConstants => Vec::new(),
         }
     }
 

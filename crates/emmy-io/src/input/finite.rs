@@ -1,6 +1,7 @@
 //! Numbers whose squares are neither infinite nor zero.
 
 use emmy::body::Region;
+use emmy::internals::material::Elastic;
 use emmy::internals::number::short;
 use emmy::mesh::Mesh;
 
@@ -17,16 +18,13 @@ const LARGEST_LENGTH: f64 = 1e50;
 pub(super) const HELP: &str = "choose other units: the squares of numbers above 1e150 overflow, and those of numbers below 1e-150 vanish \
                     (for lengths, whose cubes count, 1e50 and 1e-50)";
 
-/// Checks the Lame parameters derived from Young's modulus and Poisson's ratio.
-pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {
-    // Parameters out of their ranges have their own fault.
-    match emmy::material::lame("", youngs_modulus, poissons_ratio) {
-        Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
-            let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
-            Err(item.fault(message, "too large").help(HELP))
-        }
-        _ => Ok(()),
+/// Checks the Lame parameters that follow from two elastic constants.
+pub(super) fn check_lame(item: &Item<'_>, Elastic { lambda, mu, .. }: Elastic) -> Result<(), Fault> {
+    if lambda.abs().max(mu) <= LARGEST || lambda.is_nan() {
+        return Ok(());
     }
+    let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
+    Err(item.fault(message, "too large").help(HELP))
 }
 
 /// Checks the moduli at rest of a formula.

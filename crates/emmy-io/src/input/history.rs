@@ -11,12 +11,14 @@ use super::fault::Fault;
 use super::measured;
 use super::table::{Item, Read, Table};
 use super::tree::Value;
+use crate::units::Units;
 
 /// The input around a history.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Context<'a> {
     /// Folder of the input.
     pub(super) directory: &'a Path,
+    pub(super) units: Units,
     /// Start and end of the run, if they are known.
     pub(super) run: Option<[f64; 2]>,
     /// Whether the body is undeformed at the start.
@@ -102,7 +104,7 @@ pub(super) mod tests {
     pub(crate) fn read_in(directory: &Path, history: &str) -> Result<TimeFunction, String> {
         let text = format!("group = 'a'\nforce = [1, 0, 0]\nhistory = {history}");
         let node = tree::parse("test", &text).unwrap();
-        let context = Context { directory, run: None, is_undeformed: false };
+        let context = Context { directory, units: Units::default(), run: None, is_undeformed: false };
         let read = |table: &Table<'_>, faults: &mut Faults| faults.keep(read(table.must("history"), context));
         memory::read_alone("load", node, read).map_err(|error| error.faults()[0].to_string())
     }

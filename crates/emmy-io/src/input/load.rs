@@ -3,13 +3,14 @@
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::internals::material::Bounds;
 
-use super::description::{Described, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
+use super::description::{Described, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector, word};
 use super::expression;
 use super::fault::{Fault, Faults, Place};
 use super::history::{self, Context};
 use super::measured;
 use super::placed::{self, Members, Placed};
 use super::table::{Item, Read, Table};
+use crate::units;
 
 /// A kind of load.
 struct Row {
@@ -42,7 +43,7 @@ pub(super) enum Acting {
 }
 
 /// Every kind of load.
-const ROWS: [Row; 11] = [
+const ROWS: [Row; 12] = [
     Row {
         name: "traction",
         kind: field,
@@ -138,6 +139,15 @@ const ROWS: [Row; 11] = [
         },
     },
     Row {
+        name: "gravity",
+        kind: || word("a direction along an axis", DIRECTIONS.map(|(name, _)| name)),
+        unit: "",
+        doc: "Direction of the standard acceleration of gravity, 9.80665 m/s² in the units of `[units]`, on every mass in a \
+              group of cells; without a group, on every mass",
+        needs_group: false,
+        read: gravity,
+    },
+    Row {
         name: "body_force",
         kind: || Kind::Field(Box::new(exactly(3, Kind::Expression))),
         unit: "force/length³",
@@ -178,6 +188,19 @@ const ROWS: [Row; 11] = [
     },
 ];
 
+/// Directions of gravity, by their names.
+const DIRECTIONS: [(&str, [f64; 3]); 9] = [
+    ("-x", [-1.0, 0.0, 0.0]),
+    ("-y", [0.0, -1.0, 0.0]),
+    ("-z", [0.0, 0.0, -1.0]),
+    ("x", [1.0, 0.0, 0.0]),
+    ("y", [0.0, 1.0, 0.0]),
+    ("z", [0.0, 0.0, 1.0]),
+    ("+x", [1.0, 0.0, 0.0]),
+    ("+y", [0.0, 1.0, 0.0]),
+    ("+z", [0.0, 0.0, 1.0]),
+];
+
 /// A vector, or a field of a program.
 fn field() -> Kind {
     Kind::Field(Box::new(vector()))
@@ -188,7 +211,7 @@ pub(super) static LOAD: Described = Described::new(|| {
     let needs = |row: &Row| if row.needs_group { vec![row.name, "group"] } else { vec![row.name] };
     let section = Section::new("[[load]]", "A load on the body: exactly one kind")
         .may("group", Kind::Text, "", "Group on which the load acts")
-        .absent("with `acceleration`, `body_force`, `attraction` and `rotation` the whole body");
+        .absent("with `acceleration`, `gravity`, `body_force`, `attraction` and `rotation` the whole body");
     let add = |section: Section, row: &Row| section.may(row.name, (row.kind)(), row.unit, row.doc);
     let section = ROWS.iter().fold(section, add);
     let section = section
@@ -293,6 +316,20 @@ impl Given<'_> {
         let time_function = time_function.unwrap_or_else(TimeFunction::constant);
         Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), time_function }, members))
     }
+}
+
+/// Gravity along an axis, in the units of the input.
+fn gravity(given: Given<'_>, faults: &mut Faults) -> Result<Acting, Fault> {
+    let Some(system) = given.context.units.system() else {
+        let message = "`gravity` needs `[units]`: the acceleration of gravity has another number in each system of units";
+        let help =
+            "add `[units]`, such as system = \"m-kg-s\", or give the vector: acceleration = [0, 0, -9.81]";
+        return Err(given.value.fault(message, "in which units?").help(help));
+    };
+    let size = units::standard_gravity(system);
+    let acceleration = given.value.one_of(DIRECTIONS).map(|x| size * x);
+    let group = given.group.clone();
+    given.load(faults, Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
 }
 
 fn attraction(given: Given<'_>, _: &mut Faults) -> Result<Acting, Fault> {

@@ -4,7 +4,9 @@ use std::sync::LazyLock;
 
 use emmy::body::Region;
 use emmy::internals::body::{MODELS, RegionModel};
-use emmy::internals::material::{IfAbsent, Model, ModelCells, Parameter, ParameterKind, Value, Values};
+use emmy::internals::material::{
+    ELASTIC_CONSTANTS, IfAbsent, Model, ModelCells, Parameter, ParameterKind, Value, Values,
+};
 use emmy::material::Volumetric;
 
 use super::description::{Described, Key, Kind, Rule, Section};
@@ -36,21 +38,15 @@ fn n_solids() -> usize {
 
 fn section(model: &Model) -> Section {
     let section = Section::new(model.name, &format!("{}: {}", model.energy, model.purpose));
-    let is_choice = model.parameters.len() > 1;
-    let add = |section: Section, parameter: &Parameter| {
-        let key = Key::from(parameter);
-        let if_absent = if is_choice { IfAbsent::Means("") } else { key.if_absent };
-        section.key(Key { if_absent, ..key })
-    };
-    let section = model.every_parameter().fold(section, add);
-    let rule = if is_choice { Rule::OneSet(model.parameters) } else { Rule::Free };
+    let section = model.every_parameter().fold(section, |section, own| section.key(Key::from(own)));
+    let rule = if model.has_elastic_constants() { Rule::TwoElasticConstants } else { Rule::Free };
     Section { rule, ..section }
 }
 
 /// Models with a line on each, for `emmy list materials`.
 pub fn materials() -> Vec<(&'static str, String)> {
     let parameter = |parameter: &Parameter| match parameter.if_absent {
-        IfAbsent::Required => parameter.name.to_string(),
+        IfAbsent::Required | IfAbsent::FromTwoOthers => parameter.name.to_string(),
         IfAbsent::Value(value) | IfAbsent::Means(value) => {
             format!("{} = {}", parameter.name, value.replace('\'', "\""))
         }
@@ -58,7 +54,8 @@ pub fn materials() -> Vec<(&'static str, String)> {
     let set = |set: &&[Parameter]| set.iter().map(parameter).collect::<Vec<_>>().join(", ");
     let line = |RegionModel { model, .. }: &RegionModel| {
         let energy = if model.is_link() { "V" } else { "W" };
-        let parameters = model.parameters.iter().map(set).collect::<Vec<_>>().join(" or ");
+        let two = if model.has_elastic_constants() { "two of " } else { "" };
+        let parameters = format!("{two}{}", model.parameters.iter().map(set).collect::<Vec<_>>().join("; "));
         let text = format!("{energy} = {}; parameters {parameters}; {}", model.energy, model.purpose);
         (model.name, text)
     };
@@ -93,17 +90,28 @@ pub(super) fn region(material: &Table<'_>, density: f64) -> Result<Region, Fault
     let values: Vec<(&str, Value)> = model.model.every_parameter().filter_map(given).collect();
     check_terms(&table, &values)?;
     let values = Values::from_iter(values);
-    let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
-    engineering.map_or(Ok(()), |(youngs, poissons)| finite::check_lame(&item, youngs, poissons))?;
+    // Constants out of their ranges have their own fault.
+    values.elastic(model.model.name).map_or(Ok(()), |own| finite::check_lame(&item, own))?;
     model.region(density, &values).map_err(|error| {
-        let guilty = match &error {
+        let parameter = match &error {
             emmy::Error::MaterialParameter { parameter, .. } | emmy::Error::Direction { parameter, .. } => {
-                table.item(parameter)
+                Some(*parameter)
             }
             _ => None,
         };
-        guilty.unwrap_or(item).fault(error.to_string(), "out of range")
+        match parameter.and_then(|name| table.item(name)) {
+            Some(guilty) => guilty.fault(error.to_string(), "out of range"),
+            None => given_constants(&table).fold(Fault::new(error.to_string()), |fault, own| {
+                fault.label(own.place(), format!("with this `{}`", own.key))
+            }),
+        }
     })
+}
+
+/// The elastic constants of a table.
+pub(super) fn given_constants<'a>(table: &Table<'a>) -> impl Iterator<Item = Item<'a>> + use<'a> {
+    let table = *table;
+    ELASTIC_CONSTANTS.iter().filter_map(move |constant| table.item(constant.name))
 }
 
 /// The value of a parameter.

@@ -12,9 +12,10 @@ use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
-    Overrides, Problem, adaptive, catalogue, complete, contact, coupling, joint, load, material, measured,
-    nodal, reading, region, rigid, support, tie, walk,
+    Overrides, Problem, adaptive, canonical, catalogue, complete, contact, coupling, joint, load, material,
+    measured, nodal, parameters, reading, region, rigid, support, tie, walk,
 };
+use crate::units::Units;
 
 /// A value of an input. Tables have the keys of the input file; where a file names a mesh or describes a function, a
 /// program may give the object itself.
@@ -89,7 +90,7 @@ fn entry(path: &str, key: &str, tree: &Tree) -> Entry {
 /// };
 /// let problem = input::build(&tree("DGM"), &Overrides::default(), None)?;
 /// assert_eq!((problem.body.n_dofs(), problem.plan.n_steps()), (81, 10));
-/// let error = input::build(&tree("dgm"), &Overrides::default(), Some(&problem)).unwrap_err();
+/// let error = input::build(&tree("DG"), &Overrides::default(), Some(&problem)).unwrap_err();
 /// assert!(error.to_string().starts_with("time.scheme: "));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -125,7 +126,8 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 /// # Errors
 /// [`InputError`] with every fault, whose places are paths in the table.
 pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
-    let context = Context { directory: Path::new(""), run: None, is_undeformed: false };
+    let units = Units::default();
+    let context = Context { directory: Path::new(""), units, run: None, is_undeformed: false };
     let read = |table: &Table<'_>, faults: &mut Faults| match section {
         "region" => region::read(table, faults).map(drop),
         "material" => faults.keep(material::region(table, 1.0).map(drop)),
@@ -163,9 +165,11 @@ pub(super) fn read_alone<T>(
     read: impl FnOnce(&Table<'_>, &mut Faults) -> Option<T>,
 ) -> Result<T, InputError> {
     let no_section = || Fault::new(format!("`{key}` is not a section of the input"));
-    let (kind, section) = catalogue::kind_of(key).ok_or_else(no_section)?;
-    complete::fill(&mut node, section)?;
+    let kind = catalogue::kind_of(key).ok_or_else(no_section)?;
     let mut faults = Faults::default();
+    canonical::spell(&mut node, kind);
+    parameters::evaluate_alone(&mut node, kind, &mut faults);
+    complete::fill(&mut node, kind)?;
     let table = walk::table(Item::of(key, &node, kind), &mut faults);
     let read = table.and_then(|table| read(&table, &mut faults));
     read.filter(|_| faults.len() == 0).ok_or_else(|| faults.error())

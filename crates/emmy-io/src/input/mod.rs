@@ -7,6 +7,7 @@
 //! for editors (`schema`) and the key tables of `book/src/input.md` (`reference`).
 
 mod adaptive;
+mod canonical;
 mod catalogue;
 mod complete;
 mod contact;
@@ -17,6 +18,7 @@ mod description;
 mod energy;
 mod equilibrium;
 mod excerpt;
+mod expect;
 mod expression;
 mod fault;
 mod finite;
@@ -32,6 +34,7 @@ mod mechanism;
 mod memory;
 mod names;
 mod nodal;
+mod parameters;
 mod placed;
 mod plane_strain;
 mod plausible;

@@ -36,7 +36,7 @@ fn is_known(density: f64, modulus: f64) -> bool {
 }
 
 /// Units in which tables give densities, and their powers of ten in kg/m³.
-const DENSITIES: [(&str, i32); 4] = [("kg/m³", 0), ("g/cm³", 3), ("kg/mm³", 9), ("t/mm³", 12)];
+pub(super) const DENSITIES: [(&str, i32); 4] = [("kg/m³", 0), ("g/cm³", 3), ("kg/mm³", 9), ("t/mm³", 12)];
 
 /// Units in which tables give moduli, and their powers of ten in Pa.
 const MODULI: [(&str, i32); 4] = [("GPa", 9), ("MPa", 6), ("Pa", 0), ("kPa", 3)];

@@ -21,6 +21,10 @@ pub struct Overrides {
     pub set: Vec<String>,
     /// `--until T`: end of the run; the plan is cut, or its last phase is extended.
     pub until: Option<f64>,
+    /// `--dt H`: size of the steps, where the plan has one phase.
+    pub step_size: Option<f64>,
+    /// `--degree K`: degree of the time elements.
+    pub degree: Option<usize>,
     /// `--output DIR`.
     pub output: Option<PathBuf>,
     /// `--parts DIR` of a team: the folder of [`crate::shares`] from which each rank reads its part of the mesh.

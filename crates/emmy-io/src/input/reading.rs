@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use emmy::team::Team;
 
-use super::fault::InputError;
+use super::catalogue::ROOT_KIND;
+use super::fault::{Faults, InputError};
 use super::problem::{Overrides, Problem};
 use super::sections::Sections;
 use super::shape::MeshPath;
 use super::source::{self, Source};
 use super::tree::{self, Node};
-use super::{complete, deck, set, write};
+use super::{canonical, complete, deck, parameters, set, write};
 use crate::checkpoint::identity::digest_of_tables;
 use crate::mesh::MeshFile;
 use crate::shares::MeshSource;
@@ -82,12 +83,16 @@ impl Prepared {
         for flag in &overrides.set {
             set::apply(&mut tree, flag)?;
         }
+        set::apply_to_time(&mut tree, overrides)?;
+        canonical::spell(&mut tree, &ROOT_KIND);
+        let mut faults = Faults::default();
+        let unused = parameters::evaluate(&mut tree, &mut faults);
         let note = complete::clean_title(&mut tree);
         complete::fill_defaults(&mut tree)?;
         let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
         let directory = path.parent().unwrap_or(Path::new(""));
         let file = if reads_mesh { deck::insert(&mut tree, directory) } else { None };
-        let mut sections = Sections::read(&tree, directory, overrides)?;
+        let mut sections = Sections::read(&tree, directory, overrides, faults)?;
         // The text may have lost characters that are not UTF-8.
         sections.output.directory = output.unwrap_or(sections.output.directory);
         let spellable = |own: MeshPath| MeshPath {
@@ -101,7 +106,7 @@ impl Prepared {
         complete::spell(&mut tree);
         file.iter().for_each(|file| deck::leave_out_all(&mut tree, file));
         sections.mesh_file.set(file);
-        let notes = lost.into_iter().chain(note).collect();
+        let notes = lost.into_iter().chain(note).chain(unused).collect();
         Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })
     }
 }

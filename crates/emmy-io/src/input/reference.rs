@@ -14,7 +14,7 @@ use emmy::internals::time::SCHEMES;
 use emmy::mesh::CellKind;
 
 use super::description::{Key, Kind, Others, Rule, Section};
-use super::{catalogue, energy, formulation, material};
+use super::{catalogue, energy, formulation, material, synonyms};
 use crate::history::{ColumnInfo, every_column};
 use crate::mesh::ENTRIES;
 use crate::mesh::account::{Entries, Treatment};
@@ -61,6 +61,7 @@ fn keys(section: &Section) -> String {
             IfAbsent::Value("{}") => "as below".to_string(),
             IfAbsent::Value(value) => shortened(value),
             IfAbsent::Means(meaning) => meaning.to_string(),
+            IfAbsent::FromTwoOthers => TWO.to_string(),
         };
         vec![code(key.name), value(&key.kind, key.unit), absent, key.doc.clone()]
     };
@@ -74,8 +75,8 @@ fn keys(section: &Section) -> String {
 fn chosen(section: &Section) -> &'static str {
     match section.rule {
         Rule::AtLeastOne(_) | Rule::Input(_) => "at least one of these",
-        Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of these",
-        Rule::Free | Rule::Region => "",
+        Rule::ExactlyOne(_) => "exactly one of these",
+        Rule::Free | Rule::Region | Rule::TwoElasticConstants => "",
     }
 }
 
@@ -140,31 +141,35 @@ fn models() -> String {
     table(&["model", "strain energy", "for"], solids.chain([formula]).chain(of_links))
 }
 
+/// The default of an elastic constant.
+const TWO: &str = "two of the elastic constants are given";
+
 /// Parameters of all models; parameters shared by several models are listed once.
 fn parameters() -> String {
-    let mut rows: Vec<(Parameter, bool, Vec<&str>)> = Vec::new();
+    let mut rows: Vec<(Parameter, Vec<&str>)> = Vec::new();
     for model in MODELS.iter().map(|model| &model.model) {
-        let is_choice = model.parameters.len() > 1;
         for parameter in model.every_parameter() {
-            match rows.iter_mut().find(|row| (&row.0, row.1) == (parameter, is_choice)) {
-                Some((_, _, names)) => names.push(model.name),
-                None => rows.push((*parameter, is_choice, vec![model.name])),
+            match rows.iter_mut().find(|row| row.0 == *parameter) {
+                Some((_, names)) => names.push(model.name),
+                None => rows.push((*parameter, vec![model.name])),
             }
         }
     }
     table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(parameter))
 }
 
-fn parameter((parameter, is_choice, models): (Parameter, bool, Vec<&str>)) -> Vec<String> {
+fn parameter((parameter, models): (Parameter, Vec<&str>)) -> Vec<String> {
     let key = Key::from(&parameter);
     let absent = match key.if_absent {
-        IfAbsent::Required if is_choice => "one of the pairs".to_string(),
+        IfAbsent::FromTwoOthers => TWO.to_string(),
         IfAbsent::Required => "required".to_string(),
         IfAbsent::Value(value) => shortened(value),
         IfAbsent::Means(meaning) => meaning.to_string(),
     };
     let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
-    vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
+    let names = std::iter::once(key.name).chain(synonyms::accepted(key.name));
+    let names = names.map(code).collect::<Vec<_>>().join(", ");
+    vec![models, names, value(&key.kind, key.unit), absent, key.doc]
 }
 
 fn cells() -> String {
@@ -217,7 +222,8 @@ fn columns() -> String {
 }
 
 fn units() -> String {
-    let head = ["system", "mass", "length", "time", "force", "stress", "energy", "steel", "gravity"];
+    let head =
+        ["system", "mass", "length", "time", "force", "stress", "energy", "frequency", "steel", "gravity"];
     let row = |system: &UnitSystem| {
         let names = format!("{}, {}", code(system.name), code(system.full_name));
         let density = "mass/length³";

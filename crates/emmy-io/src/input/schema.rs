@@ -8,7 +8,7 @@ use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
 use super::description::{ENTRY, Key, Kind, MEMBERS, Rule, Section};
-use super::{catalogue, material};
+use super::{catalogue, material, synonyms};
 
 /// The JSON schema of an input file, draft 7.
 ///
@@ -29,8 +29,10 @@ pub fn schema() -> Value {
 fn table(section: &Section) -> Value {
     let is_required = |key: &&Key| key.if_absent == IfAbsent::Required;
     let required: Vec<&str> = section.keys.iter().filter(is_required).map(|key| key.name).collect();
-    let properties: Map<String, Value> =
-        section.keys.iter().map(|key| (key.name.to_string(), property(key))).collect();
+    let named = |key: &Key| std::iter::once(key.name).chain(synonyms::accepted(key.name));
+    let properties =
+        section.keys.iter().flat_map(|key| named(key).map(|name| (name.to_string(), property(key))));
+    let properties: Map<String, Value> = properties.collect();
     let mut schema = json!({
         "title": section.name,
         "description": section.doc,
@@ -77,10 +79,14 @@ fn rules(section: &Section) -> Map<String, Value> {
         Rule::ExactlyOne(sets) => {
             json!({ "oneOf": sets.iter().map(|keys| required(keys)).collect::<Vec<_>>() })
         }
-        Rule::OneSet(sets) => {
-            let names = sets.iter().map(|set| set.iter().map(|parameter| parameter.name).collect::<Vec<_>>());
-            let most = sets.iter().map(|set| set.len()).max();
-            json!({ "oneOf": names.map(|keys| required(&keys)).collect::<Vec<_>>(), "maxProperties": most })
+        // Each constant has several names, too many for a list of the pairs.
+        Rule::TwoElasticConstants => {
+            let count = |is_one: fn(&IfAbsent) -> bool| {
+                section.keys.iter().filter(|key| is_one(&key.if_absent)).count()
+            };
+            let least = 2 + count(|own| *own == IfAbsent::Required);
+            let optional = count(|own| matches!(own, IfAbsent::Value(_) | IfAbsent::Means(_)));
+            json!({ "minProperties": least, "maxProperties": least + optional })
         }
         Rule::AtLeastOne(keys) if keys.len() == section.keys.len() => json!({ "minProperties": 1 }),
         Rule::AtLeastOne(keys) => {
@@ -149,8 +155,10 @@ fn of(kind: &Kind) -> Value {
         Kind::Text => json!({ "type": "string", "pattern": "\\S" }),
         Kind::Column(taken) => json!({ "type": "string", "pattern": r"^[\w-]+$", "not": { "enum": taken } }),
         Kind::Number(bounds) => number(*bounds),
-        Kind::Whole(least, None) => json!({ "type": "integer", "minimum": least }),
-        Kind::Whole(least, Some(most)) => json!({ "type": "integer", "minimum": least, "maximum": most }),
+        Kind::Whole(least, None) => number_or_text("integer", json!({ "minimum": least })),
+        Kind::Whole(least, Some(most)) => {
+            number_or_text("integer", json!({ "minimum": least, "maximum": most }))
+        }
         Kind::Word(_, words, _) => json!({ "type": "string", "enum": words }),
         Kind::Words(least, word) => {
             json!({ "type": "array", "items": of(word), "minItems": least, "uniqueItems": true })
@@ -171,19 +179,26 @@ fn of(kind: &Kind) -> Value {
     }
 }
 
+/// A number, or a text that is computed; the bounds apply to numbers and the pattern to texts.
+fn number_or_text(number: &str, bounds: Value) -> Value {
+    let mut schema = bounds;
+    schema["type"] = json!([number, "string"]);
+    schema["pattern"] = json!(r"^\s*=");
+    schema
+}
+
 fn number(bounds: Bounds) -> Value {
-    match bounds {
-        Bounds::Any => json!({ "type": "number" }),
-        Bounds::Above(least) => json!({ "type": "number", "exclusiveMinimum": bound(least) }),
-        Bounds::AtLeast(least) => json!({ "type": "number", "minimum": bound(least) }),
+    let bounds = match bounds {
+        Bounds::Any => json!({}),
+        Bounds::Above(least) => json!({ "exclusiveMinimum": bound(least) }),
+        Bounds::AtLeast(least) => json!({ "minimum": bound(least) }),
         Bounds::Between(low, high) => {
-            json!({ "type": "number", "exclusiveMinimum": bound(low), "exclusiveMaximum": bound(high) })
+            json!({ "exclusiveMinimum": bound(low), "exclusiveMaximum": bound(high) })
         }
-        Bounds::Within(low, high) => {
-            json!({ "type": "number", "minimum": bound(low), "maximum": bound(high) })
-        }
-        Bounds::NotZero => json!({ "type": "number", "not": { "const": 0 } }),
-    }
+        Bounds::Within(low, high) => json!({ "minimum": bound(low), "maximum": bound(high) }),
+        Bounds::NotZero => json!({ "not": { "const": 0 } }),
+    };
+    number_or_text("number", bounds)
 }
 
 /// A bound, without a decimal point if it is a whole number.

@@ -11,6 +11,7 @@ use emmy::time::Scheme;
 
 use super::catalogue::ROOT_KIND;
 use super::contact::{self, PlacedContact};
+use super::expect::{self, Expected};
 use super::fault::{Fault, Faults, InputError};
 use super::formulation::Formulations;
 use super::history::Context;
@@ -58,6 +59,7 @@ pub(super) struct Sections {
     pub(super) output: Output,
     requested: Requested,
     limits: Limits,
+    expected: Option<Expected>,
     /// Groups of the regions of links: lines of a mesh file that are cells.
     link_groups: Vec<String>,
     /// The mesh of a file, if it was read before.
@@ -65,8 +67,13 @@ pub(super) struct Sections {
 }
 
 impl Sections {
-    pub(super) fn read(tree: &Node, directory: &Path, overrides: &Overrides) -> Result<Sections, InputError> {
-        let mut faults = Faults::default();
+    /// `faults`: those of values that were computed before.
+    pub(super) fn read(
+        tree: &Node,
+        directory: &Path,
+        overrides: &Overrides,
+        mut faults: Faults,
+    ) -> Result<Sections, InputError> {
         let Some(table) = walk::root(Item::of("input", tree, &ROOT_KIND), &mut faults) else {
             return Err(faults.error());
         };
@@ -86,7 +93,7 @@ impl Sections {
         let (start, initial) = read_start(&mut root, directory);
         let time = read_time(&mut root, start.as_ref(), overrides);
         let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
-        let context = Context { directory, run, is_undeformed: start == Some(Start::Undeformed) };
+        let context = Context { directory, units, run, is_undeformed: start == Some(Start::Undeformed) };
         let load::Sorted { loads, attractions, drags } =
             root.each("load", |table, faults| load::read(table, context, faults)).into_iter().collect();
         let motion = table.item("time").filter(|_| !overrides.is_of_body);
@@ -119,6 +126,7 @@ impl Sections {
         let newton = root.one("newton", |table, _| Some(settings::newton(table))).unwrap_or_default();
         let solver = root.one("solver", |table, _| Some(settings::solver(table))).unwrap_or(Solver::Auto);
         let limits = root.one("limits", |table, _| Some(settings::limits(table))).unwrap_or_default();
+        let expected = root.one("expect", |table, _| Some(expect::read(table)));
         let plan = time.as_ref().map(|time| match time.scheme {
             // The load fraction is no time.
             Scheme::Static => time.plan.clone(),
@@ -167,6 +175,7 @@ impl Sections {
                     output,
                     requested,
                     limits,
+                    expected,
                     start,
                     regions,
                     loads,
@@ -329,6 +338,11 @@ impl Sections {
                 body.map_err(fault)?
             }
         };
+        if let Some(expected) = &self.expected {
+            let mut faults = Faults::default();
+            expected.check(&body, self.units, &mut faults);
+            faults.finish()?;
+        }
         notes.extend(tie::notes(&body, self.units));
         let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
         let starts_as_drawn = !is_equilibrium && !matches!(self.start, Start::Run(_));

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use super::equilibrium;
 use super::fault::{Fault, InputError, Place};
+use super::problem::Overrides;
 use super::suggest::listed;
+use super::table::spelled;
 use super::tree::{self, Entry, Node, Value};
 
 /// Applies one `KEY=VALUE`. The key is dotted; numbers in it count the items of a list from 0 (optional for the only
@@ -18,6 +21,50 @@ pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     }
     let value = value(&start, flag, key, path.len())?;
     Ok(assign(tree, "the input", &path, value)?)
+}
+
+/// Applies `--dt H` and `--degree K`, short forms of values in `[time]`.
+pub(super) fn apply_to_time(tree: &mut Node, overrides: &Overrides) -> Result<(), Fault> {
+    if let Some(degree) = overrides.degree {
+        let node = of_flag("--degree", &degree.to_string(), Value::Integer(degree as i64));
+        time(tree, "--degree")?.put("degree", node);
+    }
+    if let Some(size) = overrides.step_size {
+        apply_step_size(time(tree, "--dt")?, &of_flag("--dt", &spelled(size), Value::Float(size)))?;
+    }
+    Ok(())
+}
+
+fn time<'a>(tree: &'a mut Node, flag: &str) -> Result<&'a mut Node, Fault> {
+    tree.get_mut("time").ok_or_else(|| equilibrium::no_time(flag))
+}
+
+/// The value of a flag.
+fn of_flag(name: &str, text: &str, value: Value) -> Node {
+    let flag = format!("{name} {text}");
+    Node { value, place: Place::start_of(name, &flag).at(name.len() + 1..flag.len()) }
+}
+
+/// Sets the size of the only phase of `[time]`.
+fn apply_step_size(time: &mut Node, size: &Node) -> Result<(), Fault> {
+    if time.get_mut("adaptive").is_some() {
+        let message = "--dt: the sizes of adaptive steps are chosen by their errors";
+        let help =
+            "set the error, --set time.adaptive.tolerance=E, or the bound, --set time.adaptive.max_size=H";
+        return Err(Fault::at(&size.place, message, "this size").help(help));
+    }
+    // Something else than a list has its fault when the input is read.
+    let Some(Value::Array(phases)) = time.get_mut("steps").map(|steps| &mut steps.value) else {
+        return Ok(());
+    };
+    if phases.len() > 1 {
+        let message = format!("--dt: `steps` has {} phases, each with its size", phases.len());
+        let help =
+            format!("set each by its number: --set time.steps.0.size=H to time.steps.{}", phases.len() - 1);
+        return Err(Fault::at(&size.place, message, "of which phase?").help(help));
+    }
+    phases.iter_mut().for_each(|phase| phase.put("size", size.clone()));
+    Ok(())
 }
 
 /// A flag `KEY=A,B,C` of a sweep as one `KEY=VALUE` for each value. A comma inside brackets or quotes belongs to a

@@ -5,24 +5,28 @@ use emmy::internals::number::{short, short_vector};
 use emmy::mesh::Mesh;
 use emmy::time::BodyFeature;
 
-use super::description::{Described, Kind, POSITIVE, Section, vector, word};
+use super::description::{Described, Kind, POSITIVE, Section, either, vector, word};
 use super::fault::{Fault, Faults, Place};
 use super::history::{self, Context};
 use super::measured::MEASURED;
 use super::placed::{self, Placed};
-use super::table::{Item, Table};
+use super::table::{Item, Read, Table};
 use super::time::Time;
 
 /// Names of the components.
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 
+/// Components in a word.
+const FIXED: [&str; 8] = ["all", "xyz", "xy", "xz", "yz", "x", "y", "z"];
+
 /// `[[support]]`.
 pub(super) static SUPPORT: Described = Described::new(|| {
     let symmetry =
         "The facets of the group lie in a plane of symmetry, normal to the x, y or z axis, and stay in it";
+    let several = Kind::Words(1, Box::new(word("a component", COMPONENTS)));
     Section::new("[[support]]", "Nodes that are held, moved or turned")
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
-        .may("fix", Kind::Words(1, Box::new(word("a component", COMPONENTS))), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
+        .may("fix", either(word("a set of components", FIXED), several), "", "Components that do not move; `\"all\"` is `\"xyz\"`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
         .may(
             "accelerate",
@@ -85,7 +89,7 @@ pub(super) fn read(table: &Table<'_>, context: Context<'_>, faults: &mut Faults)
     let own = table.may("rotate");
     let support = Support {
         group: table.must::<Item<'_>>("group").name(),
-        fix: fixed(table.may("fix").unwrap_or_default()),
+        fix: table.item("fix").map_or([false; 3], fixed),
         displacement: displacement(table, context, faults),
         rotation: own.and_then(|own: Table<'_>| faults.keep(rotation(&own, context))),
         symmetry: table.item("symmetry").is_some(),
@@ -103,8 +107,15 @@ fn spring(table: &Table<'_>, stiffness: f64) -> Result<Placed<GroundSpring>, Fau
     Ok(Placed::new(table, GroundSpring { group: table.must::<Item<'_>>("group").name(), stiffness }))
 }
 
-fn fixed(components: Vec<&str>) -> [bool; 3] {
-    COMPONENTS.map(|component| components.contains(&component))
+fn fixed(item: Item<'_>) -> [bool; 3] {
+    match item.text() {
+        Some("all") => [true; 3],
+        Some(word) => COMPONENTS.map(|component| word.contains(component)),
+        None => {
+            let listed: Vec<&str> = Read::read(item);
+            COMPONENTS.map(|component| listed.contains(&component))
+        }
+    }
 }
 
 /// Displacements of components, given by themselves or by their accelerations.

@@ -1,16 +1,24 @@
 //! Words of other programs, and the keys that they mean.
 
+/// Short names of keys, which may be written in their place.
+const ACCEPTED: &[(&str, &str)] = &[
+    ("E", "youngs_modulus"),
+    ("young", "youngs_modulus"),
+    ("nu", "poissons_ratio"),
+    ("poisson", "poissons_ratio"),
+    ("G", "mu"),
+    ("shear", "mu"),
+    ("shear_modulus", "mu"),
+    ("K", "bulk_modulus"),
+    ("bulk", "bulk_modulus"),
+];
+
 /// Words of other programs, and the keys that they mean.
 const SYNONYMS: &[(&str, &str)] = &[
-    ("E", "youngs_modulus"),
     ("tol", "tolerance"),
     ("dt_min", "min_size"),
     ("dt_max", "max_size"),
-    ("nu", "poissons_ratio"),
     ("rho", "density"),
-    ("young", "youngs_modulus"),
-    ("poisson", "poissons_ratio"),
-    ("G", "mu"),
     ("k", "stiffness"),
     ("l0", "rest_length"),
     ("cross_section", "area"),
@@ -31,9 +39,6 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("position", "at"),
     ("rotate", "turn"),
     ("center", "centre"),
-    ("shear_modulus", "mu"),
-    ("K", "bulk_modulus"),
-    ("bulk", "bulk_modulus"),
     ("Jm", "jm"),
     ("c1", "c10"),
     ("c2", "c01"),
@@ -66,7 +71,6 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("end_time", "until"),
     ("order", "degree"),
     ("method", "scheme"),
-    ("gravity", "acceleration"),
     ("point_force", "nodal_force"),
     ("concentrated_force", "nodal_force"),
     ("p", "pressure"),
@@ -122,5 +126,10 @@ const SYNONYMS: &[(&str, &str)] = &[
 
 /// The keys meant by a word.
 pub(super) fn of(word: &str) -> impl Iterator<Item = &'static str> + Clone {
-    SYNONYMS.iter().filter(move |(other, _)| *other == word).map(|(_, key)| *key)
+    ACCEPTED.iter().chain(SYNONYMS).filter(move |(other, _)| *other == word).map(|(_, key)| *key)
+}
+
+/// The short names of a key.
+pub(super) fn accepted(key: &str) -> impl Iterator<Item = &'static str> {
+    ACCEPTED.iter().filter(move |(_, own)| *own == key).map(|(word, _)| *word)
 }

@@ -217,10 +217,12 @@ impl Read<'_> for usize {
     }
 }
 
-/// Whether a value has the form of numbers, texts, histories, or lists of such a form.
+/// Whether a value has the form of numbers, texts, words, histories, or lists of such a form.
 fn has_form(kind: &Kind, value: &Value) -> bool {
     match (kind, value) {
-        (Kind::Number(_), Value::Integer(_) | Value::Float(_)) | (Kind::Text, Value::String(_)) => true,
+        (Kind::Number(_), Value::Integer(_) | Value::Float(_))
+        | (Kind::Text | Kind::Word(..), Value::String(_))
+        | (Kind::Words(..), Value::Array(_)) => true,
         (
             Kind::TimeFunction(_),
             Value::String(_) | Value::Array(_) | Value::Table(_) | Value::TimeFunction(_),

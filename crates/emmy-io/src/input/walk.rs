@@ -1,6 +1,6 @@
 //! One walk checks a value, and everything in it, against its description. It stores every fault.
 
-use emmy::internals::material::{Bounds, IfAbsent, Parameter};
+use emmy::internals::material::{Bounds, ELASTIC_CONSTANTS, IfAbsent};
 use emmy::internals::number::short;
 
 use super::description::{Kind, Rule, Section};
@@ -9,7 +9,7 @@ use super::finite::{HELP, LARGEST};
 use super::suggest::{did_you_mean, listed, nearest};
 use super::table::{Item, Table, spelled};
 use super::tree::Value;
-use super::{catalogue, joint, material, synonyms};
+use super::{catalogue, joint, material, parameters, synonyms};
 
 /// The table of an item, if everything in it is right.
 pub(super) fn table<'a>(item: Item<'a>, faults: &mut Faults) -> Option<Table<'a>> {
@@ -50,6 +50,8 @@ pub(super) fn is_right(item: Item<'_>, faults: &mut Faults) -> bool {
         (Kind::Table(_) | Kind::TimeFunction(_), Value::Table(_)) => item
             .table()
             .is_some_and(|table| are_keys_right(&table, faults) & are_values_right(&table, faults)),
+        // Its fault is known: otherwise there would be a number.
+        (kind, value) if parameters::is_computed(kind, value) => false,
         (Kind::TimeFunction(_), Value::TimeFunction(_)) | (Kind::Field(_), Value::Field(_)) => true,
         (Kind::Field(of), _) if !is_of_program(item) => is_right(Item { kind: of, ..item }, faults),
         (Kind::Either(_), _) => match item.of_one_kind() {
@@ -254,6 +256,9 @@ fn mismatch(item: Item<'_>) -> Fault {
         (Kind::Number(_) | Kind::Whole(..), Some(text)) if text.parse::<f64>().is_ok() => {
             fault.help("numbers stand without quotes")
         }
+        (Kind::Number(_) | Kind::Whole(..), Some(text)) if text.contains('*') => {
+            fault.help(format!("an expression begins with `=`: {} = \"= {text}\"", item.key))
+        }
         (Kind::Number(_) | Kind::Whole(..), Some(text))
             if text.starts_with(|c: char| c.is_ascii_digit() || ".+-".contains(c)) =>
         {
@@ -262,6 +267,9 @@ fn mismatch(item: Item<'_>) -> Fault {
             )
         }
         _ if is_entry(item) => fault.help("put square brackets around it"),
+        (Kind::Word(..), None) if item.key == "gravity" => {
+            fault.help("the vector of any acceleration is an `acceleration`")
+        }
         (Kind::TimeFunction(_), _) => match item.value() {
             Value::Float(number) => fault.help(of_number(item.key, *number)),
             Value::Integer(number) => fault.help(of_number(item.key, *number as f64)),
@@ -403,8 +411,8 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         Rule::AtLeastOne(keys) if are_known && !keys.iter().any(|key| is_there(key)) => {
             faults.push(none("at least", section.choice()));
         }
-        Rule::OneSet(sets) if are_known => {
-            faults.keep(one_set(table, sets));
+        Rule::TwoElasticConstants if are_known => {
+            faults.keep(two_constants(table));
         }
         Rule::Input(keys) => {
             // A body has cells with materials, or rigid bodies, or both.
@@ -424,23 +432,33 @@ fn are_keys_right(table: &Table<'_>, faults: &mut Faults) -> bool {
         {
             faults.push(missing("density"));
         }
-        Rule::Free | Rule::AtLeastOne(_) | Rule::OneSet(_) | Rule::Region => {}
+        Rule::Free | Rule::AtLeastOne(_) | Rule::TwoElasticConstants | Rule::Region => {}
     }
     faults.len() == before
 }
 
-/// Checks that exactly one set of parameters is given.
-fn one_set(table: &Table<'_>, sets: &[&[Parameter]]) -> Result<(), Fault> {
-    let is_given = |parameter: &Parameter| table.item(parameter.name).is_some();
-    let n_given = sets.iter().copied().flatten().filter(|parameter| is_given(parameter)).count();
-    if sets.iter().any(|set| set.len() == n_given && set.iter().all(is_given)) {
+/// Checks that exactly two elastic constants are given.
+fn two_constants(table: &Table<'_>) -> Result<(), Fault> {
+    let given: Vec<Item<'_>> = material::given_constants(table).collect();
+    if given.len() == 2 {
         return Ok(());
     }
-    let name = |parameter: &Parameter| format!("`{}`", parameter.name);
-    let names = |set: &&[Parameter]| set.iter().map(name).collect::<Vec<_>>().join(" and ");
-    let sets = sets.iter().map(names).collect::<Vec<_>>().join(", or ");
-    let message = format!("{} needs exactly one pair of parameters: either {sets}", table.section.title());
-    Err(Fault::at(table.place, message, "not one pair"))
+    let names: Vec<String> = ELASTIC_CONSTANTS.iter().map(|own| format!("`{}`", own.name)).collect();
+    let pairs = |(i, name): (usize, &String)| match &names[i + 1..] {
+        [] => None,
+        [others @ .., last] if !others.is_empty() => {
+            Some(format!("{name} with {} or {last}", others.join(", ")))
+        }
+        [last, ..] => Some(format!("{name} with {last}")),
+    };
+    let pairs: Vec<String> = names.iter().enumerate().filter_map(pairs).collect();
+    let title = table.section.title();
+    let message = format!("{title} needs exactly two elastic constants, not {}", given.len());
+    let fault = match &given[..] {
+        [] => Fault::at(table.place, message, "none of them here"),
+        given => given.iter().fold(Fault::new(message), |fault, own| fault.label(own.key_place, "given")),
+    };
+    Err(fault.help(format!("the pairs: {}", pairs.join("; "))))
 }
 
 /// The keys of a table that its unknown words are meant to be.

@@ -55,6 +55,18 @@ impl Body {
         sum[0]
     }
 
+    /// Mass and volume of all regions, masses and rigid bodies, on a team those of all ranks \[mass, length^3\].
+    #[doc(hidden)]
+    pub fn mass_and_volume(&self) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for region in self.regions() {
+            sums[0] += region.mass;
+            sums[1] += region.volume;
+        }
+        self.space.sum_ranks("mass and volume", &mut sums);
+        sums
+    }
+
     /// Total of the consistent mass \[mass\].
     pub(crate) fn total_mass(&self) -> f64 {
         let end = self.pattern().range(self.space.own_nodes().end - 1).end;

@@ -1,7 +1,8 @@
 //! Arruda-Boyce material.
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::isochoric::Isochoric;
-use super::model::{BULK_MODULUS, Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
+use super::model::{Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::polynomial::Polynomial;
 use super::volumetric::Volume;
 use super::{Volumetric, fulfils, positive, split_material};
@@ -75,18 +76,19 @@ impl Modelled for ArrudaBoyce {
         name: NAME,
         energy: "n(mu) sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J), C = 1/2, 1/20, 11/1050, 19/7000, 519/673750",
         purpose: "rubber, eight chains of rigid links",
-        parameters: &[&[
-            Parameter::positive("mu", "stress", "Shear modulus at small strain"),
-            Parameter::number("lambda_m", Bounds::Above(1.0), "", "Locking stretch of a chain"),
-            BULK_MODULUS,
-            VOLUMETRIC,
-        ]],
+        parameters: &[
+            ELASTIC_CONSTANTS,
+            &[
+                Parameter::number("lambda_m", Bounds::Above(1.0), "", "Locking stretch of a chain"),
+                VOLUMETRIC,
+            ],
+        ],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        let (bulk_modulus, law) = values.volume();
-        ArrudaBoyce::new(values.number("mu"), values.number("lambda_m"), bulk_modulus, law)
+        let own = values.elastic(NAME)?;
+        ArrudaBoyce::new(own.mu, values.number("lambda_m"), own.bulk_modulus, values.law())
     }
 }
 

@@ -2,10 +2,11 @@
 
 #![allow(non_snake_case)]
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::model::{Model, ModelCells, Modelled, Values};
 use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
@@ -80,12 +81,13 @@ impl Modelled for CiarletGeymonat {
         name: NAME,
         energy: "mu/2 (tr C - 3) + lambda/4 (J^2 - 1) - (lambda/2 + mu) ln J",
         purpose: "large strain, strong compression; polyconvex if lambda >= 0",
-        parameters: LAME_OR_ENGINEERING,
+        parameters: &[ELASTIC_CONSTANTS],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.elastic_pair(CiarletGeymonat::new, CiarletGeymonat::from_engineering)
+        let own = values.elastic(NAME)?;
+        CiarletGeymonat::new(own.lambda, own.mu)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Gent material.
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::isochoric::Isochoric;
-use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
+use super::model::{Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, positive, split_material};
 use crate::error::Result;
@@ -53,18 +54,16 @@ impl Modelled for Gent {
         name: NAME,
         energy: "-mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)",
         purpose: "rubber with a limit of its stretch",
-        parameters: &[&[
-            Parameter::positive("mu", "stress", "Shear modulus at small strain"),
-            Parameter::positive("jm", "", "Limit of I1bar - 3; steps that reach it fail"),
-            BULK_MODULUS,
-            VOLUMETRIC,
-        ]],
+        parameters: &[
+            ELASTIC_CONSTANTS,
+            &[Parameter::positive("jm", "", "Limit of I1bar - 3; steps that reach it fail"), VOLUMETRIC],
+        ],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        let (bulk_modulus, law) = values.volume();
-        Gent::new(values.number("mu"), values.number("jm"), bulk_modulus, law)
+        let own = values.elastic(NAME)?;
+        Gent::new(own.mu, values.number("jm"), own.bulk_modulus, values.law())
     }
 }
 

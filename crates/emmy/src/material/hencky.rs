@@ -1,6 +1,7 @@
 //! Hencky material.
 
-use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::elastic::ELASTIC_CONSTANTS;
+use super::model::{Model, ModelCells, Modelled, Values};
 use super::principal::StrainChange;
 use super::spectral::Separable;
 use super::volumetric::Volume;
@@ -60,12 +61,13 @@ impl Modelled for Hencky {
         name: NAME,
         energy: "lambda/2 (tr h)^2 + mu h : h",
         purpose: "metals and polymers, stretches from 0.7 to 1.3",
-        parameters: LAME_OR_ENGINEERING,
+        parameters: &[ELASTIC_CONSTANTS],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.elastic_pair(Hencky::new, Hencky::from_engineering)
+        let own = values.elastic(NAME)?;
+        Hencky::new(own.lambda, own.mu)
     }
 }
 

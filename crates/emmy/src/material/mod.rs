@@ -11,6 +11,7 @@ mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
 mod distortion;
+pub(crate) mod elastic;
 mod formula;
 mod gent;
 mod hencky;

@@ -11,7 +11,7 @@ use crate::error::Result;
 /// use emmy::internals::material::Modelled;
 /// use emmy::material::Gent;
 /// let names: Vec<&str> = Gent::MODEL.every_parameter().map(|parameter| parameter.name).collect();
-/// assert_eq!(names, ["mu", "jm", "bulk_modulus", "volumetric"]);
+/// assert_eq!(names[2..], ["youngs_modulus", "poissons_ratio", "bulk_modulus", "jm", "volumetric"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
@@ -21,7 +21,7 @@ pub struct Model {
     pub energy: &'static str,
     /// Use, in a few words.
     pub purpose: &'static str,
-    /// Sets of parameters, of which exactly one is given. Most models have one set.
+    /// Its parameters, in parts; isotropic models begin with [`ELASTIC_CONSTANTS`](super::elastic::ELASTIC_CONSTANTS).
     pub parameters: &'static [&'static [Parameter]],
     /// Cells that the model is for.
     pub cells: ModelCells,
@@ -77,6 +77,8 @@ pub enum IfAbsent {
     Value(&'static str),
     /// Described in words.
     Means(&'static str),
+    /// It follows from two others with this meaning: exactly two of them are given.
+    FromTwoOthers,
 }
 
 /// Numbers that a value may have.
@@ -177,27 +179,15 @@ pub(super) const VOLUMETRIC: Parameter = Parameter {
     doc: "Law of volume W_vol(J)",
 };
 
-/// Lamé parameters, or Young's modulus and Poisson's ratio.
-pub(super) const LAME_OR_ENGINEERING: &[&[Parameter]] = &[
-    &[
-        Parameter::number("lambda", Bounds::Any, "stress", "First Lamé parameter, above -2/3 `mu`"),
-        Parameter::positive("mu", "stress", "Shear modulus"),
-    ],
-    &[
-        Parameter::positive("youngs_modulus", "stress", "Young's modulus E at small strain"),
-        Parameter::number(
-            "poissons_ratio",
-            Bounds::Between(-1.0, 0.5),
-            "",
-            "Poisson's ratio nu at small strain; lambda = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu))",
-        ),
-    ],
-];
-
 impl Model {
-    /// Parameters of all sets.
+    /// All parameters.
     pub fn every_parameter(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
         self.parameters.iter().copied().flatten()
+    }
+
+    /// Whether the model takes two of the elastic constants.
+    pub fn has_elastic_constants(&self) -> bool {
+        self.every_parameter().any(|parameter| parameter.if_absent == IfAbsent::FromTwoOthers)
     }
 
     /// Whether the model is for links.
@@ -296,22 +286,14 @@ impl Values {
 
     /// Bulk modulus and law of volume.
     pub(super) fn volume(&self) -> (f64, Volumetric) {
-        let law = match self.get(VOLUMETRIC.name) {
-            Some(Value::Law(law)) => *law,
-            _ => Volumetric::default(),
-        };
-        (self.number(BULK_MODULUS.name), law)
+        (self.number(BULK_MODULUS.name), self.law())
     }
 
-    /// The material of one of the two pairs in [`LAME_OR_ENGINEERING`], by its constructor for each.
-    pub(super) fn elastic_pair<M>(
-        &self,
-        from_lame: fn(f64, f64) -> Result<M>,
-        from_engineering: fn(f64, f64) -> Result<M>,
-    ) -> Result<M> {
-        match self.optional("youngs_modulus") {
-            Some(youngs_modulus) => from_engineering(youngs_modulus, self.number("poissons_ratio")),
-            None => from_lame(self.number("lambda"), self.number("mu")),
+    /// Law of volume.
+    pub(super) fn law(&self) -> Volumetric {
+        match self.get(VOLUMETRIC.name) {
+            Some(Value::Law(law)) => *law,
+            _ => Volumetric::default(),
         }
     }
 }

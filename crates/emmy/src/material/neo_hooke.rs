@@ -2,10 +2,11 @@
 
 #![allow(non_snake_case)]
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::model::{Model, ModelCells, Modelled, Values};
 use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{
@@ -86,12 +87,13 @@ impl Modelled for NeoHooke {
         name: NAME,
         energy: "mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J",
         purpose: "large strain",
-        parameters: LAME_OR_ENGINEERING,
+        parameters: &[ELASTIC_CONSTANTS],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.elastic_pair(NeoHooke::new, NeoHooke::from_engineering)
+        let own = values.elastic(NAME)?;
+        NeoHooke::new(own.lambda, own.mu)
     }
 }
 

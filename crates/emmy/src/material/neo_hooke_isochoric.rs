@@ -1,7 +1,8 @@
 //! Isochoric neo-Hooke material.
 
+use super::elastic::ELASTIC_CONSTANTS;
 use super::isochoric::Isochoric;
-use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
+use super::model::{Model, ModelCells, Modelled, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, positive, split_material};
 use crate::error::Result;
@@ -48,13 +49,13 @@ impl Modelled for NeoHookeIsochoric {
         name: NAME,
         energy: "mu/2 (I1bar - 3) + W_vol(J)",
         purpose: "nearly incompressible rubber, moderate strain",
-        parameters: &[&[Parameter::positive("mu", "stress", "Shear modulus"), BULK_MODULUS, VOLUMETRIC]],
+        parameters: &[ELASTIC_CONSTANTS, &[VOLUMETRIC]],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        let (bulk_modulus, law) = values.volume();
-        NeoHookeIsochoric::new(values.number("mu"), bulk_modulus, law)
+        let own = values.elastic(NAME)?;
+        NeoHookeIsochoric::new(own.mu, own.bulk_modulus, values.law())
     }
 }
 

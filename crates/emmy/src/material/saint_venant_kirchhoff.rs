@@ -2,7 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::elastic::ELASTIC_CONSTANTS;
+use super::model::{Model, ModelCells, Modelled, Values};
 use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
@@ -54,12 +55,13 @@ impl Modelled for SaintVenantKirchhoff {
         name: NAME,
         energy: "lambda/2 (tr E)^2 + mu E : E",
         purpose: "large rotation, small strain; it softens under strong compression",
-        parameters: LAME_OR_ENGINEERING,
+        parameters: &[ELASTIC_CONSTANTS],
         cells: ModelCells::Solids,
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.elastic_pair(SaintVenantKirchhoff::new, SaintVenantKirchhoff::from_engineering)
+        let own = values.elastic(NAME)?;
+        SaintVenantKirchhoff::new(own.lambda, own.mu)
     }
 }
 

@@ -16,13 +16,13 @@ pub(super) fn all() -> Vec<Mistake> {
 
 fn keys() -> Vec<Mistake> {
     vec![
-        parameter("ciarlet-geymonat", "modulus-of-textbooks", "youngs_modulus", "E"),
+        parameter("ciarlet-geymonat", "modulus-by-two-names", "youngs_modulus", "E = 1.0, youngs_modulus"),
         parameter("hencky", "pair-and-one-more", "mu = 500", "mu = 500, poissons_ratio = 0.3"),
-        parameter("mooney-rivlin", "bulk-modulus-of-textbooks", "bulk_modulus", "K"),
+        parameter("mooney-rivlin", "bulk-modulus-in-a-small-letter", "bulk_modulus", "k"),
         parameter("mooney-rivlin", "parameter-missing", "c01 = 50.0, ", ""),
         parameter("mooney-rivlin", "by-half-its-name", "mooney-rivlin", "mooney"),
         parameter("yeoh", "parameter-cut-short", "c20", "c2"),
-        parameter("gent", "modulus-in-words", "mu", "shear_modulus"),
+        parameter("gent", "modulus-in-other-words", "mu", "shear_modul"),
         parameter("arruda-boyce", "locking-stretch-in-words", "lambda_m", "locking_stretch"),
         parameter("ogden", "no-bulk-modulus", ", bulk_modulus = 1e3", ""),
         parameter("orthotropic", "shear-modulus-of-textbooks", "mu_23", "G23"),

@@ -9,6 +9,7 @@ mod keys;
 mod materials;
 mod meshes;
 mod names;
+mod parameters;
 mod plans;
 mod ranges;
 mod schema;
@@ -115,6 +116,7 @@ fn all() -> Vec<Mistake> {
         materials::all(),
         formulations::all(),
         names::all(),
+        parameters::all(),
         meshes::all(),
         supports_and_loads::all(),
         joints::all(),

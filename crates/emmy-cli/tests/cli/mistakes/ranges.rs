@@ -18,7 +18,7 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("negative-modulus", "mu = 500.0", "mu = -500.0"),
         changed("lambda-too-small", "lambda = 1000.0", "lambda = -400.0").unseen(),
         changed("half-a-pair", PAIR, "youngs_modulus = 1000.0"),
-        changed("mixed-pair", PAIR, "youngs_modulus = 1000.0, mu = 500.0"),
+        changed("constants-of-no-solid", PAIR, "youngs_modulus = 1000.0, mu = 300.0").unseen(),
         changed("both-pairs", PAIR, "lambda = 1.0, mu = 1.0, youngs_modulus = 2.5, poissons_ratio = 0.25"),
         changed("two-models", MATERIAL, "hencky = { lambda = 1.0, mu = 1.0 }\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }"),
         changed("modulus-too-large", PAIR, "youngs_modulus = 1e308, poissons_ratio = 0.4999999999").unseen(),
@@ -46,7 +46,8 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("large-negative-density", "density = 2.0", "density = -1e300"),
         changed("no-thickness", "density = 2.0", "density = 2.0\nthickness = 0"),
         changed("incompressible-and-soft", PAIR, "youngs_modulus = 1.0, poissons_ratio = 0.5"),
-        changed("lambda-and-poissons-ratio", "mu = 500.0", "poissons_ratio = 0.3"),
+        changed("lambda-and-a-negative-ratio", "mu = 500.0", "poissons_ratio = -0.3").unseen(),
+        changed("three-constants", "mu = 500.0", "mu = 500.0, K = 1.0"),
         changed("mu-alone", "lambda = 1000.0, mu", "mu"),
         changed("negative-limit", "energy = 1e-2", "energy = -1"),
     ]

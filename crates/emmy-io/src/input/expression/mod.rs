@@ -10,7 +10,7 @@ mod parse;
 use emmy::body::{Field, TimeFunction};
 use emmy::internals::number::short;
 
-use super::fault::Fault;
+use super::fault::{Fault, Place};
 use super::table::{Item, Read};
 use jet::Jet;
 use parse::{Mistake, parse};
@@ -130,6 +130,26 @@ impl Expression {
         }
     }
 
+    /// Value; quotients are rounded once, so that 49/49 is 1.
+    pub(super) fn value(&self, variables: &[f64]) -> f64 {
+        match self {
+            Expression::Variable(number) => variables[*number],
+            Expression::Number(value) => *value,
+            Expression::Negative(argument) => -argument.value(variables),
+            Expression::Function(function, argument) => FUNCTIONS[*function].1(argument.value(variables))[0],
+            Expression::Operation(operator, sides) => {
+                let [a, b] = [sides[0].value(variables), sides[1].value(variables)];
+                match operator {
+                    Operator::Plus => a + b,
+                    Operator::Minus => a - b,
+                    Operator::Times => a * b,
+                    Operator::Over => a / b,
+                    Operator::Power => a.powf(b),
+                }
+            }
+        }
+    }
+
     /// Value and derivatives by the time; `variables`: the variables with theirs.
     fn at(&self, variables: &[Jet]) -> Jet {
         match self {
@@ -163,6 +183,19 @@ pub(super) fn read(item: &Item<'_>, vocabulary: &Vocabulary<'_>) -> Result<Expre
     let text = item.text().unwrap_or_default();
     parse(text, vocabulary).map_err(|Mistake { reason, place }| {
         Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key), "here")
+    })
+}
+
+/// Reads the part of a text from a byte on.
+pub(super) fn read_text(
+    text_place: &Place,
+    text: &str,
+    start: usize,
+    vocabulary: &Vocabulary<'_>,
+) -> Result<Expression, Fault> {
+    parse(&text[start..], vocabulary).map_err(|Mistake { reason, place }| {
+        let place = text_place.inside(text, start + place.start..start + place.end);
+        Fault::at(&place, format!("`{}`: {reason}", text.trim()), "here")
     })
 }
 

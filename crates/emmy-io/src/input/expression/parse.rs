@@ -145,7 +145,10 @@ impl Reader<'_> {
 
     /// The possible forms of an atom.
     fn wanted(&self) -> String {
-        format!("a number, {} or a function", listed(self.vocabulary.variables.iter().copied()))
+        match self.vocabulary.variables {
+            [] => "a number or a function".to_string(),
+            variables => format!("a number, {} or a function", listed(variables.iter().copied())),
+        }
     }
 
     /// `( sum )`; the next character is the bracket.

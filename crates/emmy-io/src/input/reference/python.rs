@@ -2,7 +2,7 @@
 //! fields. By hand are the headline of a class, its examples and the name of its model.
 
 use emmy::internals::body::{MODELS, RegionModel};
-use emmy::internals::material::{IfAbsent, Parameter, ParameterKind};
+use emmy::internals::material::{ELASTIC_CONSTANTS, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
 
 use super::updated;
@@ -33,14 +33,13 @@ fn class(text: &str) -> Option<(Option<&str>, String)> {
         false => format!("``W = {}``", model.energy),
     };
     let lists = model.every_parameter().filter(|parameter| parameter.kind == ParameterKind::Numbers);
-    let sets = model
-        .parameters
-        .iter()
-        .map(|set| format!("({})", set.iter().map(name_of).collect::<Vec<_>>().join(", ")));
-    let raises = match (model.parameters.len(), lists.count()) {
-        (2.., _) => {
-            let sets = sets.collect::<Vec<_>>().join(" and ");
-            format!("If not exactly one of {sets} is given,\n        or a value is out of its range.")
+    let raises = match (model.has_elastic_constants(), lists.count()) {
+        (true, _) => {
+            let names: Vec<&str> = ELASTIC_CONSTANTS.iter().map(name_of).collect();
+            format!(
+                "If not exactly two of {} are given,\n        or a value is out of its range.",
+                names.join(", ")
+            )
         }
         (_, 2..) => "If a value is out of its range, or the lists have different lengths.".to_string(),
         _ if name == "orthotropic" => {
@@ -48,8 +47,7 @@ fn class(text: &str) -> Option<(Option<&str>, String)> {
         }
         _ => "If a value is out of its range.".to_string(),
     };
-    let is_optional =
-        |parameter: &Parameter| model.parameters.len() > 1 || parameter.if_absent != IfAbsent::Required;
+    let is_optional = |parameter: &Parameter| parameter.if_absent != IfAbsent::Required;
     // Parameters that must be given come first.
     let (optional, required): (Vec<_>, Vec<_>) =
         model.every_parameter().partition(|parameter| is_optional(parameter));
@@ -88,7 +86,7 @@ fn parameter(parameter: &Parameter, [optional, or_none]: [&str; 2]) -> (String, 
         ParameterKind::Law => (format!("{{{}}}", laws()), "str"),
     };
     let absent = match parameter.if_absent {
-        IfAbsent::Required => String::new(),
+        IfAbsent::Required | IfAbsent::FromTwoOthers => String::new(),
         IfAbsent::Value(own) | IfAbsent::Means(own) => format!("; {} if not given", own.replace('\'', "\"")),
     };
     let (name, doc) = (name_of(parameter), parameter.doc);

@@ -169,7 +169,7 @@ impl Scheme {
         }
     }
 
-    /// The scheme of degree 1 with a name as written in an input.
+    /// The scheme of degree 1 with a name as written in an input; upper and lower case make no difference.
     ///
     /// # Errors
     /// [`Error::Scheme`] with the possible forms.
@@ -375,7 +375,7 @@ impl SchemeRow {
     fn parse(&self, text: &str) -> Option<Scheme> {
         let (word, parameters) = word_and_arguments(self.form)?;
         let (own_word, arguments) = word_and_arguments(text)?;
-        if own_word != word || arguments.len() != parameters.len() {
+        if !own_word.eq_ignore_ascii_case(word) || arguments.len() != parameters.len() {
             return None;
         }
         let number = |(name, text): (&&str, &&str)| match *name {

@@ -37,7 +37,7 @@ fn every_scheme_prints_as_it_parses() {
         "FE(-1)",
         "AS(5",
         "AS 5",
-        "dgm",
+        "DG",
         "FE(1.5)",
         "FE(99999999999999999999)",
         "DGM, degree",
