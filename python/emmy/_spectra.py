@@ -197,7 +197,7 @@ def response(
     >>> mesh = emmy.Mesh.network([(0, 0, 0), (1, 0, 0)], [(0, 1)], groups={"foot": [0], "head": [1]})
     >>> body = emmy.Body(mesh, emmy.Region(emmy.Spring(stiffness=18.0)), masses=emmy.Mass("head", mass=0.5),
     ...                  supports=[emmy.Support("foot", fix="xyz"), emmy.Support("head", fix="yz")],
-    ...                  loads=emmy.Load("head", force=(3.0, 0.0, 0.0)))
+    ...                  loads=emmy.Load("head", nodal_force=(3.0, 0.0, 0.0)))
     >>> found = emmy.response(body, [6.0 / (2 * np.pi)], damping=0.05, nodes=[1], count=1)
     >>> bool(abs(found.amplitudes[0, 0, 0] - 3.0 / (0.1 * 18.0) * -1j) < 1e-9)
     True

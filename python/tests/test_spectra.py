@@ -46,7 +46,7 @@ def oscillator(**given):
 
 
 def test_an_oscillator_responds_in_closed_form():
-    body = oscillator(loads=[emmy.Load("head", force=(1.0, 0, 0)), emmy.Load("head", force=(2.0, 0, 0))])
+    body = oscillator(loads=[emmy.Load("head", nodal_force=(1.0, 0, 0)), emmy.Load("head", nodal_force=(2.0, 0, 0))])
     f = np.array([0.1, 0.9, 6.0 / (2 * np.pi), 2.0])
     omega = 2 * np.pi * f
     gain = 1 / (18.0 - 0.5 * omega**2 + 1j * omega * 2 * 0.05 * 3.0)

@@ -90,12 +90,11 @@ impl ProbeResponse {
             Quantity::Velocity => units.label("amplitude of the velocity", "length/time"),
             Quantity::Acceleration => units.label("amplitude of the acceleration", "length/time²"),
         };
-        let of = |take: fn(&(String, Vec<f64>, Vec<f64>)) -> &Vec<f64>| -> Vec<(String, &[f64])> {
-            self.components.iter().map(|own| (own.0.clone(), &take(own)[..])).collect()
-        };
+        let amplitudes = self.components.iter().map(|(name, amplitudes, _)| (name.clone(), &amplitudes[..]));
+        let phases = self.components.iter().map(|(name, _, phases)| (name.clone(), &phases[..]));
         let chart = over_frequency(&self.frequencies, units, false);
-        let amplitudes = chart(Axis::log(label), &of(|own| &own.1));
-        let phases = chart(Axis::linear("phase [rad]"), &of(|own| &own.2));
+        let amplitudes = chart(Axis::log(label), &amplitudes.collect::<Vec<_>>());
+        let phases = chart(Axis::linear("phase [rad]"), &phases.collect::<Vec<_>>());
         Figure { charts: vec![amplitudes, phases], columns: 1 }
     }
 }

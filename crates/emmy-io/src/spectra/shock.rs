@@ -50,7 +50,7 @@ pub struct ShockResponse {
 /// step; behind it a falls as fast to 0, and stays there for a period of each oscillator.
 ///
 /// # Errors
-/// [`SpectrumError::NotPositive`] for a step, a frequency or a quality factor, [`SpectrumError::Short`] without samples.
+/// [`SpectrumError::NotPositive`] for a step, a frequency or a quality factor; [`SpectrumError::Short`] for no samples.
 ///
 /// ```
 /// use emmy_io::spectra::shock_response;

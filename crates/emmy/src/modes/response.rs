@@ -45,8 +45,8 @@ type Complex = [f64; 2];
 
 /// Steady vibration of a body about a state at rest under harmonic excitation, from its modes.
 ///
-/// With shapes v_r, `v_r^T M v_r = 1`, and an excitation `f exp(i omega t)` the displacement relative to the supports is
-/// the real part of `u exp(i omega t)`,
+/// With shapes v_r, `v_r^T M v_r = 1`, and an excitation `f exp(i omega t)` the displacement relative to the supports
+/// is the real part of `u exp(i omega t)`,
 ///
 /// ```math
 /// u = sum_r v_r v_r^T f / (omega_r^2 - omega^2 + i omega c_r) + u_c,    c_r = 2 zeta_r omega_r
@@ -81,14 +81,17 @@ impl HarmonicResponse {
     /// configuration without loads.
     ///
     /// # Errors
-    /// As [`super::modes_about`]; [`Error::Response`] for unstable modes, an observer that turns, damping ratios that are
-    /// negative, and loads that do not exist.
+    /// As [`super::modes_about`]; [`Error::Response`] for unstable modes, an observer that turns, negative damping
+    /// ratios, and loads that do not exist.
     ///
     /// ```
     /// use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity};
     /// use emmy::prelude::*;
     /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
-    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).support(Support::fixed("z-min")).build()?;
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?)
+    ///     .region(rubber)
+    ///     .support(Support::fixed("z-min"))
+    ///     .build()?;
     /// let excitation = Excitation::Base([1.0, 0.0, 0.0]);
     /// let damping = ModalDamping::Ratios(vec![0.02]);
     /// let response = HarmonicResponse::new(&body, None, 12, &damping, &excitation)?;

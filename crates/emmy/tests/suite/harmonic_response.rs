@@ -136,7 +136,7 @@ fn a_bar_responds_as_one_dimensional_waves() {
     let pulled = HarmonicResponse::new(&body, None, 6, &undamped, &Excitation::Loads(vec![0])).unwrap();
     let shaken =
         HarmonicResponse::new(&body, None, 6, &undamped, &Excitation::Base([1.0, 0.0, 0.0])).unwrap();
-    // Near an anti-resonance, such as 2.618, large parts cancel, so the error is compared with the static response, too.
+    // Near an anti-resonance, such as 2.618, large parts cancel: the error is compared with the static response, too.
     let near = |found: [f64; 2], expected: f64, at_rest: f64| {
         let error = (found[0] - expected).abs() / expected.abs().max(at_rest);
         // Linear cells are stiff by (k h)^2/24 in a frequency, up to 4e-4 of it for the second mode.
@@ -152,7 +152,7 @@ fn a_bar_responds_as_one_dimensional_waves() {
     }
 }
 
-/// Few modes with the static correction come close to all modes: they differ by (omega/omega_{n+1})^2 of the correction.
+/// Few modes with the static correction come close to all modes, but for (omega/omega_{n+1})^2 of the correction.
 #[test]
 fn the_static_correction_stands_for_the_modes_that_are_left_out() {
     let body = bar();
