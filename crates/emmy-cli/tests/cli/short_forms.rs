@@ -97,7 +97,7 @@ fn mass_and_volume_are_compared() {
         let outcome = place.emmy(&[verb, "box.toml"]);
         assert_eq!(outcome.code, 2, "{}", outcome.stderr);
         for part in [
-            "the volume of the body is 2, but 2000000000 is expected: 1e-9 times as much",
+            "the volume of the body is 2, but 2e9 is expected: 1e-9 times as much",
             "as if they were in m in place of mm: `mesh.scale` multiplies them, here by 1000",
             "the mass of the body is 4, but 4.01 is expected: 0.997506 times as much",
         ] {

@@ -42,7 +42,7 @@ pub(super) fn all() -> Vec<Mistake> {
             ],
         ),
         flag("dt-that-is-none", &["--set", "time.steps=[{ until = 1, size = 1 }]", "--dt", "-0.1"]),
-        flag("degree-too-high", &["--degree", "9"]),
+        flag("degree-flag-too-high", &["--degree", "9"]),
         flag("until-before-the-start", &["--until", "-1"]),
         flag("until-the-start", &["--until", "0"]),
         flag("until-never", &["--until", "inf"]),
