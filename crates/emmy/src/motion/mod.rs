@@ -1,5 +1,6 @@
 //! Marching: step plan, balances, records, observers.
 
+mod acceleration;
 mod adaptive;
 mod adaptive_steps;
 mod contact_statistics;

@@ -29,8 +29,7 @@ impl<'a, X: AsRef<[f64]> + ?Sized> From<[&'a X; 2]> for NodalMotion<'a> {
 impl NodalMotion<'_> {
     /// The three vectors of a node.
     pub(super) fn at(&self, node: usize) -> [[f64; 3]; 3] {
-        [self.displacement, self.velocity, self.acceleration].map(|vectors| {
-            vectors.get(3 * node..3 * node + 3).map_or([f64::NAN; 3], |own| [own[0], own[1], own[2]])
-        })
+        [self.displacement, self.velocity, self.acceleration]
+            .map(|vectors| vectors.as_chunks().0.get(node).copied().unwrap_or([f64::NAN; 3]))
     }
 }
