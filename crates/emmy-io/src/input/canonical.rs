@@ -1,8 +1,7 @@
 //! Words and keys that an input may write in several ways, in the one spelling of the descriptions. Names of groups,
 //! probes and files are left as they are.
 
-use super::complete::for_each_value;
-use super::description::{Kind, Rule, Section};
+use super::description::{Kind, Rule, Section, for_each_value};
 use super::synonyms;
 use super::tree::{Entry, Node, Value};
 

@@ -7,11 +7,11 @@ use emmy::motion::{Phase, StepPlan};
 
 use super::Start;
 use super::catalogue::ROOT_KIND;
-use super::description::{Kind, Section};
+use super::description::{Kind, Section, for_each_value};
 use super::fault::{InputError, Place};
 use super::measured::MEASURED;
 use super::shape::MeshPath;
-use super::tree::{self, Entry, Node, Value};
+use super::tree::{self, Node, Value};
 use crate::{link, message};
 
 /// Inserts the defaults of missing keys.
@@ -54,32 +54,6 @@ fn for_each_table(node: &mut Node, kind: &'static Kind, visit: &mut impl FnMut(&
         (Kind::Table(section) | Kind::TimeFunction(section), Value::Table(_)) => visit(node, section),
         _ => {}
     });
-}
-
-/// Visits a value and the values in it with their kinds, each before those in it. A value that may be of two kinds, or
-/// one table or several, is visited with each.
-pub(super) fn for_each_value(
-    node: &mut Node,
-    kind: &'static Kind,
-    visit: &mut impl FnMut(&mut Node, &'static Kind),
-) {
-    visit(node, kind);
-    match (kind, &mut node.value) {
-        (Kind::Either(kinds), _) => kinds.iter().for_each(|kind| for_each_value(node, kind, visit)),
-        (Kind::Tables(..), Value::Table(_)) => for_each_value(node, kind.inner(), visit),
-        (_, Value::Array(items)) => {
-            items.iter_mut().for_each(|item| for_each_value(item, kind.inner(), visit))
-        }
-        (_, Value::Table(entries)) => {
-            let Some(section) = kind.section() else { return };
-            for Entry { key, node, .. } in entries {
-                let own = section.key_of(key).map(|key| &key.kind);
-                let own = own.or(section.others.as_ref().map(|others| &others.kind));
-                own.into_iter().for_each(|kind| for_each_value(node, kind, visit));
-            }
-        }
-        _ => {}
-    }
 }
 
 /// Replaces characters of the title that a file cannot hold, with a remark.

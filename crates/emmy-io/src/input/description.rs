@@ -9,6 +9,7 @@ use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
 
 use super::fault::Fault;
+use super::tree::{Entry, Node, Value};
 
 /// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
@@ -285,5 +286,31 @@ impl Section {
     /// Names of the keys.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.keys.iter().map(|key| key.name)
+    }
+}
+
+/// Visits a value and the values in it with their kinds, each before those in it. A value that may be of two kinds, or
+/// one table or several, is visited with each.
+pub(super) fn for_each_value(
+    node: &mut Node,
+    kind: &'static Kind,
+    visit: &mut impl FnMut(&mut Node, &'static Kind),
+) {
+    visit(node, kind);
+    match (kind, &mut node.value) {
+        (Kind::Either(kinds), _) => kinds.iter().for_each(|kind| for_each_value(node, kind, visit)),
+        (Kind::Tables(..), Value::Table(_)) => for_each_value(node, kind.inner(), visit),
+        (_, Value::Array(items)) => {
+            items.iter_mut().for_each(|item| for_each_value(item, kind.inner(), visit))
+        }
+        (_, Value::Table(entries)) => {
+            let Some(section) = kind.section() else { return };
+            for Entry { key, node, .. } in entries {
+                let own = section.key_of(key).map(|key| &key.kind);
+                let own = own.or(section.others.as_ref().map(|others| &others.kind));
+                own.into_iter().for_each(|kind| for_each_value(node, kind, visit));
+            }
+        }
+        _ => {}
     }
 }

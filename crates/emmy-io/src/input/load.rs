@@ -10,7 +10,7 @@ use super::history::{self, Context};
 use super::measured;
 use super::placed::{self, Members, Placed};
 use super::table::{Item, Read, Table};
-use crate::units;
+use crate::units::standard_gravity;
 
 /// A kind of load.
 struct Row {
@@ -326,7 +326,7 @@ fn gravity(given: Given<'_>, faults: &mut Faults) -> Result<Acting, Fault> {
             "add `[units]`, such as system = \"m-kg-s\", or give the vector: acceleration = [0, 0, -9.81]";
         return Err(given.value.fault(message, "in which units?").help(help));
     };
-    let size = units::standard_gravity(system);
+    let size = standard_gravity(system);
     let acceleration = given.value.one_of(DIRECTIONS).map(|x| size * x);
     let group = given.group.clone();
     given.load(faults, Members::Cells, |_| LoadKind::Acceleration { group, acceleration })

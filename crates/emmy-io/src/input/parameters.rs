@@ -1,9 +1,7 @@
 //! `[parameters]`: numbers by name, and values such as `"= 2*E"`, which are computed from them before anything is
 //! checked. A resolved input has the numbers alone, so that it stands for the same run.
 
-use super::catalogue::ROOT_KIND;
-use super::complete::for_each_value;
-use super::description::{Described, Kind, NUMBER, Others, Section};
+use super::description::{Described, Kind, NUMBER, Others, Section, for_each_value};
 use super::expression::{self, CONSTANTS, FUNCTIONS, Vocabulary};
 use super::fault::{Fault, Faults, Place};
 use super::suggest::{did_you_mean, listed};
@@ -38,9 +36,9 @@ pub(super) fn is_computed(kind: &Kind, value: &Value) -> bool {
 
 /// Takes the parameters out of an input and replaces the values that are computed from them by numbers. Returns remarks
 /// on parameters without effect.
-pub(super) fn evaluate(tree: &mut Node, faults: &mut Faults) -> Vec<String> {
+pub(super) fn evaluate(tree: &mut Node, kind: &'static Kind, faults: &mut Faults) -> Vec<String> {
     let mut parameters = Parameters::taken_out(tree, faults);
-    parameters.evaluate(tree, &ROOT_KIND, faults);
+    parameters.evaluate(tree, kind, faults);
     let mut notes = Vec::new();
     for index in 0..parameters.all.len() {
         let _ = parameters.value(index, &mut Vec::new(), faults);
@@ -258,6 +256,7 @@ impl Parameters {
 
 #[cfg(test)]
 mod tests {
+    use super::super::catalogue::ROOT_KIND;
     use super::super::tree::parse;
     use super::super::write::toml;
     use super::*;
@@ -266,7 +265,7 @@ mod tests {
     fn computed(text: &str) -> Result<(String, Vec<String>), Vec<String>> {
         let mut tree = parse("test", text).unwrap();
         let mut faults = Faults::default();
-        let notes = evaluate(&mut tree, &mut faults);
+        let notes = evaluate(&mut tree, &ROOT_KIND, &mut faults);
         match faults.finish() {
             Ok(()) => Ok((toml(&tree), notes)),
             Err(error) => Err(error.faults().iter().map(|fault| fault.message().to_string()).collect()),

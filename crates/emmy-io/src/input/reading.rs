@@ -83,10 +83,10 @@ impl Prepared {
         for flag in &overrides.set {
             set::apply(&mut tree, flag)?;
         }
-        set::apply_to_time(&mut tree, overrides)?;
+        set::apply_to_time(&mut tree, overrides.step_size, overrides.degree)?;
         canonical::spell(&mut tree, &ROOT_KIND);
         let mut faults = Faults::default();
-        let unused = parameters::evaluate(&mut tree, &mut faults);
+        let unused = parameters::evaluate(&mut tree, &ROOT_KIND, &mut faults);
         let note = complete::clean_title(&mut tree);
         complete::fill_defaults(&mut tree)?;
         let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use super::equilibrium;
 use super::fault::{Fault, InputError, Place};
-use super::problem::Overrides;
 use super::suggest::listed;
 use super::table::spelled;
 use super::tree::{self, Entry, Node, Value};
@@ -24,12 +23,16 @@ pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
 }
 
 /// Applies `--dt H` and `--degree K`, short forms of values in `[time]`.
-pub(super) fn apply_to_time(tree: &mut Node, overrides: &Overrides) -> Result<(), Fault> {
-    if let Some(degree) = overrides.degree {
+pub(super) fn apply_to_time(
+    tree: &mut Node,
+    step_size: Option<f64>,
+    degree: Option<usize>,
+) -> Result<(), Fault> {
+    if let Some(degree) = degree {
         let node = of_flag("--degree", &degree.to_string(), Value::Integer(degree as i64));
         time(tree, "--degree")?.put("degree", node);
     }
-    if let Some(size) = overrides.step_size {
+    if let Some(size) = step_size {
         apply_step_size(time(tree, "--dt")?, &of_flag("--dt", &spelled(size), Value::Float(size)))?;
     }
     Ok(())

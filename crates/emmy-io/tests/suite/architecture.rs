@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 55] = [
+const ORDER: [&str; 58] = [
     "fault",
     "excerpt",
     "syntax",
@@ -40,15 +40,18 @@ const ORDER: [&str; 55] = [
     "quantities",
     "names",
     "settings",
+    "plausible",
+    "expect",
+    "parameters",
     "catalogue",
     "synonyms",
+    "canonical",
     "walk",
     "start",
     "complete",
     "set",
     "write",
     "derived",
-    "plausible",
     "plane_strain",
     "problem",
     "start_state",

@@ -164,7 +164,7 @@ fn one_mistake_is_one_fault() {
         ("pressure", "presure"),
         ("fix", "fixed"),
         ("neo-hooke", "neohook"),
-        ("lambda = 1, mu", "lambda = 1, shear_modulus"),
+        ("lambda = 1, mu", "lambda = 1, shear_modul"),
         ("scheme", "shceme"),
         ("steps", "stpes"),
         ("mesh.box", "mesh.bocks"),
@@ -239,7 +239,6 @@ fn an_entry_alone_needs_brackets() {
     let hgo = "holzapfel-gasser-ogden = { mu = 1, bulk_modulus = 1, k1 = 1, k2 = 1, fibres = [1, 1, 0] }";
     for (from, to, message) in [
         ("[{ until = 1, size = 0.1 }]", "{ until = 1, size = 0 }", "`steps` must be a list, not a table"),
-        ("[\"x\"]", "\"x\"", "such as [\"x\"], not a string"),
         ("pressure = 1", "pressure = 1\nhistory = [0, 1]", "such as \"sin(2*pi*t)\", not a single entry"),
         ("neo-hooke = { lambda = 1, mu = 1 }", hgo, "a list of lists of 3 numbers, not a single entry"),
     ] {
