@@ -12,7 +12,7 @@ use crate::input::table::{Item, Table};
 
 const POSITION: &str = "position";
 
-/// What can be told relative to another motion.
+/// The words on motions relative to others.
 pub(in crate::input) const RELATIVE_TO: &str = "The motion relative to which displacement, velocity, acceleration and \
     position are told: that of a group, the mean of its nodes; `\"base\"`: the mean of the nodes that supports drive; \
     `\"rigid-motion\"`: the rigid motion that fits that of the whole body, whose turned axes then count; `\"ground\"`: \

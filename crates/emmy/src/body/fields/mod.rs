@@ -145,8 +145,8 @@ impl Fields {
         has_field(&self.regions[region], name, !self.contacts.is_empty())
     }
 
-    /// Some fields of a motion, whose lists have [`Body::n_dofs`] numbers. The fields are those of the nodes and cells of
-    /// the mesh.
+    /// Some fields of a motion, whose lists have [`Body::n_dofs`] numbers. The fields are those of the nodes and cells
+    /// of the mesh.
     ///
     /// On a team a call of all ranks: fields at guests come from their owners.
     pub fn at<'a>(&self, motion: impl Into<NodalMotion<'a>>, names: &[FieldName]) -> Vec<FieldValues> {
