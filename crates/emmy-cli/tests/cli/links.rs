@@ -63,7 +63,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("rest_length", "l0", &["did you mean `rest_length`?"]),
     ("area = 0.5", "area = -0.5", &["`area` must be positive, not -0.5"]),
     (", area = 0.5", "", &["`area` is missing in `bar`"]),
-    ("youngs_modulus = 100.0", "E = 100.0", &["did you mean `youngs_modulus`?"]),
+    ("youngs_modulus = 100.0", "youngs_modulos = 100.0", &["did you mean `youngs_modulus`?"]),
     (
         "spring = { stiffness = 10.0, rest_length = 1.5 }",
         "attraction = { strength = 0 }",

@@ -182,7 +182,10 @@ fn one_file_holds_the_same_data_as_the_frames() {
     for step in 0..6 {
         let xml = read(frames.path(), step);
         for name in series.fields() {
-            assert_eq!(series.values(name, step).unwrap(), floats(&xml, name.name()), "{name}");
+            // At the start there is no acceleration.
+            let [own, there] = [series.values(name, step).unwrap(), floats(&xml, name.name())];
+            let is_same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+            assert!(own.len() == there.len() && own.iter().zip(&there).all(is_same), "{name}");
         }
     }
     assert!(series.values(FieldName::Velocity, 6).is_err());

@@ -6,7 +6,7 @@
 use crate::shared::patch::Patch;
 use crate::shared::plane_patch::plane_patch;
 use emmy::body::{Body, PointMass, PointTerms, Region};
-use emmy::body::{FieldName, Fields, Place};
+use emmy::body::{FieldName, Fields, NodalMotion, Place};
 use emmy::internals::element::{element, jacobian};
 use emmy::internals::tensor::{Mat3, det};
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
@@ -418,9 +418,9 @@ fn a_body_at_rest_has_no_stress() {
     let body = Body::builder(block([1.0; 3], [2; 3]).unwrap()).region(tissue()).build().unwrap();
     let rest = vec![0.0; body.n_dofs()];
     for (values, name) in fields(&body, &rest, &FieldName::ALL).iter().zip(FieldName::ALL) {
-        if name == FieldName::ContactGap {
-            // Nothing is near.
-            assert!(values.iter().all(|gap| gap.is_nan()));
+        if matches!(name, FieldName::ContactGap | FieldName::Acceleration) {
+            // Nothing is near, and no acceleration is given.
+            assert!(values.iter().all(|value| value.is_nan()));
             continue;
         }
         let is_ratio = matches!(name, FieldName::PrincipalStretches | FieldName::CellVolumeRatio);
@@ -485,8 +485,10 @@ fn two_regions() -> (Body, Vec<f64>, Vec<f64>) {
 fn fields_of_a_selection_are_those_of_the_whole_body() {
     let (body, displacement, velocity) = two_regions();
     let fields = Fields::new(&body);
+    let motion =
+        NodalMotion { displacement: &displacement, velocity: &velocity, acceleration: &displacement };
     for name in FieldName::ALL.into_iter().filter(|&name| fields.has(name)) {
-        let whole = &fields.at([&displacement, &velocity], &[name])[0].numbers;
+        let whole = &fields.at(motion, &[name])[0].numbers;
         let n = name.components().len();
         let members: Vec<u32> = vec![7, 0, 11, 23];
         let selection = match name.place() {
@@ -495,7 +497,7 @@ fn fields_of_a_selection_are_those_of_the_whole_body() {
         };
         let of = |member: &u32| &whole[n * *member as usize..n * (*member as usize + 1)];
         let expected: Vec<f64> = members.iter().flat_map(of).copied().collect();
-        assert_eq!(fields.on(&selection, [&displacement, &velocity], name), expected, "{name}");
+        assert_eq!(fields.on(&selection, motion, name), expected, "{name}");
     }
 }
 

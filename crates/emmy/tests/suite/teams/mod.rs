@@ -4,6 +4,7 @@ mod bodies;
 
 use std::sync::Arc;
 
+use emmy::body::NodalMotion;
 use emmy::body::{
     Body, BodyBuilder, Field, FieldName, Fields, Formulation, InitialVelocity, Load, LoadKind, PointMass,
     PointTerms,
@@ -305,7 +306,8 @@ fn fields_are_those_of_the_whole_body() {
         let motion: Vec<f64> = body.mesh().points().iter().flat_map(|&x| bent(x)).collect();
         let there = Fields::new(body);
         let names: Vec<FieldName> = FieldName::ALL.into_iter().filter(|&name| there.has(name)).collect();
-        there.at([&motion, &motion], &names)
+        let motion = NodalMotion { displacement: &motion, velocity: &motion, acceleration: &motion };
+        there.at(motion, &names)
     };
     let whole = fields(&parts(Body::builder(mesh.clone())));
     assert_eq!(whole.len(), FieldName::ALL.len() - 3); // no axial force, no contact
