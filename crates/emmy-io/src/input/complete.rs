@@ -50,9 +50,10 @@ pub(super) fn fill(own: &mut Node, kind: &'static Kind) -> Result<(), InputError
 
 /// Visits a table and the tables in it with their descriptions, each before those in it.
 fn for_each_table(node: &mut Node, kind: &'static Kind, visit: &mut impl FnMut(&mut Node, &'static Section)) {
-    for_each_value(node, kind, &mut |node, kind| match (kind, &node.value) {
-        (Kind::Table(section) | Kind::TimeFunction(section), Value::Table(_)) => visit(node, section),
-        _ => {}
+    for_each_value(node, kind, &mut |node, kind| {
+        if let (Kind::Table(section) | Kind::TimeFunction(section), Value::Table(_)) = (kind, &node.value) {
+            visit(node, section);
+        }
     });
 }
 
