@@ -27,7 +27,7 @@ pub struct Quantities {
     pub values: Vec<GroupValue>,
     /// The name of the motion relative to which fields are told; `None`: rest.
     pub relative_to: Option<String>,
-    /// The motions that this name and those of the probes stand for, but [`GROUND`].
+    /// The motions that this name and those of the probes stand for, but `"ground"`.
     pub references: Vec<(String, ReferenceMotion)>,
 }
 
