@@ -66,8 +66,9 @@ class Motion(MotionView):
         Groups of supports and names of contacts, names of joints, fields and means of fields for the history, as in the
         input.
     relative_to : str, optional
-        Motion relative to which displacements, velocities and accelerations are told, in the history and by `field`:
-        "base", that of the supports; "rigid-motion", the one that fits that of the body; or the name of a group.
+        Frame of reference of displacement, velocity, acceleration and position in the history and of `field`: "base",
+        the mean motion of the driven nodes; "rigid-motion", the rigid motion that fits the body best; or the name of a
+        group, the mean motion of its nodes.
     equilibrium : bool, int or dict, optional
         Whether to start from the static equilibrium; or the number of load steps.
     limits : dict, optional

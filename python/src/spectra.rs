@@ -16,8 +16,10 @@ const NAME: &str = "x";
 type Words = (String, String, String);
 
 /// A word of a list of names, as its value.
-fn word<T: std::str::FromStr>(py: Python<'_>, place: &str, text: &str, names: &[&str]) -> PyResult<T> {
-    text.parse().map_err(|_| {
+fn word<T: Copy>(py: Python<'_>, place: &str, text: &str, all: &[(&str, T)]) -> PyResult<T> {
+    let found = all.iter().find(|(name, _)| *name == text).map(|(_, value)| *value);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
         errors::argument(py, place, &format!("{text:?} is unknown; there is {}", names.join(", ")))
     })
 }
@@ -43,9 +45,9 @@ pub(crate) fn spectrum<'py>(
     let (step, q) = numbers;
     let list = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
     let settings = Settings {
-        kind: word(py, "kind", &kind, &Kind::NAMES)?,
-        window: word(py, "window", &window, &Window::NAMES)?,
-        detrend: word(py, "detrend", &detrend, &Detrend::NAMES)?,
+        kind: word(py, "kind", &kind, &Kind::ALL)?,
+        window: word(py, "window", &window, &Window::ALL)?,
+        detrend: word(py, "detrend", &detrend, &Detrend::ALL)?,
         derivative,
         step,
         segment,
@@ -87,15 +89,7 @@ pub(crate) fn response<'py>(
     state: Option<&State>,
     request: Request,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let quantity = match request.quantity.as_str() {
-        "displacement" => Quantity::Displacement,
-        "velocity" => Quantity::Velocity,
-        "acceleration" => Quantity::Acceleration,
-        other => {
-            let message = format!("{other:?} is unknown; there is displacement, velocity, acceleration");
-            return Err(errors::argument(py, "quantity", &message));
-        }
-    };
+    let quantity = word(py, "quantity", &request.quantity, &Quantity::ALL)?;
     let excitation = match (request.base, request.loads) {
         (Some(base), _) => Excitation::Base(base),
         (None, Some(loads)) => Excitation::Loads(loads),

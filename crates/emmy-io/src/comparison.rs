@@ -78,8 +78,7 @@ impl Run {
     }
 
     fn units(&self) -> Units {
-        let system = self.summary["units"]["system"].as_str().and_then(UnitSystem::named);
-        system.map_or(Units::default(), Units::from)
+        units_of(&self.summary)
     }
 
     fn angular_momentum(&self) -> Vec<f64> {
@@ -99,6 +98,12 @@ pub(crate) fn summary(directory: &Path) -> Result<Value, RunError> {
     let fail = |reason: String| RunError::Summary { path: path.clone(), reason };
     let text = whole_file::read_text(&path).map_err(|error| fail(error.to_string()))?;
     serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))
+}
+
+/// The units of a run by its summary; none if it has none.
+pub(crate) fn units_of(summary: &Value) -> Units {
+    let system = summary["units"]["system"].as_str().and_then(UnitSystem::named);
+    system.map_or(Units::default(), Units::from)
 }
 
 /// The units of all runs; none if they differ.

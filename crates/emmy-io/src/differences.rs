@@ -41,15 +41,13 @@ fn add(key: &str, values: &[Option<&Value>], found: &mut Vec<KeyDifference>) {
             }
         }
         for name in names {
-            let of = |value: &Option<&'_ Value>| value.and_then(|value| value.get(name)).cloned();
-            let own: Vec<Option<Value>> = values.iter().map(of).collect();
-            add(&below(name), &own.iter().map(Option::as_ref).collect::<Vec<_>>(), found);
+            let own = values.iter().map(|value| value.and_then(|value| value.get(name)));
+            add(&below(name), &own.collect::<Vec<_>>(), found);
         }
     } else if lists.len() == n_given && has_tables {
         for place in 0..lists.iter().map(|list| list.len()).max().unwrap_or(0) {
-            let own: Vec<Option<&Value>> =
-                values.iter().map(|value| value.and_then(|value| value.get(place))).collect();
-            add(&below(&place.to_string()), &own, found);
+            let own = values.iter().map(|value| value.and_then(|value| value.get(place)));
+            add(&below(&place.to_string()), &own.collect::<Vec<_>>(), found);
         }
     } else {
         let values = values.iter().map(|value| value.map(Value::to_string)).collect();

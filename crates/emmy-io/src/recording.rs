@@ -7,7 +7,7 @@ use emmy::body::{FieldName, Fields};
 use emmy::motion::Motion;
 
 use crate::checkpoint::Checkpoint;
-use crate::history::{Extreme, RegionMembers, ToldMotion};
+use crate::history::{Extreme, OutputMotion, RegionMembers};
 use crate::input::Problem;
 use crate::vtk::{Format, FrameTime, FrameWriter, series_fields};
 
@@ -102,10 +102,10 @@ impl Recording {
             return Ok(Vec::new());
         }
         let mut fields = self.fields.at([&state.displacement, &state.velocity], &self.names);
-        let told = ToldMotion::new(motion, motion.reference(), self.names.iter().copied());
+        let output = OutputMotion::new(motion, motion.reference(), self.names.iter().copied());
         for field in fields.iter_mut().filter(|field| field.name.is_of_motion()) {
             let n = field.numbers.len();
-            field.numbers.copy_from_slice(&told.vectors(field.name)[..n]);
+            field.numbers.copy_from_slice(&output.vectors(field.name)[..n]);
         }
         self.files.write(state.step, state.time, &fields)?;
         self.written.push(FrameTime { step: state.step, time: state.time });

@@ -22,6 +22,7 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 pub use check::{report_on, report_on_body};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use emmy::internals::motion::Resolution;
 use emmy::team;
@@ -245,6 +246,17 @@ fn read(file: &Path, overrides: &Overrides, host: &dyn Host) -> Result<Problem, 
             emmy_io::input::read_on_team(file, &overrides, team)?
         }
         None => emmy_io::input::read(file, overrides)?,
+    })
+}
+
+/// A parser of the values of some names.
+fn named<T>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(|name| {
+        let found = all.iter().find(|(own, _)| *own == name);
+        found.map(|(_, value)| value.clone()).ok_or(format!("unknown name {name}"))
     })
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use emmy::body::RegionSummary;
+use emmy::body::{Body, RegionSummary};
 use emmy::equilibrium::unbalanced_force;
 use emmy::modes::{Mode, modes, modes_about, n_modes};
 use emmy::motion::State;
@@ -37,7 +37,12 @@ pub(crate) struct Arguments {
 }
 
 /// Number of modes without `--count`.
-pub(super) const DEFAULT_COUNT: usize = 10;
+const DEFAULT_COUNT: usize = 10;
+
+/// Number of modes with `--count` or without.
+pub(super) fn n_wanted(body: &Body, count: Option<u32>) -> usize {
+    count.map_or_else(|| DEFAULT_COUNT.min(n_modes(body).max(1)), |count| count as usize)
+}
 
 /// Computes, prints and writes the modes.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
@@ -78,13 +83,12 @@ impl Arguments {
 /// The modes about a state, or about the undeformed body.
 fn computed(problem: &Problem, state: Option<&State>, count: Option<u32>) -> Result<Vec<Mode>, Failure> {
     let body = &problem.body;
-    let is_given = count.is_some();
-    let count = count.map_or(DEFAULT_COUNT.min(n_modes(body).max(1)), |count| count as usize);
+    let n = n_wanted(body, count);
     let found = match state {
-        Some(state) => modes_about(body, state, count),
-        None => modes(body, count),
+        Some(state) => modes_about(body, state, n),
+        None => modes(body, n),
     };
-    found.map_err(|error| failure(error, is_given))
+    found.map_err(|error| failure(error, count.is_some()))
 }
 
 /// An iteration that does not converge is not a fault of the input.

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::response::{self, ProbeResponse};
 use emmy_io::spectra::Frequencies;
 
-use super::{modes, with_ending, with_threads};
+use super::{modes, named, with_ending, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print::{self, columns, number};
@@ -22,8 +22,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "A:B:N")]
     frequencies: Frequencies,
     /// Shake the supports along an axis with an acceleration of amplitude 1, instead of the loads
-    #[arg(long, value_name = "AXIS")]
-    base: Option<Axis>,
+    #[arg(long, value_name = "AXIS", value_parser = named(&AXES))]
+    base: Option<[f64; 3]>,
     /// Number of a load that excites the body, from 0 (repeatable) [default: all]
     #[arg(long, value_name = "I", conflicts_with = "base")]
     load: Vec<usize>,
@@ -32,8 +32,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true)]
     damping: Vec<f64>,
     /// Quantity of the amplitudes
-    #[arg(long, value_name = "NAME", default_value = "displacement")]
-    quantity: Name,
+    #[arg(long, value_name = "NAME", default_value = "displacement", value_parser = named(&Quantity::ALL))]
+    quantity: Quantity,
     /// With --base: motion relative to the base
     #[arg(long, requires = "base")]
     relative: bool,
@@ -54,21 +54,8 @@ pub(crate) struct Arguments {
     quiet: bool,
 }
 
-/// Direction of the base.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-/// Name of a quantity.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Name {
-    Displacement,
-    Velocity,
-    Acceleration,
-}
+/// Directions of the base.
+const AXES: [(&str, [f64; 3]); 3] = [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])];
 
 /// Computes, prints and writes the response.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
@@ -88,21 +75,15 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         return Err(Failure::Usage { message, help: Some(help.to_string()) });
     }
     let state = problem.state_of_vibration()?;
-    let count =
-        arguments.count.map_or(modes::DEFAULT_COUNT.min(n_modes(&problem.body).max(1)), |n| n as usize);
+    let count = modes::n_wanted(&problem.body, arguments.count);
     let damping = match arguments.damping[..] {
         [] => ModalDamping::OfBody,
         _ => ModalDamping::Ratios(arguments.damping.clone()),
     };
     let found = HarmonicResponse::new(&problem.body, state.as_ref(), count, &damping, &excitation);
     let found = found.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
-    let quantity = match arguments.quantity {
-        Name::Displacement => Quantity::Displacement,
-        Name::Velocity => Quantity::Velocity,
-        Name::Acceleration => Quantity::Acceleration,
-    };
     let frequencies = arguments.frequencies.values(false);
-    let probes = ProbeResponse::new(&problem, &found, frequencies, (quantity, arguments.relative));
+    let probes = ProbeResponse::new(&problem, &found, frequencies, (arguments.quantity, arguments.relative));
     if let Some((f, name)) = probes.infinite() {
         let message = format!("the amplitude of `{name}` is infinite at the frequency {}", number(f));
         let help =
@@ -125,11 +106,7 @@ impl Arguments {
         let missing =
             |message: String, help: &str| Err(Failure::Usage { message, help: Some(help.to_string()) });
         match (self.base, &self.load[..]) {
-            (Some(axis), _) => Ok(Excitation::Base(match axis {
-                Axis::X => [1.0, 0.0, 0.0],
-                Axis::Y => [0.0, 1.0, 0.0],
-                Axis::Z => [0.0, 0.0, 1.0],
-            })),
+            (Some(acceleration), _) => Ok(Excitation::Base(acceleration)),
             (None, []) if n_loads == 0 => missing(
                 "the input has no load to excite the body".to_string(),
                 "--base z shakes the supports",

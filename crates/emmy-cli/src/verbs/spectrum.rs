@@ -1,13 +1,11 @@
 //! `emmy spectrum DIR --column C`: spectra of columns of a run.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use emmy_io::spectra::{self, Detrend, Frequencies, Kind, Settings, Spectrum, SpectrumError, Window};
 
-use super::with_ending;
+use super::{named, with_ending};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print::{self, columns, number};
@@ -21,7 +19,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "C", required = true)]
     column: Vec<String>,
     /// Power spectral density, amplitudes, frequency response or transmissibility from --input, or shock response
-    #[arg(long, value_name = "KIND", default_value = "psd", value_parser = named::<Kind>(&Kind::NAMES))]
+    #[arg(long, value_name = "KIND", default_value = "psd", value_parser = named(&Kind::ALL))]
     kind: Kind,
     /// Column that is the input of `frf` and `transmissibility`
     #[arg(long, value_name = "C")]
@@ -40,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
     /// Window of the segments
-    #[arg(long, value_name = "NAME", default_value = "hann", value_parser = named::<Window>(&Window::NAMES))]
+    #[arg(long, value_name = "NAME", default_value = "hann", value_parser = named(&Window::ALL))]
     window: Window,
     /// Samples of a segment [default: 256, or all of a shorter run; with `amplitude` all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -49,7 +47,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     overlap: Option<u32>,
     /// Trend that is taken out of each segment
-    #[arg(long, value_name = "NAME", default_value = "constant", value_parser = named::<Detrend>(&Detrend::NAMES))]
+    #[arg(long, value_name = "NAME", default_value = "constant", value_parser = named(&Detrend::ALL))]
     detrend: Detrend,
     /// Frequencies of `srs`, A:B:N in equal ratios, A:B:N:linear at equal distances
     #[arg(long, value_name = "A:B:N")]
@@ -63,14 +61,6 @@ pub(crate) struct Arguments {
     /// No messages on standard error
     #[arg(long)]
     quiet: bool,
-}
-
-/// A parser of one of some names.
-fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr<Err = ()> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse().map_err(|()| format!("unknown name {name}")))
 }
 
 /// Computes and writes the spectrum.

@@ -23,7 +23,7 @@ const FIXED: [&str; 12] = [
     "equilibrium",
 ];
 
-/// Keys of `[output]` that say what the columns of the history tell. Other names of columns have their own message.
+/// Keys of `[output]` that define the content of history columns. Other names of columns have their own message.
 const FIXED_OUTPUT: [&str; 3] = ["relative_to", "probes", "values"];
 
 /// The run that a checkpoint belongs to.

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::ColumnInfo;
 use super::Number::{self, Missing, Real};
+use super::output_motion::OutputMotion;
 use super::regions::{RegionMembers, by_region, nodes_of};
-use super::told::ToldMotion;
 use crate::input::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 
 /// The largest value of a field so far in the body or in a region, and where it was.
@@ -176,8 +176,8 @@ impl Measures {
 
     /// Appends the numbers of a state, and returns its extremes; on a team, a collective call.
     pub(super) fn add_to(&self, view: View<'_>, numbers: &mut Vec<Number>) -> Vec<Extreme> {
-        let told = self.told(view.motion);
-        self.add_probes(view, &told, numbers);
+        let motion = self.output_motion(view.motion);
+        self.add_probes(view, &motion, numbers);
         for &(_, index) in &self.quantities.reactions {
             match view.motion.reactions().get(index) {
                 Some(reaction) => numbers.extend(reaction.force.into_iter().chain(reaction.moment).map(Real)),
@@ -185,7 +185,7 @@ impl Measures {
             }
         }
         self.quantities.mechanism.add_to(view.record, numbers);
-        let extremes = self.extremes(view, &told);
+        let extremes = self.extremes(view, &motion);
         let of =
             |name: &FieldName| extremes.iter().find(|own| own.field == name.name() && own.region.is_none());
         numbers.extend(
@@ -195,23 +195,28 @@ impl Measures {
                 .map(|name| of(name).map_or(Real(f64::NAN), |own| Real(own.value))),
         );
         if let Some(fields) = &self.fields {
-            self.add_values((fields, view.body), &told, numbers);
+            self.add_values((fields, view.body), &motion, numbers);
         }
         extremes
     }
 
-    /// The motion as all quantities but those of some probes tell it.
-    fn told<'a>(&self, motion: &'a Motion<'_>) -> ToldMotion<'a> {
+    /// The motion for all quantities but those of probes with a frame of reference of their own.
+    fn output_motion<'a>(&self, motion: &'a Motion<'_>) -> OutputMotion<'a> {
         let Quantities { probes, extremes, values, .. } = &self.quantities;
         let of_probes = probes.iter().flat_map(Probe::fields);
         let fields = of_probes.chain(extremes.iter().copied()).chain(values.iter().map(|own| own.quantity));
-        ToldMotion::new(motion, self.quantities.reference(), fields)
+        OutputMotion::new(motion, self.quantities.reference(), fields)
     }
 
-    fn add_values(&self, (fields, body): (&Fields, &Body), told: &ToldMotion<'_>, numbers: &mut Vec<Number>) {
+    fn add_values(
+        &self,
+        (fields, body): (&Fields, &Body),
+        motion: &OutputMotion<'_>,
+        numbers: &mut Vec<Number>,
+    ) {
         let ranks = body.ranks();
         for (value, (selections, weights)) in self.quantities.values.iter().zip(&self.values) {
-            let on = |selection| fields.on(selection, told.of(value.quantity), value.quantity);
+            let on = |selection| fields.on(selection, motion.of(value.quantity), value.quantity);
             let all: Vec<f64> = selections.iter().flat_map(on).collect();
             let mut whole = [weights.iter().sum(), weights.len() as f64];
             ranks.sum("size of a group", &mut whole);
@@ -226,16 +231,16 @@ impl Measures {
     }
 
     /// The numbers of all probes; those of other ranks are added as zeros.
-    fn add_probes(&self, view: View<'_>, told: &ToldMotion<'_>, numbers: &mut Vec<Number>) {
+    fn add_probes(&self, view: View<'_>, motion: &OutputMotion<'_>, numbers: &mut Vec<Number>) {
         let mut all = Vec::new();
         for (index, probe) in self.quantities.probes.iter().enumerate() {
             let reference = || self.quantities.reference_of_probe(probe);
             let own = probe.relative_to.as_ref();
-            let own = own.map(|_| ToldMotion::new(view.motion, reference(), probe.fields()));
-            let told = own.as_ref().unwrap_or(told);
+            let own = own.map(|_| OutputMotion::new(view.motion, reference(), probe.fields()));
+            let motion = own.as_ref().unwrap_or(motion);
             for quantity in &probe.quantities {
                 match self.probes[index] {
-                    Some(node) => all.extend(self.at_probe((index, node), *quantity, view.body, told)),
+                    Some(node) => all.extend(self.at_probe((index, node), *quantity, view.body, motion)),
                     None => all.extend(vec![0.0; quantity.components().len()]),
                 }
             }
@@ -251,9 +256,9 @@ impl Measures {
         (index, node): (usize, usize),
         quantity: ProbeQuantity,
         body: &Body,
-        told: &ToldMotion<'_>,
+        motion: &OutputMotion<'_>,
     ) -> Vec<f64> {
-        let of_node = |name: FieldName| told.vectors(name)[3 * node..3 * node + 3].to_vec();
+        let of_node = |name: FieldName| motion.vectors(name)[3 * node..3 * node + 3].to_vec();
         match quantity {
             ProbeQuantity::Position => {
                 let moved = of_node(FieldName::Displacement);
@@ -261,19 +266,19 @@ impl Measures {
             }
             ProbeQuantity::Field(name) if name.is_of_motion() => of_node(name),
             ProbeQuantity::Field(name) => match (&self.fields, self.selections.get(index)) {
-                (Some(fields), Some(Some(selection))) => fields.on(selection, told.of(name), name),
+                (Some(fields), Some(Some(selection))) => fields.on(selection, motion.of(name), name),
                 _ => vec![f64::NAN; name.components().len()],
             },
         }
     }
 
     /// The largest values at a state.
-    fn extremes(&self, View { body, state, .. }: View<'_>, told: &ToldMotion<'_>) -> Vec<Extreme> {
+    fn extremes(&self, View { body, state, .. }: View<'_>, motion: &OutputMotion<'_>) -> Vec<Extreme> {
         let (of_motion, others): (Vec<FieldName>, Vec<FieldName>) =
             self.quantities.extremes.iter().partition(|name| name.is_of_motion());
         let whole = (body.mesh(), &**body.ranks());
         let of = |&name: &FieldName| {
-            Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), &told.vectors(name))
+            Extreme::of(whole, state, name, 0..body.mesh().n_nodes(), &motion.vectors(name))
         };
         let mut all: Vec<Extreme> = of_motion.iter().filter_map(of).collect();
         if let (Some(fields), Some(regions)) = (&self.fields, &self.regions) {

@@ -5,10 +5,10 @@ mod file;
 mod header;
 mod measures;
 mod mechanism;
+mod output_motion;
 mod peaks;
 mod reader;
 mod regions;
-mod told;
 
 use std::fmt;
 
@@ -24,11 +24,11 @@ pub use measures::Extreme;
 pub(crate) use measures::keep_largest;
 pub(crate) use mechanism::MechanismColumns;
 pub(crate) use mechanism::{HIDDEN, RESIDUAL};
+pub(crate) use output_motion::OutputMotion;
 pub(crate) use peaks::column_of_peak;
 pub use peaks::{Peak, Peaks};
 pub use reader::{History, HistoryError, Rows};
 pub(crate) use regions::{RegionMembers, nodes_of};
-pub(crate) use told::ToldMotion;
 
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,7 @@ use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::comparison;
 use crate::directory::{self, DirectoryError, Lock};
 use crate::message::shown;
-use crate::units::{UnitSystem, Units};
+use crate::units::Units;
 use crate::whole_file::replace;
 
 /// Kind of the directory, in messages.
@@ -35,7 +35,9 @@ pub fn write(directory: &Path, run: &Path, spectrum: &Spectrum) -> Result<(), Di
     directory::prepare_kind(directory, KIND, WITNESS)?;
     let _lock = Lock::take(directory)?;
     let system = |error| DirectoryError::System { path: directory.to_path_buf(), error };
-    figure(spectrum, units(run)).write(&directory.join("spectrum")).map_err(system)?;
+    // A run whose summary cannot be read has no units.
+    let units = comparison::units_of(&comparison::summary(run).unwrap_or_default());
+    figure(spectrum, units).write(&directory.join("spectrum")).map_err(system)?;
     let columns = spectrum.columns.iter().map(|(name, numbers)| (name.as_str(), &numbers[..]));
     let columns = std::iter::once(("frequency", &spectrum.frequencies[..])).chain(columns);
     replace(&directory.join(TABLE), table(&columns.collect::<Vec<_>>()).as_bytes()).map_err(system)
@@ -51,13 +53,6 @@ pub(crate) fn table(columns: &[(&str, &[f64])]) -> String {
         format!("{}\n", cells.join(","))
     };
     format!("{}\n{}", head.join(","), (0..n).map(row).collect::<String>())
-}
-
-/// The units of a run; none if its summary has none or cannot be read.
-fn units(run: &Path) -> Units {
-    let summary = comparison::summary(run).unwrap_or_default();
-    let system = summary["units"]["system"].as_str().and_then(UnitSystem::named);
-    system.map_or(Units::default(), Units::from)
 }
 
 /// Charts of columns over the frequency, one above the other.

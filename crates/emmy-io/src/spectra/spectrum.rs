@@ -1,7 +1,6 @@
 //! A spectrum of columns, by its kind.
 
 use std::path::Path;
-use std::str::FromStr;
 
 use emmy::internals::number::short;
 
@@ -26,27 +25,18 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Names of all kinds.
-    pub const NAMES: [&'static str; 5] = ["psd", "amplitude", "frf", "transmissibility", "srs"];
+    /// All kinds with their names.
+    pub const ALL: [(&'static str, Kind); 5] = [
+        ("psd", Kind::Density),
+        ("amplitude", Kind::Amplitude),
+        ("frf", Kind::Response),
+        ("transmissibility", Kind::Transmissibility),
+        ("srs", Kind::Shock),
+    ];
 
     /// Whether it needs an input.
     pub fn has_input(self) -> bool {
         matches!(self, Kind::Response | Kind::Transmissibility)
-    }
-}
-
-impl FromStr for Kind {
-    type Err = ();
-
-    fn from_str(name: &str) -> Result<Self, ()> {
-        match name {
-            "psd" => Ok(Kind::Density),
-            "amplitude" => Ok(Kind::Amplitude),
-            "frf" => Ok(Kind::Response),
-            "transmissibility" => Ok(Kind::Transmissibility),
-            "srs" => Ok(Kind::Shock),
-            _ => Err(()),
-        }
     }
 }
 

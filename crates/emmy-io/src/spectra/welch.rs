@@ -1,7 +1,5 @@
 //! Averages over segments, by Welch (1967), IEEE Trans. Audio Electroacoust. 15, 70-73.
 
-use std::str::FromStr;
-
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
@@ -21,8 +19,9 @@ pub enum Detrend {
 }
 
 impl Detrend {
-    /// Names of all.
-    pub const NAMES: [&'static str; 3] = ["constant", "linear", "none"];
+    /// All with their names.
+    pub const ALL: [(&'static str, Detrend); 3] =
+        [("constant", Detrend::Constant), ("linear", Detrend::Linear), ("none", Detrend::None)];
 
     /// Takes it out of a segment.
     fn apply(self, segment: &mut [f64]) {
@@ -40,19 +39,6 @@ impl Detrend {
             Detrend::Linear => 0.0,
         };
         segment.iter_mut().enumerate().for_each(|(i, x)| *x -= mean + slope * (i as f64 - centre));
-    }
-}
-
-impl FromStr for Detrend {
-    type Err = ();
-
-    fn from_str(name: &str) -> Result<Self, ()> {
-        match name {
-            "constant" => Ok(Detrend::Constant),
-            "linear" => Ok(Detrend::Linear),
-            "none" => Ok(Detrend::None),
-            _ => Err(()),
-        }
     }
 }
 

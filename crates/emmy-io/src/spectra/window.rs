@@ -1,13 +1,12 @@
 //! Windows of segments.
 
 use std::f64::consts::TAU;
-use std::str::FromStr;
 
 /// A periodic window, as `scipy.signal.get_window` has it.
 ///
 /// ```
 /// use emmy_io::spectra::Window;
-/// let weights = "hann".parse::<Window>().unwrap().weights(4);
+/// let weights = Window::Hann.weights(4);
 /// assert!(weights.iter().zip([0.0, 0.5, 1.0, 0.5]).all(|(w, exact)| (w - exact).abs() < 1e-15));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,8 +23,13 @@ pub enum Window {
 }
 
 impl Window {
-    /// Names of all windows.
-    pub const NAMES: [&'static str; 4] = ["hann", "boxcar", "flattop", "blackman"];
+    /// All windows with their names.
+    pub const ALL: [(&'static str, Window); 4] = [
+        ("hann", Window::Hann),
+        ("boxcar", Window::Boxcar),
+        ("flattop", Window::FlatTop),
+        ("blackman", Window::Blackman),
+    ];
 
     /// Coefficients a of `sum_k (-1)^k a_k cos(k x)`.
     fn coefficients(self) -> &'static [f64] {
@@ -50,19 +54,5 @@ impl Window {
                 .sum()
         };
         (0..n).map(weight).collect()
-    }
-}
-
-impl FromStr for Window {
-    type Err = ();
-
-    fn from_str(name: &str) -> Result<Self, ()> {
-        match name {
-            "hann" => Ok(Window::Hann),
-            "boxcar" => Ok(Window::Boxcar),
-            "flattop" => Ok(Window::FlatTop),
-            "blackman" => Ok(Window::Blackman),
-            _ => Err(()),
-        }
     }
 }

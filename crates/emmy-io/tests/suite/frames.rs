@@ -5,7 +5,7 @@ use std::path::Path;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use emmy::body::{FieldName, FieldValues, Fields, Place};
-use emmy::motion::{Motion, State};
+use emmy::motion::{Motion, ReferenceMotion, State};
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -55,7 +55,8 @@ fn problem(directory: &Path, set: &[&str]) -> Problem {
 /// The last state of a run that ends, or that is dropped before its end.
 fn run(problem: &Problem, ends: bool) -> State {
     let state = State::initial(&problem.body, 0.0, &problem.initial).unwrap();
-    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
+    let motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
+    let mut motion = problem.settled(motion);
     let mut results = Results::create(problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     if ends {
@@ -101,6 +102,30 @@ fn arrays_of_a_frame_are_the_state() {
     assert!(xml.contains(
         "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.5<"
     ));
+}
+
+/// Displacements and accelerations are those in the frame of reference, stresses do not depend on it.
+#[test]
+fn frames_have_the_frame_of_reference_of_the_input() {
+    let fields = "output.fields=[\"displacement\", \"acceleration\", \"von_mises_stress\"]";
+    let [(_, absolute, state), (body, relative, same)] = ["ground", "rigid-motion"].map(|name| {
+        let temp = tempfile::tempdir().unwrap();
+        let problem = problem(temp.path(), &[fields, &format!("output.relative_to=\"{name}\"")]);
+        let state = run(&problem, true);
+        (problem.body, read(temp.path(), 5), state)
+    });
+    assert_eq!(state, same);
+    let [expected, _] = ReferenceMotion::of_body().seen(&body, &state.displacement, &state.velocity);
+    assert_eq!(floats(&absolute, "displacement"), state.displacement);
+    assert_eq!(floats(&relative, "displacement"), expected);
+    assert_eq!(floats(&relative, "von_mises_stress"), floats(&absolute, "von_mises_stress"));
+    // A free body has no mean acceleration.
+    let masses = body.lumped_mass();
+    for accelerations in [&absolute, &relative].map(|xml| floats(xml, "acceleration")) {
+        let sum = |d: usize| masses.iter().zip(accelerations.chunks(3)).map(|(m, a)| m * a[d]).sum::<f64>();
+        let size: f64 = accelerations.iter().map(|a| a.abs()).sum();
+        assert!(size > 1.0 && (0..3).all(|d| sum(d).abs() < 1e-10 * size), "{size}");
+    }
 }
 
 /// The eight fields at the nodes, whose names never change.

@@ -40,6 +40,15 @@ pub enum Quantity {
     Acceleration,
 }
 
+impl Quantity {
+    /// All quantities with their names.
+    pub const ALL: [(&'static str, Quantity); 3] = [
+        ("displacement", Quantity::Displacement),
+        ("velocity", Quantity::Velocity),
+        ("acceleration", Quantity::Acceleration),
+    ];
+}
+
 /// A complex number, `[real, imaginary]`.
 type Complex = [f64; 2];
 

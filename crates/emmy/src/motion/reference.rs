@@ -1,4 +1,4 @@
-//! Motions relative to a part of the body.
+//! Frames of reference that move with a part of the body.
 
 #![allow(non_snake_case)]
 
@@ -9,7 +9,7 @@ use crate::tensor::rotation::{image, polar, transposed};
 use crate::tensor::{Mat3, cross, three};
 use crate::time::fitted_spin;
 
-/// A motion relative to which others are told: a translation, or the rigid motion that fits that of the body.
+/// The motion of a frame of reference: a translation with some nodes, or the rigid motion that fits the body best.
 ///
 /// ```
 /// use emmy::motion::ReferenceMotion;
@@ -27,9 +27,9 @@ pub struct ReferenceMotion(Kind);
 
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
-    /// The mean motion, component by component, of some nodes of the rank.
+    /// The mean of each component over some nodes of the rank.
     Mean([Vec<usize>; 3]),
-    /// The rigid motion that fits that of the nodes best, by their lumped masses.
+    /// The rigid motion that fits the nodes best, weighted with their lumped masses.
     Rigid,
 }
 
@@ -50,8 +50,8 @@ impl ReferenceMotion {
         }
     }
 
-    /// The mean motion of the nodes that supports drive; along an axis without such supports it is none. On a team a
-    /// call of all ranks.
+    /// The mean motion of the nodes that supports drive; none along an axis without driven nodes. On a team a call of
+    /// all ranks.
     ///
     /// # Errors
     /// [`Error::NoBase`] if no support moves.
@@ -65,13 +65,13 @@ impl ReferenceMotion {
         if n[0] == 0.0 { Err(Error::NoBase) } else { Ok(ReferenceMotion(Kind::Mean(nodes))) }
     }
 
-    /// The rigid motion that fits that of the whole body best: its rotation R and its centre of mass c have the least
+    /// The rigid motion that fits the body best: its rotation R and its centre c minimise
     ///
     /// ```math
     /// sum_A m_A |q_A - c - R (X_A - C)|^2
     /// ```
     ///
-    /// Relative displacements are `R^T (q - c) - (X - C)`, as the body turned back shows them, and relative velocities
+    /// Relative displacements are `R^T (q - c) - (X - C)`, in axes that rotate with the body, and relative velocities are
     /// their rates.
     pub fn of_body() -> Self {
         ReferenceMotion(Kind::Rigid)

@@ -40,7 +40,7 @@ pub struct Motion<'a> {
     pub(super) state: State,
     /// The state before the last step.
     pub(super) last: State,
-    /// The motion relative to which the largest displacement is told.
+    /// Frame of reference of the largest relative displacement.
     reference: Option<ReferenceMotion>,
     pub(super) record: Record,
     pub(super) statistics: RunStatistics,
@@ -272,14 +272,15 @@ impl<'a> Motion<'a> {
         self.smallest = Some(smallest_step.map_or(SmallestStep::Halvings(MAX_HALVINGS), SmallestStep::Size));
     }
 
-    /// The motion whose [`RunStatistics::largest_relative_displacement`] is relative to another one.
+    /// The motion with a frame of reference for outputs and for [`RunStatistics::largest_relative_displacement`]. A
+    /// motion that is started anew ([`Motion::from`], [`Motion::newton`]) has none.
     pub fn relative_to(self, reference: Option<ReferenceMotion>) -> Self {
         let mut motion = Motion { reference, ..self };
         motion.count_relative_displacement();
         motion
     }
 
-    /// The motion relative to which displacements are told; `None`: rest.
+    /// The frame of reference of outputs; `None`: at rest.
     pub fn reference(&self) -> Option<&ReferenceMotion> {
         self.reference.as_ref()
     }

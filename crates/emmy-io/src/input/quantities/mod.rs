@@ -25,9 +25,9 @@ pub struct Quantities {
     pub extremes: Vec<FieldName>,
     /// Values of groups.
     pub values: Vec<GroupValue>,
-    /// The name of the motion relative to which fields are told; `None`: rest.
+    /// Frame of reference of all quantities; `None`: at rest.
     pub relative_to: Option<String>,
-    /// The motions that this name and those of the probes stand for, but `"ground"`.
+    /// The motions of this frame and of those of the probes, but for `"ground"`.
     pub references: Vec<(String, ReferenceMotion)>,
 }
 
@@ -44,7 +44,7 @@ pub struct Probe {
     pub node: usize,
     /// The quantities that are written.
     pub quantities: Vec<ProbeQuantity>,
-    /// The name of the motion relative to which they are told; `None`: that of all quantities.
+    /// Their frame of reference; `None`: that of all quantities.
     pub relative_to: Option<String>,
 }
 
@@ -57,7 +57,7 @@ pub enum ProbeQuantity {
     Field(FieldName),
 }
 
-/// The name of rest as a reference.
+/// Name of the frame at rest.
 pub(crate) const GROUND: &str = "ground";
 
 /// A number of a field in a group.
@@ -137,12 +137,12 @@ impl Quantities {
         probes.chain(reactions).chain(mechanism).chain(extremes).chain(values).collect()
     }
 
-    /// The motion relative to which fields are told; `None`: rest.
+    /// Motion of the frame of reference; `None`: at rest.
     pub fn reference(&self) -> Option<&ReferenceMotion> {
         self.reference_of(self.relative_to.as_deref()?)
     }
 
-    /// The motion relative to which a probe is told; `None`: rest.
+    /// Motion of the frame of reference of a probe; `None`: at rest.
     pub(crate) fn reference_of_probe(&self, probe: &Probe) -> Option<&ReferenceMotion> {
         self.reference_of(probe.relative_to.as_deref().or(self.relative_to.as_deref())?)
     }
@@ -173,7 +173,7 @@ fn extreme_column(field: FieldName, relative_to: Option<&str>) -> ColumnInfo {
     ColumnInfo { name: format!("max_{field}"), dimension: field.dimension().to_string(), meaning }
 }
 
-/// The words for a reference after the name of a quantity.
+/// Words for a frame of reference after the name of a quantity.
 fn relation(relative_to: Option<&str>) -> String {
     let other = relative_to.filter(|name| *name != GROUND);
     other.map_or_else(String::new, |name| format!(", relative to {name}"))

@@ -12,11 +12,11 @@ use crate::input::table::{Item, Table};
 
 const POSITION: &str = "position";
 
-/// The words on motions relative to others.
-pub(in crate::input) const RELATIVE_TO: &str = "The motion relative to which displacement, velocity, acceleration and \
-    position are told: that of a group, the mean of its nodes; `\"base\"`: the mean of the nodes that supports drive; \
-    `\"rigid-motion\"`: the rigid motion that fits that of the whole body, whose turned axes then count; `\"ground\"`: \
-    rest. A group with one of these names comes first";
+/// Description of the keys `relative_to`.
+pub(in crate::input) const RELATIVE_TO: &str = "Frame of reference of displacement, velocity, acceleration and position: a \
+    group, which stands for the mean motion of its nodes; `\"base\"`, the mean motion of the nodes that supports drive; \
+    `\"rigid-motion\"`, the rigid motion that fits the body best, with axes that rotate with it; `\"ground\"`, the frame at \
+    rest. A group of one of these names takes precedence";
 
 /// Quantities of a probe.
 fn of_probes() -> Vec<&'static str> {
@@ -97,7 +97,7 @@ pub(in crate::input) struct Requested {
     /// Groups of the probes and the values.
     pub(super) groups: Vec<NamedGroup>,
     pub(super) relative_to: Option<String>,
-    /// All names of motions relative to which something is told.
+    /// All frames of reference that are named.
     pub(super) references: Vec<(String, Place)>,
 }
 

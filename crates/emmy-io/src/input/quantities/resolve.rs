@@ -51,7 +51,7 @@ impl Requested {
         })
     }
 
-    /// The motions relative to which something is told, without rest.
+    /// The motions of all frames of reference but that at rest.
     fn references(&self, body: &Body, faults: &mut Faults) -> Vec<(String, ReferenceMotion)> {
         let mut all: Vec<(String, ReferenceMotion)> = Vec::new();
         for (name, place) in &self.references {

@@ -1,19 +1,19 @@
-//! The motion as outputs tell it.
+//! The motion in the frame of reference of an output.
 
 use std::borrow::Cow;
 
 use emmy::body::{FieldName, NodalMotion};
 use emmy::motion::{Motion, ReferenceMotion, State};
 
-/// Displacement, velocity and acceleration relative to a reference, and the motion itself for all other fields.
-pub(crate) struct ToldMotion<'a> {
+/// Displacement, velocity and acceleration in a frame of reference, and the state for all other fields.
+pub(crate) struct OutputMotion<'a> {
     state: &'a State,
     relative: [Cow<'a, [f64]>; 2],
     /// Empty if no field needs it, and before the first step.
     acceleration: Vec<f64>,
 }
 
-impl<'a> ToldMotion<'a> {
+impl<'a> OutputMotion<'a> {
     /// The motion for some fields. On a team a call of all ranks.
     pub(crate) fn new(
         motion: &'a Motion<'_>,
@@ -21,7 +21,7 @@ impl<'a> ToldMotion<'a> {
         mut fields: impl Iterator<Item = FieldName>,
     ) -> Self {
         let is_accelerated = fields.any(|name| name == FieldName::Acceleration);
-        ToldMotion {
+        OutputMotion {
             state: motion.state(),
             relative: motion.seen_from(reference),
             acceleration: if is_accelerated { motion.mean_acceleration(reference) } else { Vec::new() },
@@ -39,7 +39,7 @@ impl<'a> ToldMotion<'a> {
         }
     }
 
-    /// The vectors of a field that tells the motion, `[n_nodes][3]`; NaN where they are unknown.
+    /// The vectors of displacement, velocity or acceleration, `[n_nodes][3]`; NaN where they are unknown.
     pub(crate) fn vectors(&self, name: FieldName) -> Cow<'_, [f64]> {
         let NodalMotion { displacement, velocity, acceleration } = self.of(name);
         match name {
