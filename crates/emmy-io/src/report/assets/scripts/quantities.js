@@ -9,7 +9,7 @@ const COMPONENTS = { x: ["--c1", []], y: ["--c2", [6, 3]], z: ["--c0", [2, 3]],
   xx: ["--c1", []], yy: ["--c2", [6, 3]], zz: ["--c0", [2, 3]], xy: ["--c3", [9, 3]], yz: ["--c5", [4, 4]], xz: ["--c6", [2, 2]],
   1: ["--c1", []], 2: ["--c2", [6, 3]], 3: ["--c0", [2, 3]] };
 
-const LETTERS = { position: "", displacement: "u", velocity: "v", force: "F", moment: "M", spin: "ω", cauchy_stress: "σ", second_piola_kirchhoff_stress: "S", green_lagrange_strain: "E" };
+const LETTERS = { position: "", displacement: "u", velocity: "v", acceleration: "a", force: "F", moment: "M", spin: "ω", cauchy_stress: "σ", second_piola_kirchhoff_stress: "S", green_lagrange_strain: "E" };
 
 function words(name) {
   return name.replaceAll("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy").replace("green lagrange", "Green-Lagrange").replace("piola kirchhoff", "Piola-Kirchhoff");
