@@ -18,7 +18,7 @@ use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
 use emmy::motion::{
     Adaptivity, EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, Solver,
 };
-use emmy::motion::{State, StepPlan};
+use emmy::motion::{ReferenceMotion, State, StepPlan};
 use emmy::team::{Team, Threads};
 use emmy::time::{Estimator, Scheme};
 use emmy::{Error, Result};
@@ -291,6 +291,36 @@ fn halves() -> Mesh {
 }
 
 /// A bent beam of two materials: all fields at own nodes, at guests and in cells.
+/// Motions in frames of reference, and mass and volume, are those of the whole body.
+#[test]
+fn frames_of_reference_are_those_of_the_whole_body() {
+    let mesh = halves();
+    let parts = |builder: BodyBuilder| {
+        let [soft, firm] = [1.0, 3.0].map(|density| Region { density, ..rubber() });
+        builder.region(soft.on("left")).region(firm.on("right")).build().unwrap()
+    };
+    let bent = |[x, y, z]: [f64; 3]| [0.1 * x * y - y, x + 0.05 * x * x, 2.0 + 0.2 * z * (x + y)];
+    let numbers = |body: &Body| {
+        let motion: Vec<f64> = body.mesh().points().iter().flat_map(|&x| bent(x)).collect();
+        let frames = [ReferenceMotion::of_body(), ReferenceMotion::of_group(body, "left").unwrap()];
+        (frames.map(|frame| frame.seen(body, &motion, &motion)), body.mass_and_volume())
+    };
+    let (whole, [mass, volume]) = numbers(&parts(Body::builder(mesh.clone())));
+    for size in [2, 4] {
+        on_team(&mesh, size, |share, team| {
+            let body = parts(Body::shared(share, team));
+            let (own, [own_mass, own_volume]) = numbers(&body);
+            assert!((own_mass - mass).abs() < 1e-12 * mass && (own_volume - volume).abs() < 1e-12 * volume);
+            for (own, whole) in own.iter().flatten().zip(whole.iter().flatten()) {
+                for (own, &node) in own.chunks_exact(3).zip(body.ranks().nodes()) {
+                    let there = &whole[3 * node as usize..][..3];
+                    assert!(own.iter().zip(there).all(|(a, b)| (a - b).abs() < 1e-12), "{node}");
+                }
+            }
+        });
+    }
+}
+
 #[test]
 fn fields_are_those_of_the_whole_body() {
     let mesh = halves();
