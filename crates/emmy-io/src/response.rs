@@ -23,6 +23,9 @@ pub const TABLE: &str = "response.csv";
 /// The table of the modes.
 const MODES: &str = "response_modes.csv";
 
+/// Components without larger amplitudes, over the largest of all, are rounding and are not drawn.
+const SMALLEST: f64 = 1e-9;
+
 /// Amplitudes of the probes of a problem over the frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeResponse {
@@ -90,8 +93,13 @@ impl ProbeResponse {
             Quantity::Velocity => units.label("amplitude of the velocity", "length/time"),
             Quantity::Acceleration => units.label("amplitude of the acceleration", "length/time²"),
         };
-        let amplitudes = self.components.iter().map(|(name, amplitudes, _)| (name.clone(), &amplitudes[..]));
-        let phases = self.components.iter().map(|(name, _, phases)| (name.clone(), &phases[..]));
+        let largest = |(_, amplitudes, _): &&(String, Vec<f64>, Vec<f64>)| {
+            amplitudes.iter().fold(0.0f64, |largest, x| largest.max(*x))
+        };
+        let least = SMALLEST * self.components.iter().map(|own| largest(&own)).fold(0.0, f64::max);
+        let shown = || self.components.iter().filter(|own| largest(own) > least);
+        let amplitudes = shown().map(|(name, amplitudes, _)| (name.clone(), &amplitudes[..]));
+        let phases = shown().map(|(name, _, phases)| (name.clone(), &phases[..]));
         let chart = over_frequency(&self.frequencies, units, false);
         let amplitudes = chart(Axis::log(label), &amplitudes.collect::<Vec<_>>());
         let phases = chart(Axis::linear("phase [rad]"), &phases.collect::<Vec<_>>());

@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
     spectra::check(&output)?;
     let between = [arguments.from, arguments.to];
     let spectrum = arguments.settings().of_run(directory, column, input.as_deref(), between)?;
-    spectra::write(&output, directory, &spectrum)?;
+    spectra::write(&output, &spectrum)?;
     print::result(host, &table(&spectrum))?;
     if !arguments.quiet {
         spectrum.notes.iter().for_each(|note| message!(host, "note: {note}"));
@@ -124,7 +124,8 @@ impl Arguments {
 
 /// The largest number of each column with its frequency; phases and coherences have none of interest.
 fn table(spectrum: &Spectrum) -> String {
-    let head = ["largest of", "value", "frequency"].map(String::from).to_vec();
+    let frequency = spectrum.units.label("frequency", "frequency");
+    let head = vec!["largest of".to_string(), "value".to_string(), frequency];
     let shown = |name: &str| !["_phase", "_coherence"].iter().any(|ending| name.ends_with(ending));
     let rows = spectrum.columns.iter().filter(|(name, _)| shown(name)).map(|(name, numbers)| {
         let numbered = numbers.iter().zip(&spectrum.frequencies).filter(|(value, _)| !value.is_nan());

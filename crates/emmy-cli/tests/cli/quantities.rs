@@ -421,7 +421,8 @@ fn motions_are_told_relative_to_the_base() {
     assert!((told - fastest).abs() < 1e-12, "{told} {fastest}");
     assert!(summary["largest_displacement"].as_f64().unwrap() > 0.8, "the base moves by 8/9");
     assert!(closing.contains("largest displacement relative to base: "), "{closing}");
-    assert!(place.read("out/report.html").contains("\"is_driven\":true"));
+    let page = place.read("out/report.html");
+    assert!(page.contains("\"is_driven\":true") && page.contains("\"relative_to\":{\"all\":\"base\""));
     // Stopped and resumed: the same numbers, but for the rounding of the path, which is integrated over the run.
     place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.5"]);
     place.succeed(&["resume", "parts", "--quiet", "--until", "1"]);

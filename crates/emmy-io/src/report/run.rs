@@ -69,6 +69,7 @@ impl RunData {
             "input": shortened(input),
             "loads": loads(&tree),
             "is_driven": is_driven(&tree),
+            "relative_to": frames_of_reference(&tree),
             "events": events,
             "more_events": more_events,
             "probes": names(&tree, "probes"),
@@ -174,6 +175,18 @@ fn tables<'a>(input: &'a toml::Table, section: &str) -> Vec<&'a toml::Table> {
         Some(toml::Value::Table(table)) => vec![table],
         _ => Vec::new(),
     }
+}
+
+/// Frames of reference: of all quantities, and of probes with one of their own by their names.
+fn frames_of_reference(input: &toml::Table) -> Value {
+    let frame =
+        |table: &toml::Table| table.get("relative_to").and_then(toml::Value::as_str).map(str::to_string);
+    let output = input.get("output").and_then(toml::Value::as_table);
+    let probes = output.and_then(|output| output.get("probes")?.as_array());
+    let probes = probes.into_iter().flatten().filter_map(toml::Value::as_table);
+    let own =
+        probes.filter_map(|probe| Some((probe.get("name")?.as_str()?.to_string(), frame(probe)?.into())));
+    json!({ "all": output.and_then(frame), "probes": Value::Object(own.collect()) })
 }
 
 /// Names of the entries of a list in `[output]`.

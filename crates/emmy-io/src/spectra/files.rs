@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::{Kind, Spectrum};
 use crate::chart::{Axis, Chart, Figure, Series, Style};
-use crate::comparison;
 use crate::directory::{self, DirectoryError, Lock};
 use crate::message::shown;
 use crate::units::Units;
@@ -31,13 +30,11 @@ pub fn check(directory: &Path) -> Result<(), DirectoryError> {
 ///
 /// # Errors
 /// [`DirectoryError`].
-pub fn write(directory: &Path, run: &Path, spectrum: &Spectrum) -> Result<(), DirectoryError> {
+pub fn write(directory: &Path, spectrum: &Spectrum) -> Result<(), DirectoryError> {
     directory::prepare_kind(directory, KIND, WITNESS)?;
     let _lock = Lock::take(directory)?;
     let system = |error| DirectoryError::System { path: directory.to_path_buf(), error };
-    // A run whose summary cannot be read has no units.
-    let units = comparison::units_of(&comparison::summary(run).unwrap_or_default());
-    figure(spectrum, units).write(&directory.join("spectrum")).map_err(system)?;
+    figure(spectrum).write(&directory.join("spectrum")).map_err(system)?;
     let columns = spectrum.columns.iter().map(|(name, numbers)| (name.as_str(), &numbers[..]));
     let columns = std::iter::once(("frequency", &spectrum.frequencies[..])).chain(columns);
     replace(&directory.join(TABLE), table(&columns.collect::<Vec<_>>()).as_bytes()).map_err(system)
@@ -76,7 +73,7 @@ pub(crate) fn over_frequency<'a>(
 }
 
 /// Charts of a spectrum: endings of the columns of each, and its ordinate.
-fn figure(spectrum: &Spectrum, units: Units) -> Figure {
+fn figure(spectrum: &Spectrum) -> Figure {
     let log = |label: &str| Axis::log(label);
     let linear = |label: &str| Axis::linear(label);
     let charts = match spectrum.kind {
@@ -95,7 +92,7 @@ fn figure(spectrum: &Spectrum, units: Units) -> Figure {
             ("_displacement_maximax", log("relative displacement")),
         ],
     };
-    let chart = over_frequency(&spectrum.frequencies, units, spectrum.kind == Kind::Shock);
+    let chart = over_frequency(&spectrum.frequencies, spectrum.units, spectrum.kind == Kind::Shock);
     let charts = charts.into_iter().map(|(ending, y)| {
         let named = spectrum
             .columns

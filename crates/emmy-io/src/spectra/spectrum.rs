@@ -7,6 +7,8 @@ use emmy::internals::number::short;
 use super::samples::{self, Samples, Series};
 use super::{Detrend, Frequencies, Segments, SpectrumError, Window};
 use super::{amplitudes, derivative, frequency_response, power_spectral_density, shock_response};
+use crate::comparison;
+use crate::units::Units;
 
 /// The kind of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,6 +98,8 @@ pub struct Spectrum {
     pub columns: Vec<(String, Vec<f64>)>,
     /// Remarks.
     pub notes: Vec<String>,
+    /// Units of the run.
+    pub units: Units,
 }
 
 impl Settings {
@@ -112,7 +116,9 @@ impl Settings {
     ) -> Result<Spectrum, SpectrumError> {
         let names: Vec<&str> = columns.iter().map(String::as_str).chain(input).collect();
         let series = samples::read(directory, &names, between)?;
-        self.of_series(&series, columns)
+        // A run whose summary cannot be read has no units.
+        let units = comparison::units_of(&comparison::summary(directory).unwrap_or_default());
+        Ok(Spectrum { units, ..self.of_series(&series, columns)? })
     }
 
     /// The spectrum of series with names; a further series without a name is the input.
@@ -142,7 +148,13 @@ impl Settings {
                 short(step)
             ));
         }
-        let mut spectrum = Spectrum { kind: self.kind, frequencies: Vec::new(), columns: Vec::new(), notes };
+        let mut spectrum = Spectrum {
+            kind: self.kind,
+            frequencies: Vec::new(),
+            columns: Vec::new(),
+            notes,
+            units: Units::default(),
+        };
         match self.kind {
             Kind::Shock => self.shock(step, names, &values, &mut spectrum)?,
             _ => self.averaged(step, names, &values, &mut spectrum)?,

@@ -46,6 +46,13 @@ function unitOf(run, name) {
   return unitsOfModes(run, units.system)[name] ?? units.columns[name] ?? units.fields[name] ?? "";
 }
 
+// Words for the frame of reference of a quantity, of a probe if it has one of its own.
+function relation(run, name, probe) {
+  const frame = run.relative_to?.probes[probe] ?? run.relative_to?.all;
+  const isOfMotion = ["position", "displacement", "velocity", "acceleration"].includes(name);
+  return frame && frame !== "ground" && isOfMotion ? ` relative to ${frame}` : "";
+}
+
 // Units of natural modes, whose table has no file of units.
 function unitsOfModes(run, { mass, time, frequency }) {
   if (!run.modes) return {};

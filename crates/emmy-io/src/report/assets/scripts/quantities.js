@@ -37,7 +37,7 @@ function meaning(run, stem, [{ component }]) {
   if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
   const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
   if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
-  if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}`, name: stem, unit: "over the body" };
+  if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}${relation(run, stem.slice(4))}`, name: stem, unit: "over the body" };
   return { title: stem, name: stem };
 }
 
@@ -76,7 +76,7 @@ function chartsOfQuantities(run) {
     const lines = linesOf(run, quantity);
     const { title, unit, owner, name } = quantity;
     if (name !== "position" || owner === undefined) {
-      const what = owner === undefined ? unit : words(name);
+      const what = owner === undefined ? unit : words(name) + relation(run, name, owner);
       return ofRun(run, { title, unit: inUnit(what, unitOf(run, quantity.parts[0].column)), height: 150, lines });
     }
     const own = find(owner, "displacement");
@@ -85,8 +85,8 @@ function chartsOfQuantities(run) {
     const moved = own ? linesOf(run, own)
       : lines.map((line, i) => ({ ...line, label: `u${quantity.parts[i].component}`, values: line.values.map((value) => (value === null ? null : value - line.values[0])) }));
     return ofRun(run, { title, height: 150, choices: [
-      { name: "displacement", unit: inUnit(`from (${from.join(", ")})`, symbol), lines: moved },
-      { name: "position", unit: inUnit("", symbol), lines }] });
+      { name: "displacement", unit: inUnit(`from (${from.join(", ")})${relation(run, "displacement", owner)}`, symbol), lines: moved },
+      { name: "position", unit: inUnit(relation(run, "position", owner).trim(), symbol), lines }] });
   });
 }
 
@@ -114,7 +114,7 @@ function comparedQuantities(runs, each) {
   const others = runs.slice(1).map((run) => new Set(run.history.columns));
   const isShared = ({ parts }) => others.every((columns) => parts.every(({ column }) => columns.has(column)));
   return quantities(runs[0]).filter(isShared).map(({ title, unit, owner, joint, name, parts }) => {
-    const what = inUnit(owner === undefined && joint === undefined ? unit : words(name), unitOf(runs[0], parts[0].column));
+    const what = inUnit(owner === undefined && joint === undefined ? unit : words(name) + relation(runs[0], name, owner), unitOf(runs[0], parts[0].column));
     const choices = parts.map(({ column, component }) => ({ name: component, unit: what, lines: each((run) => nulled(run.column(column))) }));
     const ranges = choices.map(({ lines }) => Math.max(...lines.map(({ values }) => rangeOf(values))));
     const first = ranges.indexOf(Math.max(...ranges));

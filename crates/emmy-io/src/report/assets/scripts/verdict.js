@@ -132,14 +132,15 @@ function extremes(run, clock) {
 
 function extreme(run, name, clock) {
   const key = `largest_${name}`, s = run.summary;
-  const [unit, length, time] = [name, "displacement", "time"].map((name) => unitOf(run, name)).map((unit) => unit && ` ${unit}`);
+  const quantity = name.replace("relative_", "");
+  const [unit, length, time] = [quantity, "displacement", "time"].map((name) => unitOf(run, name)).map((unit) => unit && ` ${unit}`);
   const show = (at, ...text) => element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(at) },
     isStatic(run) ? "load fraction = " : "t = ", ...text, time);
   const place = (point) => `, at (${point.map((x) => number(x)).join(", ")})${length}`;
   const regions = (s.largest_in_regions ?? []).filter((row) => row.field === name);
   const row = (own) => element("p", { class: "rest", "data-region": own.region }, `in ${own.region}: ${number(own.value)}`, unit, ", ",
     show(own.time, number(own.time)), place(own.point));
-  return element("div", {}, element("h2", {}, `Largest ${words(name)}`),
+  return element("div", {}, element("h2", {}, `Largest ${words(quantity)}`, name === "displacement" ? "" : relation(run, quantity)),
     element("p", { class: "size" }, ofSummary(run, key), unit),
     element("p", { class: "rest" }, show(s[`${key}_time`], ofSummary(run, `${key}_time`)), place(s[`${key}_point`])),
     ...regions.map(row));
