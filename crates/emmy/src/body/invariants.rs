@@ -58,13 +58,8 @@ impl Body {
     /// Mass and volume of all regions, masses and rigid bodies, on a team those of all ranks \[mass, length^3\].
     #[doc(hidden)]
     pub fn mass_and_volume(&self) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        for region in self.regions() {
-            sums[0] += region.mass;
-            sums[1] += region.volume;
-        }
-        self.space.sum_ranks("mass and volume", &mut sums);
-        sums
+        let regions = self.regions();
+        [regions.iter().map(|region| region.mass).sum(), regions.iter().map(|region| region.volume).sum()]
     }
 
     /// Total of the consistent mass \[mass\].
