@@ -71,3 +71,24 @@ fn frame(problem: &Problem) -> f64 {
     let same = 24 * mesh.n_nodes() + 13 * mesh.n_cells() + 8 * corners + marks;
     4.0 / 3.0 * (fields + same as f64)
 }
+
+/// A number of bytes with two or three digits.
+pub fn bytes(n: f64) -> String {
+    let units = ["B", "kB", "MB", "GB", "TB"];
+    let power =
+        (0..units.len() - 1).find(|&power| n < 1000f64.powi(power as i32 + 1)).unwrap_or(units.len() - 1);
+    let value = n / 1000f64.powi(power as i32);
+    let digits = usize::from(value < 10.0 && power > 0);
+    format!("{value:.digits$} {}", units[power])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_have_their_unit() {
+        let texts = [12.0, 1234.0, 385e6, 4.04e9, 385e12].map(bytes);
+        assert_eq!(texts, ["12 B", "1.2 kB", "385 MB", "4.0 GB", "385 TB"]);
+    }
+}

@@ -140,7 +140,8 @@ pub(super) fn spellable(file: PathBuf, output: &Path) -> PathBuf {
     if is_whole { PathBuf::from(way) } else { file }
 }
 
-fn string(text: &str, place: &Place) -> Node {
+/// A text at a place.
+pub(super) fn string(text: &str, place: &Place) -> Node {
     Node { value: Value::String(text.to_string()), place: place.clone() }
 }
 

@@ -71,6 +71,7 @@ pub(super) fn region(table: &Table<'_>, density: f64) -> Result<Region, Fault> {
     let vocabulary = Vocabulary {
         variables: &variables,
         has_function: |name| OF_ENERGIES.iter().any(|(own, _)| *own == name),
+        has_pulses: false,
         instead_of_kinks: ", and an energy has two derivatives; `holzapfel-gasser-ogden` has fibres that bear tension only",
         about_others: "; a parameter is a key beside `formula`, as in { formula = \"mu/2*(I1_bar - 3) + K/2*(J - 1)^2\", mu = 1, \
                        K = 10 }",
@@ -133,6 +134,8 @@ fn energy(expression: &Expression, values: &[Energy]) -> Energy {
         Expression::Variable(number) => values[*number].clone(),
         Expression::Number(value) => Energy::from(*value),
         Expression::Negative(argument) => -energy(argument, values),
+        // The vocabulary has no pulses.
+        Expression::Pulse(..) => Energy::from(f64::NAN),
         Expression::Function(number, argument) => {
             let name = FUNCTIONS[*number].0;
             let function = OF_ENERGIES.iter().find(|(own, _)| *own == name);

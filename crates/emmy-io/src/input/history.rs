@@ -1,5 +1,6 @@
 //! `history`: tables of the time, here or in a CSV file, or expressions.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use emmy::body::TimeFunction;
@@ -23,6 +24,15 @@ pub(super) struct Context<'a> {
     pub(super) run: Option<[f64; 2]>,
     /// Whether the body is undeformed at the start.
     pub(super) is_undeformed: bool,
+    /// Notes on histories, which are for the user.
+    pub(super) notes: &'a RefCell<Vec<String>>,
+}
+
+impl Context<'_> {
+    /// Adds a note.
+    pub(super) fn note(&self, note: String) {
+        self.notes.borrow_mut().push(note);
+    }
 }
 
 /// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression, which must be
@@ -34,7 +44,7 @@ pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction,
             context.run.map_or(Ok(()), |run| check_finite(&item, text, &function, run))?;
             Ok(function)
         }
-        Value::Table(_) => measured::read(&Table::read(item), context.directory),
+        Value::Table(_) => measured::read(&Table::read(item), context),
         Value::TimeFunction(function) => Ok(function.clone()),
         _ => {
             let entries: Vec<[f64; 2]> = Read::read(item);
@@ -104,7 +114,9 @@ pub(super) mod tests {
     pub(crate) fn read_in(directory: &Path, history: &str) -> Result<TimeFunction, String> {
         let text = format!("group = 'a'\nforce = [1, 0, 0]\nhistory = {history}");
         let node = tree::parse("test", &text).unwrap();
-        let context = Context { directory, units: Units::default(), run: None, is_undeformed: false };
+        let notes = RefCell::default();
+        let context =
+            Context { directory, units: Units::default(), run: None, is_undeformed: false, notes: &notes };
         let read = |table: &Table<'_>, faults: &mut Faults| faults.keep(read(table.must("history"), context));
         memory::read_alone("load", node, read).map_err(|error| error.faults()[0].to_string())
     }

@@ -7,11 +7,13 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 use emmy::body::TimeFunction;
 use emmy::internals::number::short;
 
-use super::description::{Described, Kind, NUMBER, Section};
+use super::description::{Described, Kind, NUMBER, POSITIVE, Section};
 use super::fault::Fault;
+use super::history::Context;
+use super::record;
 use super::shape::neighbour;
 use super::suggest::{did_you_mean, listed};
-use super::table::{Item, Table};
+use super::table::{Item, Read, Table};
 use crate::whole_file;
 
 /// A history from a file.
@@ -27,20 +29,61 @@ pub(super) static MEASURED: Described = Described::new(|| {
         .must("value", Kind::Text, "", "Name of the column of values")
         .may("factor", NUMBER, "", "Factor on the values")
         .absent("1")
+        .may(
+            "low_pass",
+            POSITIVE,
+            "1/time",
+            "Frequency of a low-pass filter without phase, at which half of the amplitude is left",
+        )
+        .absent("no filter")
+        .may(
+            "correct_baseline",
+            Kind::True,
+            "",
+            "Of an acceleration: adds the parabola over time that makes the mean square of the velocity least",
+        )
+        .absent("not corrected")
 });
 
 /// Largest file in bytes: some 30 million rows.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Reads the table; paths are relative to a directory.
-pub(super) fn read(table: &Table<'_>, directory: &Path) -> Result<TimeFunction, Fault> {
+/// Reads the table; its corrections add notes.
+pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     let file: Item<'_> = table.must("file");
     let columns = [table.must("time"), table.must("value")];
-    let path = directory.join(table.must::<&str>("file"));
+    let path = context.directory.join(table.must::<&str>("file"));
     let bytes = bytes(&file, &path)?;
     let source = Source { path: &path, bytes: &bytes, table, columns };
-    let entries = source.entries(table.may("factor").unwrap_or(1.0))?;
-    TimeFunction::measured(entries).map_err(|error| file.fault(error.to_string(), "from here"))
+    let mut entries = source.entries(table.may("factor").unwrap_or(1.0))?;
+    let name = table.must::<&str>("file");
+    if let Some(item) = table.item("low_pass") {
+        let (before, frequency) = (entries.clone(), f64::read(item));
+        record::low_pass(&mut entries, frequency).map_err(|(row, reason)| {
+            item.fault(format!("{}: row {}: {reason}", path.display(), row + 1), "no filter")
+        })?;
+        let change = record::change(&before, &entries);
+        context.note(format!("{name}: filtered at {}: {change}", context.units.number(frequency, "1/time")));
+    }
+    let failed = |error: emmy::Error| file.fault(error.to_string(), "from here");
+    if let Some(item) = table.item("correct_baseline") {
+        let before = entries.clone();
+        record::correct_baseline(&mut entries)
+            .map_err(|reason| item.fault(format!("{}: {reason}", path.display()), "too short"))?;
+        let [v0, u0] = record::drift(&before).map_err(failed)?;
+        let [v1, u1] = record::drift(&entries).map_err(failed)?;
+        let change = record::change(&before, &entries);
+        let [velocities, displacements] =
+            [([v0, v1], "length/time"), ([u0, u1], "length")].map(|(ends, dimension)| {
+                let [before, after] = ends.map(|end| context.units.number(end, dimension));
+                format!("{before} to {after}")
+            });
+        context.note(format!(
+            "{name}: corrected baseline: {change}; at the end of the record, the velocity changes from {velocities}, the \
+             displacement from {displacements}"
+        ));
+    }
+    TimeFunction::measured(entries).map_err(failed)
 }
 
 fn bytes(item: &Item<'_>, path: &Path) -> Result<Vec<u8>, Fault> {

@@ -1,5 +1,6 @@
 //! Inputs that a program builds: the words of the input file in a tree, with a mesh and functions in memory.
 
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -127,7 +128,9 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 /// [`InputError`] with every fault, whose places are paths in the table.
 pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
     let units = Units::default();
-    let context = Context { directory: Path::new(""), units, run: None, is_undeformed: false };
+    // The input of a run has the notes.
+    let notes = RefCell::default();
+    let context = Context { directory: Path::new(""), units, run: None, is_undeformed: false, notes: &notes };
     let read = |table: &Table<'_>, faults: &mut Faults| match section {
         "region" => region::read(table, faults).map(drop),
         "material" => faults.keep(material::region(table, 1.0).map(drop)),
@@ -155,7 +158,9 @@ pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
 /// The table of a resolved input, whose path is absolute; `None` if the file cannot be read any more.
 pub(crate) fn resolved(history: &toml::Table) -> Option<TimeFunction> {
     let node = tree::parse("history", &toml::to_string(history).ok()?).ok()?;
-    read_alone("history", node, |table, faults| faults.keep(measured::read(table, Path::new("")))).ok()
+    let (units, notes) = (Units::default(), RefCell::default());
+    let context = Context { directory: Path::new(""), units, run: None, is_undeformed: false, notes: &notes };
+    read_alone("history", node, |table, faults| faults.keep(measured::read(table, context))).ok()
 }
 
 /// Fills, checks and reads a table that stands in no input; its section is named by its key.

@@ -27,6 +27,7 @@ mod groups;
 mod history;
 mod initial;
 mod joint;
+mod large_output;
 mod load;
 mod material;
 mod measured;
@@ -41,6 +42,7 @@ mod plausible;
 mod problem;
 mod quantities;
 mod reading;
+mod record;
 #[cfg(test)]
 mod reference;
 mod region;

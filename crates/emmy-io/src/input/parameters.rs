@@ -178,6 +178,7 @@ impl Parameters {
         let vocabulary = Vocabulary {
             variables: &names,
             has_function: |_| true,
+            has_pulses: false,
             instead_of_kinks: "; there are smooth functions alone",
             about_others: "; other numbers have names in `[parameters]`",
         };

@@ -7,6 +7,7 @@ use emmy::team::Team;
 
 use super::catalogue::ROOT_KIND;
 use super::fault::{Faults, InputError};
+use super::large_output::{self, LeftOut};
 use super::problem::{Overrides, Problem};
 use super::sections::Sections;
 use super::shape::MeshPath;
@@ -61,6 +62,10 @@ pub(super) fn of_tree(
     source.check_input(&prepared.resolved)?;
     let problem = prepared.sections.problem(prepared.resolved, source).map_err(advised);
     let mut problem = source.agree(problem)?;
+    let mut tree = prepared.tree;
+    if !overrides.is_of_body && large_output::reduce(&mut problem, &mut tree, prepared.left_out) {
+        problem.resolved = write::toml(&tree);
+    }
     source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
     problem.files.extend(prepared.histories);
     problem.notes.extend(prepared.notes);
@@ -70,8 +75,10 @@ pub(super) fn of_tree(
 /// An input before its mesh is read.
 struct Prepared {
     sections: Sections,
-    /// The text with all defaults.
+    /// The input with all defaults, and its text.
+    tree: Node,
     resolved: String,
+    left_out: LeftOut,
     /// Files of histories.
     histories: Vec<PathBuf>,
     notes: Vec<String>,
@@ -88,6 +95,7 @@ impl Prepared {
         let mut faults = Faults::default();
         let unused = parameters::evaluate(&mut tree, &ROOT_KIND, &mut faults);
         let note = complete::clean_title(&mut tree);
+        let left_out = LeftOut::of(&mut tree);
         complete::fill_defaults(&mut tree)?;
         let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
         let directory = path.parent().unwrap_or(Path::new(""));
@@ -106,8 +114,10 @@ impl Prepared {
         complete::spell(&mut tree);
         file.iter().for_each(|file| deck::leave_out_all(&mut tree, file));
         sections.mesh_file.set(file);
-        let notes = lost.into_iter().chain(note).chain(unused).collect();
-        Ok(Prepared { sections, resolved: write::toml(&tree), histories, notes })
+        let of_histories = std::mem::take(&mut sections.notes);
+        let notes = lost.into_iter().chain(note).chain(unused).chain(of_histories).collect();
+        let resolved = write::toml(&tree);
+        Ok(Prepared { sections, tree, resolved, left_out, histories, notes })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The sections of an input, read and put together.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -60,6 +60,8 @@ pub(super) struct Sections {
     requested: Requested,
     limits: Limits,
     expected: Option<Expected>,
+    /// Notes on histories.
+    pub(super) notes: Vec<String>,
     /// Groups of the regions of links: lines of a mesh file that are cells.
     link_groups: Vec<String>,
     /// The mesh of a file, if it was read before.
@@ -93,7 +95,9 @@ impl Sections {
         let (start, initial) = read_start(&mut root, directory);
         let time = read_time(&mut root, start.as_ref(), overrides);
         let run = time.as_ref().map(|time| [time.plan.start(), time.plan.end()]);
-        let context = Context { directory, units, run, is_undeformed: start == Some(Start::Undeformed) };
+        let notes = RefCell::default();
+        let is_undeformed = start == Some(Start::Undeformed);
+        let context = Context { directory, units, run, is_undeformed, notes: &notes };
         let load::Sorted { loads, attractions, drags } =
             root.each("load", |table, faults| load::read(table, context, faults)).into_iter().collect();
         let motion = table.item("time").filter(|_| !overrides.is_of_body);
@@ -176,6 +180,7 @@ impl Sections {
                     requested,
                     limits,
                     expected,
+                    notes: notes.take(),
                     start,
                     regions,
                     loads,

@@ -21,7 +21,7 @@ struct ColourField {
 }
 
 /// Quantities for colouring besides the displacement.
-const FIELDS: [ColourField; 7] = [
+const FIELDS: [ColourField; 8] = [
     ColourField {
         name: "von_mises_stress",
         label: "von Mises stress",
@@ -49,6 +49,13 @@ const FIELDS: [ColourField; 7] = [
         label: "largest principal stretch",
         array: ("principal_stretches", 3),
         value: |numbers| numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        is_signed: false,
+    },
+    ColourField {
+        name: "largest_stretch",
+        label: "largest principal stretch",
+        array: ("largest_stretch", 1),
+        value: |numbers| numbers[0],
         is_signed: false,
     },
     ColourField {
@@ -123,6 +130,8 @@ fn present(frames: &FrameSource, frame: &vtu::Frame) -> Result<Vec<&'static Colo
     let names: Vec<&str> = fields.iter().map(|field| field.array.0).collect();
     let mut arrays = frames.values(0, &names)?.into_iter();
     fields.retain(|_| arrays.next().is_some_and(|array| array.iter().any(|number| number.is_finite())));
+    // The largest stretch may be in two arrays.
+    fields.dedup_by_key(|field| field.name);
     Ok(fields)
 }
 

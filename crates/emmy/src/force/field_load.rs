@@ -187,16 +187,18 @@ impl FieldLoad {
         let FieldMemory { of_stages, values } = memory;
         let mut acts = Ok(false);
         let quadrature = rule.smooth_quadrature();
-        let factors =
-            self.time_function.for_each_value(time, h, [0.0, 1.0], quadrature, |alpha, w, factor| {
-                let Ok(acted) = acts else { return };
-                for (i, stage_weight) in of_stages.iter_mut().enumerate() {
-                    *stage_weight = w * rule.basis(i, alpha) / rule.weights()[i];
-                }
-                acts =
-                    self.add((time + alpha * h, factor), of_stages, values, force).map(|acts| acts || acted);
-            });
-        factors.map_err(|found| self.not_finite(found))?;
+        for [from, to] in self.time_function.segments(time, h) {
+            let factors =
+                self.time_function.for_each_value(time, h, [from, to], quadrature, |alpha, w, factor| {
+                    let Ok(acted) = acts else { return };
+                    for (i, stage_weight) in of_stages.iter_mut().enumerate() {
+                        *stage_weight = w * (to - from) * rule.basis(i, alpha) / rule.weights()[i];
+                    }
+                    let add = self.add((time + alpha * h, factor), of_stages, values, force);
+                    acts = add.map(|acts| acts || acted);
+                });
+            factors.map_err(|found| self.not_finite(found))?;
+        }
         acts
     }
 
@@ -302,7 +304,8 @@ impl OverTime for FieldLoad {
         let points: Vec<[f64; 3]> =
             of_ranks.as_chunks().0.iter().copied().filter(|X: &[f64; 3]| X[0].is_finite()).collect();
         let (n_components, components) = self.components(samples(&points));
-        let signal = Signal::of_field(&self.field, self.number, n_components, components);
+        let kinks = self.time_function.kinks();
+        let signal = Signal::of_field(&self.field, self.number, kinks, n_components, components);
         (n_components > 0).then_some(signal)
     }
 

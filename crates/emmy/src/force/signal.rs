@@ -29,14 +29,17 @@ pub struct Signal {
     pub n_components: usize,
     /// Whether an evaluation is costly: [`TimeFunction::of_times`], [`crate::input::Field::of_points`].
     pub is_costly: bool,
+    /// Times of kinks and jumps, at which integration stops and starts again.
+    pub kinks: Vec<f64>,
     function: Arc<Function>,
 }
 
 impl Signal {
-    /// The signal of the field of a load, with the function of its components.
+    /// The signal of the field of a load, with the kinks of its factor and the function of its components.
     pub(super) fn of_field(
         field: &Field,
         load: usize,
+        kinks: Vec<f64>,
         n_components: usize,
         function: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static,
     ) -> Self {
@@ -47,6 +50,7 @@ impl Signal {
             arm: 0.0,
             n_components,
             is_costly: field.is_costly(),
+            kinks,
             function: Arc::new(function),
         }
     }
@@ -65,10 +69,11 @@ impl Signal {
     ) -> Option<Self> {
         let text = time_function.text()?.into();
         let is_costly = time_function.is_costly();
+        let kinks = time_function.kinks();
         let time_function = time_function.clone();
         let function = move |times: &[f64], values: &mut [f64]| time_function.values(times, values);
         let function = Arc::new(function);
-        Some(Signal { target, text, until, arm, n_components: 1, is_costly, function })
+        Some(Signal { target, text, until, arm, n_components: 1, is_costly, kinks, function })
     }
 }
 

@@ -137,7 +137,7 @@ impl TimeFunction {
         matches!(&self.law, Law::Table(Table { corners: Some(_), .. }))
     }
 
-    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time; the second
+    /// A smooth time function, or one that is smooth between its kinks ([`TimeFunction::with_kinks`]): `function` returns the factor and its first and second derivatives at a time; the second
     /// one is not used at present. `text` names it; time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
         TimeFunction { law: Law::Smooth(Smooth::of_derivatives(text, function)) }
@@ -180,6 +180,22 @@ impl TimeFunction {
     pub fn with_rate(self, rates: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> Self {
         match self.law {
             Law::Smooth(smooth) => TimeFunction { law: Law::Smooth(smooth.with_rate(rates)) },
+            law @ (Law::Table(_) | Law::Integrated(_)) => TimeFunction { law },
+        }
+    }
+
+    /// A smooth function with the times of its kinks and jumps: it is integrated exactly up to each of them, and
+    /// adaptive steps end there. At a jump, the function returns the value after it. Other functions do not change.
+    ///
+    /// ```
+    /// use emmy::body::TimeFunction;
+    /// let pulse = |t: f64| if (0.0..2.0).contains(&t) { [t * (2.0 - t), 2.0 - 2.0 * t, -2.0] } else { [0.0; 3] };
+    /// let pulse = TimeFunction::smooth("pulse", pulse).with_kinks([0.0, 2.0]);
+    /// assert_eq!((pulse.next_kink(0.0), pulse.next_kink(2.0), pulse.first_jump()), (Some(2.0), None, None));
+    /// ```
+    pub fn with_kinks(self, times: impl IntoIterator<Item = f64>) -> Self {
+        match self.law {
+            Law::Smooth(smooth) => TimeFunction { law: Law::Smooth(smooth.with_kinks(times)) },
             law @ (Law::Table(_) | Law::Integrated(_)) => TimeFunction { law },
         }
     }
@@ -245,6 +261,7 @@ impl TimeFunction {
     pub(crate) fn value_before(&self, time: f64) -> f64 {
         match &self.law {
             Law::Table(table) => value_before(&table.entries, time),
+            Law::Smooth(smooth) if smooth.kinks.contains(&time) => smooth.value(time.next_down()),
             Law::Smooth(_) | Law::Integrated(_) => self.value(time),
         }
     }
@@ -265,17 +282,39 @@ impl TimeFunction {
     pub(crate) fn rate_beside(&self, time: f64, shift: f64) -> f64 {
         match &self.law {
             Law::Table(_) => self.rate(time + shift),
+            Law::Smooth(smooth) if smooth.has_kink_near(time, shift.abs()) => smooth.rate(time + shift),
             Law::Smooth(_) | Law::Integrated(_) => self.rate(time),
         }
     }
 
-    /// The first time after another at which a table, or an acceleration by a table, has a kink or a jump.
+    /// The times of all kinks and jumps, ascending.
+    pub fn kinks(&self) -> Vec<f64> {
+        self.kinks_after(f64::NEG_INFINITY).collect()
+    }
+
+    /// The first time after another at which a function, or its acceleration, has a kink or a jump.
     pub fn next_kink(&self, after: f64) -> Option<f64> {
-        if let Some(acceleration) = self.acceleration() {
-            return acceleration.next_kink(after);
-        }
-        let entries = self.entries();
-        entries.get(entries.partition_point(|&(t, _)| t <= after)).map(|&(t, _)| t)
+        self.kinks_after(after).next()
+    }
+
+    /// The times of kinks and jumps after another, ascending.
+    pub(crate) fn kinks_after(&self, after: f64) -> impl Iterator<Item = f64> + '_ {
+        let law = self.acceleration().unwrap_or(self);
+        let kinks = match &law.law {
+            Law::Smooth(smooth) => &*smooth.kinks,
+            Law::Table(_) | Law::Integrated(_) => &[],
+        };
+        let entries = law.entries();
+        let entries = &entries[entries.partition_point(|&(t, _)| t <= after)..];
+        let kinks = &kinks[kinks.partition_point(|&t| t <= after)..];
+        entries.iter().map(|&(t, _)| t).chain(kinks.iter().copied())
+    }
+
+    /// The parts of a step between kinks, as parts of [0, 1].
+    pub(crate) fn segments(&self, time: f64, h: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let ends = self.kinks_after(time).map(move |kink| (kink - time) / h).take_while(|&alpha| alpha < 1.0);
+        let mut from = 0.0;
+        ends.chain([1.0]).filter_map(move |to| (to > from).then(|| [std::mem::replace(&mut from, to), to]))
     }
 
     /// The first time after another at which adaptive steps end: a kink, but of a measured table only a corner.
@@ -289,8 +328,11 @@ impl TimeFunction {
         }
     }
 
-    /// Time of the first jump of a table.
+    /// Time of the first jump of a table, or of a smooth function with kinks.
     pub fn first_jump(&self) -> Option<f64> {
+        if let Law::Smooth(smooth) = &self.law {
+            return smooth.first_jump();
+        }
         let jump = |pair: &&[(f64, f64)]| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1;
         self.entries().windows(2).find(jump).map(|pair| pair[0].0)
     }
@@ -302,7 +344,7 @@ impl TimeFunction {
     /// ```
     ///
     /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table with any kinks and jumps inside the
-    /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
+    /// step; a smooth function is integrated by [`Rule::smooth_quadrature`] between its kinks.
     ///
     /// # Errors
     /// The first time at which the function is not a finite number.
@@ -314,24 +356,17 @@ impl TimeFunction {
         averages: &mut [f64],
     ) -> std::result::Result<(), NotFinite> {
         averages.fill(0.0);
-        let (entries, quadrature) = match &self.law {
-            Law::Table(table) => (&*table.entries, rule.load_quadrature()),
-            Law::Smooth(_) => (&[][..], rule.smooth_quadrature()),
-            Law::Integrated(integrated) => (integrated.acceleration().entries(), rule.smooth_quadrature()),
+        let quadrature = match &self.law {
+            Law::Table(_) => rule.load_quadrature(),
+            Law::Smooth(_) | Law::Integrated(_) => rule.smooth_quadrature(),
         };
-        let mut from = 0.0;
-        let first = entries.partition_point(|&(t, _)| t <= time);
-        let kinks = entries[first..].iter().map(|&(t, _)| (t - time) / step_size);
-        for to in kinks.take_while(|&alpha| alpha < 1.0).chain([1.0]) {
-            if to > from {
-                self.for_each_value(time, step_size, [from, to], quadrature, |alpha, w, factor| {
-                    let weighted = factor * w * (to - from);
-                    for (i, average) in averages.iter_mut().enumerate() {
-                        *average += weighted * rule.basis(i, alpha) / rule.weights()[i];
-                    }
-                })?;
-                from = to;
-            }
+        for [from, to] in self.segments(time, step_size) {
+            self.for_each_value(time, step_size, [from, to], quadrature, |alpha, w, factor| {
+                let weighted = factor * w * (to - from);
+                for (i, average) in averages.iter_mut().enumerate() {
+                    *average += weighted * rule.basis(i, alpha) / rule.weights()[i];
+                }
+            })?;
         }
         Ok(())
     }

@@ -193,24 +193,41 @@ impl Resolution {
     fn missed(&self, time: f64, size: f64, allowance: Allowance) -> Option<Unresolved> {
         let acting = self.signals.iter().filter(|(signal, _)| signal.until.is_none_or(|until| time < until));
         for (signal, largest) in acting {
-            let missed = match allowance {
-                Allowance::PartOrLength(_, length) if signal.arm > 0.0 => {
-                    (signal.arm * self.deviation(signal, time, size) > length).then_some(0)
+            let first = signal.kinks.partition_point(|&kink| kink <= time);
+            let kinks = signal.kinks[first..].iter().copied().take_while(|&kink| kink < time + size);
+            let mut from = time;
+            for to in kinks.chain([time + size]) {
+                let size = to - from;
+                if let Some(component) = self.missed_component(signal, largest, from, size, allowance) {
+                    let time = self.place(signal, component, from, size);
+                    return Some(Unresolved { target: signal.target, text: signal.text.clone(), time });
                 }
-                Allowance::Part(part) | Allowance::PartOrLength(part, _) => {
-                    let seen = self.compare(signal, time, size);
-                    let mut components = seen[..signal.n_components].iter().zip(largest);
-                    components.position(|(seen, largest)| {
-                        seen.peak > part * largest && seen.defect > part * seen.mean
-                    })
-                }
-            };
-            if let Some(component) = missed {
-                let time = self.place(signal, component, time, size);
-                return Some(Unresolved { target: signal.target, text: signal.text.clone(), time });
+                from = to;
             }
         }
         None
+    }
+
+    /// The first component of a function that is not resolved between two kinks in a step.
+    fn missed_component(
+        &self,
+        signal: &Signal,
+        largest: &[f64],
+        time: f64,
+        size: f64,
+        allowance: Allowance,
+    ) -> Option<usize> {
+        match allowance {
+            Allowance::PartOrLength(_, length) if signal.arm > 0.0 => {
+                (signal.arm * self.deviation(signal, time, size) > length).then_some(0)
+            }
+            Allowance::Part(part) | Allowance::PartOrLength(part, _) => {
+                let seen = self.compare(signal, time, size);
+                let mut components = seen[..signal.n_components].iter().zip(largest);
+                components
+                    .position(|(seen, largest)| seen.peak > part * largest && seen.defect > part * seen.mean)
+            }
+        }
     }
 
     /// Points and weights of the panels of a step for a function, relative to the step.

@@ -24,7 +24,8 @@ impl Jet {
         self.chain(function(self.0[0]))
     }
 
-    fn chain(self, [f, df, ddf]: [f64; 3]) -> Jet {
+    /// A function of the number, from its value and derivatives there.
+    pub(super) fn chain(self, [f, df, ddf]: [f64; 3]) -> Jet {
         let Jet([_, da, dda]) = self;
         // An unbounded derivative matters only if the argument changes.
         let product = |f: f64, a: f64| if a == 0.0 { 0.0 } else { f * a };

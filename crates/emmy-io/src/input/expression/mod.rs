@@ -1,11 +1,11 @@
 //! Expressions of the time, such as `0.5 * sin(2*pi*t)`, of position and time, or of the invariants of a strain.
 //!
 //! A text becomes a tree ([`parse()`]). Its value at a time is computed with first and second derivatives by the time,
-//! by the rules of differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are
-//! integrated exactly.
+//! by the rules of differentiation on numbers ([`Jet`]). Its kinks are those of pulses, at given times ([`Pulse`]).
 
 mod jet;
 mod parse;
+mod pulse;
 
 use emmy::body::{Field, TimeFunction};
 use emmy::internals::number::short;
@@ -14,6 +14,7 @@ use super::fault::{Fault, Place};
 use super::table::{Item, Read};
 use jet::Jet;
 use parse::{Mistake, parse};
+use pulse::{PULSES, Pulse};
 
 /// Names that may occur in an expression, beside the constants.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +22,8 @@ pub(super) struct Vocabulary<'a> {
     pub(super) variables: &'a [&'a str],
     /// Whether a function may occur.
     pub(super) has_function: fn(&str) -> bool,
+    /// Whether pulses of the variable `t` may occur.
+    pub(super) has_pulses: bool,
     /// Advice in place of a function with a kink.
     pub(super) instead_of_kinks: &'static str,
     /// Advice on a name that is not near to a known one.
@@ -31,7 +34,9 @@ pub(super) struct Vocabulary<'a> {
 pub(super) const TIME: Vocabulary<'static> = Vocabulary {
     variables: &["t"],
     has_function: |_| true,
-    instead_of_kinks: "; write a table [[time, value], ...], whose kinks are integrated exactly",
+    has_pulses: true,
+    instead_of_kinks: "; there are `half_sine`, `ramp`, `step` and `window`, such as step(t, 0.1), and tables [[time, value], \
+                       ...], whose kinks are integrated exactly",
     about_others: "",
 };
 
@@ -39,8 +44,9 @@ pub(super) const TIME: Vocabulary<'static> = Vocabulary {
 pub(super) const POSITION_AND_TIME: Vocabulary<'static> = Vocabulary {
     variables: &["x", "y", "z", "t"],
     has_function: |_| true,
-    instead_of_kinks: ": bound the load by a group of cells, or give as `history` a table [[time, value], ...], whose kinks \
-                       are integrated exactly",
+    has_pulses: false,
+    instead_of_kinks: ": bound the load by a group of cells, or give as `history` a function of time such as step(t, 0.1) or \
+                       a table [[time, value], ...], whose kinks are integrated exactly",
     about_others: "",
 };
 
@@ -105,6 +111,8 @@ pub(super) enum Expression {
     Operation(Operator, Box<[Expression; 2]>),
     /// A function, by its number in [`FUNCTIONS`].
     Function(usize, Box<Expression>),
+    /// A pulse of the variable with a number.
+    Pulse(usize, Pulse),
 }
 
 /// An operator between two expressions.
@@ -121,12 +129,22 @@ impl Expression {
     /// Visits the number of every variable that occurs.
     pub(super) fn visit_variables(&self, visit: &mut impl FnMut(usize)) {
         match self {
-            Expression::Variable(number) => visit(*number),
+            Expression::Variable(number) | Expression::Pulse(number, _) => visit(*number),
             Expression::Number(_) => {}
             Expression::Negative(argument) | Expression::Function(_, argument) => {
                 argument.visit_variables(visit)
             }
             Expression::Operation(_, sides) => sides.iter().for_each(|side| side.visit_variables(visit)),
+        }
+    }
+
+    /// Adds the times of all kinks.
+    fn add_kinks(&self, kinks: &mut Vec<f64>) {
+        match self {
+            Expression::Variable(_) | Expression::Number(_) => {}
+            Expression::Negative(argument) | Expression::Function(_, argument) => argument.add_kinks(kinks),
+            Expression::Operation(_, sides) => sides.iter().for_each(|side| side.add_kinks(kinks)),
+            Expression::Pulse(_, pulse) => kinks.extend(pulse.kinks()),
         }
     }
 
@@ -137,6 +155,7 @@ impl Expression {
             Expression::Number(value) => *value,
             Expression::Negative(argument) => -argument.value(variables),
             Expression::Function(function, argument) => FUNCTIONS[*function].1(argument.value(variables))[0],
+            Expression::Pulse(number, pulse) => pulse.at(variables[*number])[0],
             Expression::Operation(operator, sides) => {
                 let [a, b] = [sides[0].value(variables), sides[1].value(variables)];
                 match operator {
@@ -159,6 +178,7 @@ impl Expression {
             Expression::Function(function, argument) => {
                 argument.at(variables).into_function(FUNCTIONS[*function].1)
             }
+            Expression::Pulse(number, pulse) => variables[*number].chain(pulse.at(variables[*number].0[0])),
             Expression::Operation(operator, sides) => {
                 let [a, b] = [sides[0].at(variables), sides[1].at(variables)];
                 match operator {
@@ -174,7 +194,9 @@ impl Expression {
 
     /// The time function of an expression in [`TIME`]; `text` is its source.
     pub(super) fn time_function(self, text: &str) -> TimeFunction {
-        TimeFunction::smooth(text, move |time| self.at(&[Jet([time, 1.0, 0.0])]).0)
+        let mut kinks = Vec::new();
+        self.add_kinks(&mut kinks);
+        TimeFunction::smooth(text, move |time| self.at(&[Jet([time, 1.0, 0.0])]).0).with_kinks(kinks)
     }
 }
 
@@ -218,6 +240,7 @@ pub(super) fn read_field(item: &Item<'_>) -> Result<Field, Fault> {
 }
 
 #[cfg(test)]
+#[allow(non_snake_case)]
 mod tests {
     use super::*;
 
@@ -253,6 +276,10 @@ mod tests {
     fn rates_match_differences() {
         let t = 0.7;
         let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
+        texts.extend(
+            ["step(t, 0.5, 2)*t", "window(t, 0, 2, 1)", "half_sine(t, 0, 2)^2", "ramp(t, 0, 2)"]
+                .map(String::from),
+        );
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
         for text in texts {
             let d = 1e-4;
@@ -273,6 +300,55 @@ mod tests {
     }
 
     #[test]
+    fn pulses_match_their_definition() {
+        for (text, values) in [
+            ("step(t, 1)", [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
+            ("step(t, 1, 3)", [0.0, 0.0, 0.0, 0.103515625, 0.5, 1.0]),
+            ("ramp(t, 1, 3)", [0.0, 0.0, 0.0, 0.25, 0.5, 1.0]),
+            ("window(t, 1, 2)", [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+            ("window(t, 1, 3, 0.5)", [0.0, 0.0, 0.0, 1.0, 1.0, 0.0]),
+            ("window(t, 1, 3, 1)", [0.0, 0.0, 0.0, 0.5, 1.0, 0.0]),
+            ("half_sine(t, 1, 2)", [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+            ("3 - 2*half_sine(t, 1/2, 2 + 2/4)", [3.0, 3.0, 3.0 - 2f64.sqrt(), 1.0, 3.0 - 2f64.sqrt(), 3.0]),
+        ] {
+            let function = time_function(text);
+            for (time, value) in [-1.0, 0.5, 1.0, 1.5, 2.0, 3.0].into_iter().zip(values) {
+                assert!(
+                    (function.value(time) - value).abs() < 1e-14,
+                    "{text} at {time}: {}",
+                    function.value(time)
+                );
+            }
+        }
+        let jumps = [
+            "step(t, 1)",
+            "(t - 1)*step(t, 1)",
+            "window(t, 0, 2)",
+            "half_sine(t, -0.1, 0.3)",
+            "ramp(t, 1, 2)",
+        ];
+        let jumps = jumps.map(|text| time_function(text).first_jump());
+        assert_eq!(jumps, [Some(1.0), None, Some(0.0), None, None]);
+        let kinks = time_function("ramp(t, 1, 2)*window(t, 0, 3, 0.5) + half_sine(t, 1, 4)").kinks();
+        assert_eq!(kinks, [0.0, 0.5, 1.0, 2.0, 2.5, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn pulses_are_integrated_to_their_kinks() {
+        // 30 g over 11 ms: v = 2 A T/pi, and half of v T at its end.
+        let [A, T] = [294.2, 0.011];
+        let pulse = time_function("294.2*half_sine(t, 0, 0.011)");
+        let path = TimeFunction::from_acceleration(&pulse, [0.0, 0.05]).unwrap();
+        let v = 2.0 * A * T / std::f64::consts::PI;
+        assert!(
+            (path.rate(0.011) / v - 1.0).abs() < 1e-14
+                && (path.value(0.011) / (0.5 * v * T) - 1.0).abs() < 1e-14
+        );
+        assert!((path.value(0.05) / (v * (0.05 - 0.5 * T)) - 1.0).abs() < 1e-14);
+        assert_eq!(path.next_kink(0.0), Some(0.011));
+    }
+
+    #[test]
     fn mistakes_have_their_place() {
         for (text, place, says) in [
             ("sin(2*pi*", 9..9, "ends"),
@@ -288,6 +364,16 @@ mod tests {
             ("t)", 1..2, "`)`"),
             ("*t", 0..1, "`*`"),
             ("max(t)", 0..3, "table"),
+            ("half_sine", 0..9, "half_sine(t, t1, t2)"),
+            ("2*step(t)", 2..6, "step(t, t1) or step(t, t1, t2)"),
+            ("step(t, 1, 2, 3)", 0..4, "step(t, t1) or step(t, t1, t2)"),
+            ("ramp(2*t, 1, 2)", 5..8, "the time `t` first"),
+            ("ramp(t, 1, t)", 11..12, "then numbers"),
+            ("window(t, 3, 2)", 13..14, "after its start"),
+            ("window(t, 1, 2, 0.7)", 16..19, "fit between"),
+            ("halfsine(t, 1, 2)", 0..8, "`half_sine`"),
+            ("heaviside(t)", 0..9, "step(t, 0.1)"),
+            ("ramp(t, 1, 2", 12..12, "`)`"),
             ("1e999", 0..5, "too large"),
             ("\u{3c0}*t", 0..2, "\u{3c0}"),
         ] {
@@ -297,6 +383,8 @@ mod tests {
         let deep = "(".repeat(100_000);
         assert!(parse(&deep, &TIME).unwrap_err().reason.contains("deep"));
         assert!(parse(&"-".repeat(100_000), &TIME).is_err() && parse(&"2^".repeat(100_000), &TIME).is_err());
+        let mistake = parse("step(t, 1)*x", &POSITION_AND_TIME).unwrap_err();
+        assert!(mistake.reason.contains("as `history` a function") && mistake.place == (0..4), "{mistake:?}");
         let mistake = parse("abs(x)", &POSITION_AND_TIME).unwrap_err();
         assert!(mistake.reason.contains("group of cells") && mistake.place == (0..3), "{mistake:?}");
     }

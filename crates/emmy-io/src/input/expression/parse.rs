@@ -6,12 +6,13 @@
 //! signed  = ("-" | "+") signed | power
 //! power   = atom [ "^" signed ]
 //! atom    = number | variable | constant | function "(" sum ")" | "(" sum ")"
+//!         | pulse "(" "t" "," sum { "," sum } ")"
 //! ```
 
 use std::ops::Range;
 
 use super::super::suggest::{did_you_mean, listed};
-use super::{CONSTANTS, Expression, FUNCTIONS, Operator, Vocabulary};
+use super::{CONSTANTS, Expression, FUNCTIONS, Operator, PULSES, Pulse, Vocabulary};
 
 /// A mistake in an expression, and its bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ pub(super) struct Mistake {
 const DEEPEST: usize = 100;
 
 /// Functions that users may expect, but that have kinks.
-const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
+const KINKED: [&str; 7] = ["abs", "min", "max", "sign", "floor", "if", "heaviside"];
 
 /// Reads an expression.
 pub(super) fn parse(text: &str, vocabulary: &Vocabulary<'_>) -> Result<Expression, Mistake> {
@@ -200,6 +201,9 @@ impl Reader<'_> {
         if let Some((_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
             return Ok(Expression::Number(*value));
         }
+        if self.vocabulary.has_pulses && PULSES.iter().any(|(known, _)| *known == name) {
+            return self.pulse(name, place);
+        }
         let has = |name: &str| (self.vocabulary.has_function)(name);
         let Some(function) = FUNCTIONS.iter().position(|(known, _)| *known == name && has(name)) else {
             return Err(Mistake { reason: unknown(name, self.vocabulary), place });
@@ -212,14 +216,62 @@ impl Reader<'_> {
     }
 }
 
+/// Message about an argument that is not the time, or not a number.
+const CONSTANT: &str =
+    "a pulse has the time `t` first and then numbers: shift its numbers instead, as in half_sine(t, 1, 2)";
+
+impl Reader<'_> {
+    /// `name(t, t1, ...)`, after its name.
+    fn pulse(&mut self, name: &str, place: Range<usize>) -> Result<Expression, Mistake> {
+        if !self.skip('(') {
+            let reason = Pulse::new(name, &[]).map_or_else(|(_, reason)| reason, |_| String::new());
+            return Err(Mistake { reason, place });
+        }
+        let (mut arguments, mut places) = (Vec::new(), Vec::new());
+        loop {
+            self.next();
+            let start = self.at;
+            arguments.push(self.deeper(Self::sum)?);
+            places.push(start..self.at);
+            if !self.skip(',') {
+                break;
+            }
+        }
+        if !self.skip(')') {
+            return Err(self.mistake_here("a `)` is missing here"));
+        }
+        let Expression::Variable(variable) = arguments[0] else {
+            return Err(Mistake { reason: CONSTANT.to_string(), place: places[0].clone() });
+        };
+        let mut numbers = Vec::new();
+        for (argument, place) in arguments.iter().zip(&places).skip(1) {
+            let mut is_constant = true;
+            argument.visit_variables(&mut |_| is_constant = false);
+            // No variable occurs.
+            let number = if is_constant { argument.value(&[]) } else { f64::NAN };
+            if !number.is_finite() {
+                return Err(Mistake { reason: CONSTANT.to_string(), place: place.clone() });
+            }
+            numbers.push(number);
+        }
+        let pulse = Pulse::new(name, &numbers).map_err(|(number, reason)| {
+            let place = number.map_or(place, |number| places[1 + number].clone());
+            Mistake { reason, place }
+        })?;
+        Ok(Expression::Pulse(variable, pulse))
+    }
+}
+
 /// Message about an unknown name.
 fn unknown(name: &str, vocabulary: &Vocabulary<'_>) -> String {
-    if KINKED.contains(&name) {
+    let is_pulse = |name: &str| PULSES.iter().any(|(known, _)| *known == name);
+    if KINKED.contains(&name) || is_pulse(name) {
         return format!("`{name}` is not smooth{}", vocabulary.instead_of_kinks);
     }
     let constants = CONSTANTS.iter().map(|(name, _)| *name);
     let functions = FUNCTIONS.iter().map(|(name, _)| *name).filter(|name| (vocabulary.has_function)(name));
-    let known = vocabulary.variables.iter().copied().chain(constants.chain(functions));
+    let pulses = PULSES.iter().map(|(name, _)| *name).filter(|_| vocabulary.has_pulses);
+    let known = vocabulary.variables.iter().copied().chain(constants.chain(functions)).chain(pulses);
     // Any letter is near to a variable, but not a misspelt `t`.
     match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
         Some(advice) => format!("`{name}` is not known here: {advice}"),

@@ -153,10 +153,11 @@ fn less(function: &TimeFunction, number: f64) -> emmy::Result<TimeFunction> {
     }
     let text = format!("{} - {number:?}", function.text().unwrap_or_default());
     let own = function.clone();
-    Ok(match function.has_rate() {
+    let less = match function.has_rate() {
         true => TimeFunction::smooth(&text, move |time| [own.value(time) - number, own.rate(time), f64::NAN]),
         false => TimeFunction::of_times(&text, move |times, values| {
             values.iter_mut().zip(times).for_each(|(value, time)| *value = own.value(*time) - number);
         }),
-    })
+    };
+    Ok(less.with_kinks(function.kinks()))
 }

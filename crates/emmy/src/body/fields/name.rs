@@ -183,6 +183,16 @@ fields! {
         needs: Needs::Solids,
         formula: Formula::Stretches(PointState::principal_stretches),
     }
+    /// Square root of the largest eigenvalue of C, the first of [`FieldName::PrincipalStretches`].
+    LargestStretch {
+        name: "largest_stretch",
+        description: "square root of the largest eigenvalue of C",
+        dimension: "",
+        place: Place::Nodes,
+        components: SCALAR,
+        needs: Needs::Solids,
+        formula: Formula::Number(|state| state.principal_stretches()[0]),
+    }
     /// W per reference volume \[energy/length^3\].
     StrainEnergyDensity {
         name: "strain_energy_density",

@@ -12,8 +12,8 @@ use crate::quadrature::{Quadrature, gauss};
 /// v(t) = integral from start to t of a(s) ds,        u(t) = integral from start to t of (t - s) a(s) ds
 /// ```
 ///
-/// Between the entries of a table it is a cubic polynomial. A smooth acceleration is integrated on equal panels by a
-/// Gauss rule, a costly one on fewer panels, and only up to the times that were asked for.
+/// Between the entries of a table it is a cubic polynomial. A smooth acceleration is integrated on equal panels, cut at
+/// its kinks, by a Gauss rule, a costly one on fewer panels, and only up to the times that were asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Integrated {
     acceleration: TimeFunction,
@@ -196,13 +196,18 @@ impl Panels {
     /// Changes of velocity and displacement from rest in a part of a panel.
     fn change(&self, acceleration: &TimeFunction, time: f64, length: f64) -> [f64; 2] {
         let mut change = [0.0; 2];
-        let (mut times, mut values) = ([0.0; POINTS], [0.0; POINTS]);
-        times.iter_mut().zip(&self.points.points).for_each(|(t, &[s])| *t = time + s * length);
-        acceleration.values(&times, &mut values);
-        for ((&[s], w), value) in self.points.iter().zip(values) {
-            let weighted = w * length * value;
-            change[0] += weighted;
-            change[1] += weighted * (1.0 - s) * length;
+        for [from, to] in acceleration.segments(time, length) {
+            let (time, length) = (time + from * length, (to - from) * length);
+            // The velocity at its start carries through the segment.
+            change[1] += change[0] * length;
+            let (mut times, mut values) = ([0.0; POINTS], [0.0; POINTS]);
+            times.iter_mut().zip(&self.points.points).for_each(|(t, &[s])| *t = time + s * length);
+            acceleration.values(&times, &mut values);
+            for ((&[s], w), value) in self.points.iter().zip(values) {
+                let weighted = w * length * value;
+                change[0] += weighted;
+                change[1] += weighted * (1.0 - s) * length;
+            }
         }
         change
     }

@@ -6,15 +6,20 @@ use std::sync::Arc;
 /// A function of times: it sets a number for each of them.
 type OfTimes = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 
-/// A smooth function of time, identified by its text.
+/// A function of time that is smooth between its kinks, identified by its text.
 #[derive(Clone)]
 pub(super) struct Smooth {
     pub(super) text: Arc<str>,
     values: Arc<OfTimes>,
     rates: Option<Arc<OfTimes>>,
+    /// Times of kinks and jumps, ascending.
+    pub(super) kinks: Arc<[f64]>,
     /// Whether a call is costly.
     pub(super) is_costly: bool,
 }
+
+/// A change at a kink that is rounding, as a part of the size of values and of rates times the span of the kinks.
+const JUMP: f64 = 1e-9;
 
 impl fmt::Debug for Smooth {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -31,7 +36,7 @@ impl PartialEq for Smooth {
 impl Smooth {
     /// A function without a rate.
     pub(super) fn new(text: &str, values: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> Self {
-        Smooth { text: text.into(), values: Arc::new(values), rates: None, is_costly: true }
+        Smooth { text: text.into(), values: Arc::new(values), rates: None, kinks: [].into(), is_costly: true }
     }
 
     /// A function that returns its value and rate first.
@@ -53,6 +58,30 @@ impl Smooth {
 
     pub(super) fn with_rate(self, rates: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> Self {
         Smooth { rates: Some(Arc::new(rates)), ..self }
+    }
+
+    pub(super) fn with_kinks(self, times: impl IntoIterator<Item = f64>) -> Self {
+        let mut kinks: Vec<f64> = times.into_iter().collect();
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        Smooth { kinks: kinks.into(), ..self }
+    }
+
+    /// Whether a kink is at most as far from a time as a distance.
+    pub(super) fn has_kink_near(&self, time: f64, distance: f64) -> bool {
+        self.kinks.iter().any(|kink| (kink - time).abs() <= distance)
+    }
+
+    /// The first time at which the values on both sides differ by more than rounding.
+    pub(super) fn first_jump(&self) -> Option<f64> {
+        let span = self.kinks.iter().fold(0f64, |span, kink| span.max((kink - self.kinks[0]).abs()));
+        self.kinks.iter().copied().find(|&kink| {
+            let sides = [kink.next_down(), kink];
+            let change = (self.value(sides[1]) - self.value(sides[0])).abs();
+            let size = |time: f64| self.value(time).abs() + (span + time.abs()) * self.rate(time).abs();
+            // The size of a function without a rate is NaN: then only equal values are no jump.
+            change != 0.0 && !(change <= JUMP * sides.map(size).into_iter().sum::<f64>())
+        })
     }
 
     pub(super) fn has_rate(&self) -> bool {

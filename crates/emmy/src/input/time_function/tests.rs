@@ -143,3 +143,40 @@ fn only_smooth_functions_need_a_rate() {
             && (path.value(1.0) - 1.0 / 6.0).abs() < 1e-15
     );
 }
+
+/// t^2 up to t = 1, and 5 - t from there on.
+fn of_two_pieces() -> TimeFunction {
+    let pieces = |t: f64| if t < 1.0 { [t * t, 2.0 * t, 2.0] } else { [5.0 - t, -1.0, 0.0] };
+    TimeFunction::smooth("pieces", pieces).with_kinks([1.0, 1.0])
+}
+
+#[test]
+fn averages_are_exact_between_kinks() {
+    // Integral of f over [0, 2.5]: 1/3 + 5 * 1.5 - (2.5^2 - 1)/2; of t f: 1/4 + 5 (2.5^2 - 1)/2 - (2.5^3 - 1)/3.
+    let exact = [1.0 / 3.0 + 7.5 - 2.625, 0.25 + 13.125 - 14.625 / 3.0];
+    for degree in 2..=4 {
+        let rule = Rule::discrete_gradient(degree);
+        let (b, c) = (rule.weights(), rule.nodes());
+        let mut averages = [0.0; 4];
+        of_two_pieces().averages(0.0, 2.5, &rule, &mut averages[..degree]).unwrap();
+        let zeroth: f64 = (0..degree).map(|i| 2.5 * b[i] * averages[i]).sum();
+        let first: f64 = (0..degree).map(|i| 2.5 * 2.5 * b[i] * c[i] * averages[i]).sum();
+        assert!((zeroth - exact[0]).abs() < 1e-14 && (first - exact[1]).abs() < 1e-13, "{zeroth} {first}");
+    }
+}
+
+#[test]
+fn both_sides_of_a_kink_are_known() {
+    let law = of_two_pieces();
+    assert_eq!((law.kinks(), law.first_jump()), (vec![1.0], Some(1.0)));
+    assert!((law.value_before(1.0) - 1.0).abs() < 1e-15 && law.value(1.0) == 4.0);
+    assert!((law.rate_beside(1.0, -1e-9) - 2.0).abs() < 1e-8 && law.rate_beside(1.0, 1e-9) == -1.0);
+    // From rest: v(2) = 1/3 + 5 - 3/2, u(2) = 1/12 + 1/3 + 5/2 - 2/3.
+    let path = TimeFunction::from_acceleration(&law, [0.0, 3.0]).unwrap();
+    assert!((path.rate(2.0) - (1.0 / 3.0 + 3.5)).abs() < 1e-14, "{}", path.rate(2.0));
+    assert!(
+        (path.value(2.0) - (1.0 / 12.0 + 1.0 / 3.0 + 2.5 - 2.0 / 3.0)).abs() < 1e-14,
+        "{}",
+        path.value(2.0)
+    );
+}
