@@ -53,6 +53,10 @@ bench *ARGS:
 bench-kernels:
     cargo bench -p emmy
 
+# Program, wheel, book, licences and checksums of a release, into dist, and a trial of them (CONTRIBUTING.md).
+dist:
+    .ci/dist
+
 # The book, into book/html (needs mdBook, `cargo install mdbook --locked`, and Python for formulas and drawings).
 book:
     python3 book/figures.py

@@ -57,6 +57,7 @@ pub(super) const TEMPLATES: [Template; 27] = [
     template!("rubber-mount"),
     template!("rubber-bumper"),
     template!("engine-mount"),
+    template!("shock-mount"),
     template!("rubber-beam"),
     template!("soft-tissue"),
     template!("rotor-blade"),
