@@ -172,8 +172,8 @@ def response(
         ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
     relative : bool, optional
         Whether amplitudes are relative to the base.
-    nodes : array (n,), optional
-        Nodes; all of the mesh if not given.
+    nodes : array of int (n,) or of bool, optional
+        Nodes: their numbers, or a mask with a truth value for each node; all of the mesh if not given.
     count : int, optional
         Number of modes.
     state : State or Snapshot, optional
@@ -206,7 +206,7 @@ def response(
     f = words.finite(frequencies, (None,), "frequencies")
     if len(f) == 0 or f.min() <= 0.0:
         raise fault("frequencies", "must be positive")
-    at = np.arange(own.n_nodes) if nodes is None else words.integers(nodes, "nodes")
+    at = np.arange(own.n_nodes) if nodes is None else words.members(nodes, own.n_nodes, "nodes")
     if at.size and at.max() >= own.n_nodes:
         raise fault("nodes", f"{at.max()} is not the number of one of the {own.n_nodes} nodes")
     if isinstance(base, str):

@@ -37,6 +37,8 @@ HELPERS = {"fault": "InputError", "missing": "ImportError"}
 
 CLASSES = {name: getattr(emmy, name) for name in emmy.__all__ if inspect.isclass(getattr(emmy, name))}
 FUNCTIONS = {name: getattr(emmy, name) for name in emmy.__all__ if inspect.isfunction(getattr(emmy, name))}
+#: Names in the module `emmy.plot`.
+OF_PLOT = {f"plot.{name}": getattr(emmy.plot, name) for name in emmy.plot.__all__}
 
 
 def members(kinds):
@@ -53,7 +55,7 @@ def members(kinds):
 
 METHODS = members((classmethod, staticmethod, type(lambda: None)))
 PROPERTIES = members(property)
-CALLABLES = FUNCTIONS | {name: getattr(value, "__func__", value) for name, value in METHODS.items()}
+CALLABLES = FUNCTIONS | OF_PLOT | {name: getattr(value, "__func__", value) for name, value in METHODS.items()}
 
 
 def parsed(name):
@@ -66,7 +68,7 @@ def faults(name, *, without=()):
 
 
 def test_every_name_is_checked():
-    assert set(emmy.__all__) == set(CLASSES) | set(FUNCTIONS) | {"__version__"}
+    assert set(emmy.__all__) == set(CLASSES) | set(FUNCTIONS) | {"__version__", "plot"}
     assert MADE_BY_THE_PACKAGE | COMPILED <= set(CLASSES)
     assert set(CALLABLES) >= RAISE_NOTHING
     # Those of the main classes, and of bases that are not public.

@@ -160,12 +160,12 @@ MESSAGES = [
     (
         lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), [rubber()]),
         TypeError,
-        "regions[0]: NeoHooke in place of Region",
+        "regions[0]: emmy.NeoHooke in place of emmy.Region",
     ),
     (
         lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), rubber()),
         TypeError,
-        "regions: NeoHooke in place of Region or a list of them",
+        "regions: emmy.NeoHooke in place of emmy.Region or a list of them",
     ),
     (
         lambda: emmy.Mesh(TET, cells=[[0, 1, 2, 3]]),
@@ -376,8 +376,8 @@ MESSAGES = [
         RuntimeError,
         "the motion keeps no trajectory; make it with adjoint=True",
     ),
-    (lambda: spinning_block(adjoint=True).gradient(5), TypeError, "goal: int in place of Goal"),
-    (lambda: emmy.modes(free_block(), state=5), TypeError, "state: int in place of State"),
+    (lambda: spinning_block(adjoint=True).gradient(5), TypeError, "goal: int in place of emmy.Goal"),
+    (lambda: emmy.modes(free_block(), state=5), TypeError, "state: int in place of emmy.State"),
     (
         lambda: goal(small_block()).value(spinning_block()),
         emmy.InputError,
