@@ -292,15 +292,16 @@ def part(mesh: _emmy.Mesh, grid: Any, name: str) -> Any:
     else:
         rows = [[node] for node in mesh.node_group(name).tolist()]
         types = [OF_NAME["vertex"].vtk] * len(rows)
-    connectivity = [number for row in rows for number in (len(row), *row)]
-    members = pyvista.UnstructuredGrid(np.array(connectivity), np.array(types, dtype=np.uint8), mesh.points)
+    # Without the nodes of other cells.
+    nodes = np.unique(np.concatenate(rows))
+    connectivity = np.concatenate([[len(row), *np.searchsorted(nodes, row)] for row in rows])
+    members = pyvista.UnstructuredGrid(connectivity, np.array(types, dtype=np.uint8), mesh.points[nodes])
     for key in grid.point_data.keys():
-        members.point_data[key] = grid.point_data[key]
+        members.point_data[key] = grid.point_data[key][nodes]
     if "facets" in kinds:
         for key in grid.cell_data.keys():
             members.cell_data[key] = grid.cell_data[key][mesh.facet_group(name)[:, 0]]
-    # Without the nodes of other cells.
-    return members.extract_cells(np.arange(len(rows)))
+    return members
 
 
 def to_pyvista(mesh: _emmy.Mesh) -> Any:

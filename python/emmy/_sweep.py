@@ -209,7 +209,9 @@ def sweep(
 Measure = tuple[str, ...] | Callable[[Any], Mapping[str, float]]
 
 
-def _measure(given: Any, parameters: Mapping[str, Any]) -> Measure | None:
+def _measure(
+    given: str | Sequence[str] | Callable[[Any], Mapping[str, float]] | None, parameters: Mapping[str, Any]
+) -> Measure | None:
     if given is None or callable(given):
         return given
     names = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else None
@@ -301,7 +303,8 @@ def _measured_table(
             continue
         run = None if folder is None else Run(folder / str(index + 1))
         if isinstance(measure, tuple):
-            rows.append(_chosen(measure, row, run and run.history, {} if run is None else run.summary))
+            history, summary = (None, {}) if run is None else (run.history, run.summary)
+            rows.append(_chosen(measure, row, history, summary))
         else:
             rows.append(row | _measured(measure(run), {*values, *row}))
     names = dict.fromkeys(name for row in rows for name in row)
@@ -411,7 +414,7 @@ def _run(
         row |= {f"{name}_min": peak.smallest, f"{name}_min_time": peak.smallest_time}
         row |= {f"{name}_max": peak.largest, f"{name}_max_time": peak.largest_time}
     if isinstance(measure, tuple):
-        return _chosen(measure, row, history), message
+        return _chosen(measure, row, history, {}), message
     if measure is not None and message is None:
         row |= _measured(measure(motion), {*parameters, *row, "run", "until", "message"})
     return row, message
@@ -424,24 +427,28 @@ _ENDINGS = {
 
 
 def _chosen(
-    names: Sequence[str], row: Mapping[str, Any], history: History | None, summary: Mapping[str, Any] | None = None
+    names: Sequence[str], row: Mapping[str, Any], history: History | None, summary: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Results of a run by their names: of its row, of the columns of its history, or of its summary."""
-    columns = () if history is None else history.dtype.names or ()
     found: dict[str, Any] = {}
     for name in names:
-        ending = next(own for own in _ENDINGS if name.endswith(own) and (own == "" or name.removesuffix(own) in columns))
-        column, number = name.removesuffix(ending), (summary or {}).get(name)
-        if name in row:
-            found[name] = row[name]
-        elif history is not None and column in columns:
-            found[name] = getattr(history.peak(column), _ENDINGS[ending])
-        elif isinstance(number, (int, float)):
-            found[name] = number
-        else:
+        number = row[name] if name in row else None if history is None else _of_history(history, name)
+        number = summary.get(name) if number is None else number
+        if not isinstance(number, (int, float, str)):
+            columns = () if history is None else history.dtype.names or ()
             known = ", ".join(dict.fromkeys([*row, *columns]))
             raise fault("measure", f"{name!r} is no result; there is {known}")
+        found[name] = number
     return found
+
+
+def _of_history(history: History, name: str) -> float | None:
+    """The last number of a column, or a part of its peak."""
+    for ending, part in _ENDINGS.items():
+        column = name.removesuffix(ending)
+        if name.endswith(ending) and column in (history.dtype.names or ()):
+            return float(getattr(history.peak(column), part))
+    return None
 
 
 def _measured(results: Mapping[str, float], taken: set[str]) -> dict[str, float]:

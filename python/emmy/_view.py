@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _convert, _emmy, _notebook
+from . import _emmy, _notebook
 from . import _words as words
 from ._body import Body, sparse
 from ._emmy import Step
@@ -371,21 +371,16 @@ class MotionView:
                 raise TypeError("group and region exclude each other")
             regions = self._body.regions
             if words.count(region, 0, "region") >= len(regions):
-                raise fault("region", f"the body has {len(regions)}, counted from 0, and no region {region}")
+                raise fault("region", f"there is no region {region}; the body has {len(regions)}, counted from 0")
             group = regions[region].group
-        fields_at = self._native.fields_at
+        mesh, fields_at = Mesh._of(self._body._native.mesh), self._native.fields_at
         fields = {"displacement": self.displacement} | {name: self._native.field(name) for name in names}
-        grid = _grid(self._body, fields, fields_at)
-        if group is None:
-            return grid
-        mesh = self._body._native.mesh
-        part = Mesh._of(mesh)._part(grid, group)
-        if "cells" in mesh.group_names[group]:
-            order = np.argsort(part.point_data["vtkOriginalPointIds"])
+        if group is not None and "cells" in mesh.groups.get(group, ()):
             for name in names:
                 if fields_at[name] == "nodes":
-                    part.point_data[name][order] = self._native.field(name, group)
-        return part
+                    fields[name][mesh.group_nodes(f"cells:{group}")] = self._native.field(name, group)
+        grid = _grid(self._body, fields, fields_at)
+        return grid if group is None else mesh._part(grid, group)
 
     def snapshot(self) -> Snapshot:
         """Everything that determines the rest of the motion.

@@ -199,7 +199,8 @@ def test_masks_are_groups():
     )
     assert network.group_nodes("end").tolist() == [2] and network.group_nodes("last").tolist() == [1, 2]
     for groups, place, n in [("node_groups", "right", 12), ("cell_groups", "right", 2)]:
-        with pytest.raises(emmy.InputError, match=rf"^{groups}.{place}: expected a mask of shape \({n},\), found \(3,\)$"):
+        expected = rf"^{groups}.{place}: expected a mask of shape \({n},\), found \(3,\)$"
+        with pytest.raises(emmy.InputError, match=expected):
             emmy.Mesh(box.points, box.cells, **{groups: {place: [True, False, True]}})
     spring = emmy.Body(
         emmy.Mesh.network([(0, 0, 0), (1, 0, 0)], [(0, 1)], {"foot": [0], "head": [1]}),

@@ -38,7 +38,7 @@ def test_frames_in_memory_are_those_of_a_fall():
 
 def test_frames_in_memory_are_those_of_the_files():
     pytest.importorskip("pyvista")
-    names = ["von_mises_stress", "cell_stress"]
+    names = ["von_mises_stress", "cell_cauchy_stress"]
     start = emmy.Initial(angular_velocity=(0.5, 1.0, 2.0), gradient=np.diag([0.3, -0.3, 0.0]))
     motions = [emmy.Motion(free_block(), steps=(0.5, 0.1), initial=start) for _ in range(2)]
     motions[0].run(every=3, fields=names)
@@ -52,7 +52,7 @@ def test_frames_in_memory_are_those_of_the_files():
     assert np.array_equal(motions[0].frames.velocity, run.frames.velocity)
     kept, read = motions[0].frames[1].to_pyvista(), run.frames[1].to_pyvista()
     assert np.array_equal(kept.point_data["displacement"], read.point_data["displacement"])
-    assert np.array_equal(kept.cell_data["cell_stress"], read.cell_data["cell_stress"])
+    assert np.array_equal(kept.cell_data["cell_cauchy_stress"], read.cell_data["cell_cauchy_stress"])
     assert repr(motions[0].frames[1]) == "<emmy.Frame: t = 0.3, in memory>"
 
 
@@ -82,7 +82,7 @@ def test_mistakes_with_frames():
     motion.run(every=5)
     with pytest.raises(emmy.InputError, match="^time: there is no frame at t = 0.4; the nearest one is at t = 0.5$"):
         motion.field("velocity", time=0.4)
-    with pytest.raises(emmy.InputError, match="^name: the frame has no field 'cell_stress'; there is displacement, v"):
-        motion.field("cell_stress", time=0.5)
+    with pytest.raises(emmy.InputError, match="^name: the frame has no field 'cell_cauchy_stress'; there is displacement, v"):
+        motion.field("cell_cauchy_stress", time=0.5)
     with pytest.raises(TypeError, match="^group: not with time"):
         motion.field("velocity", "x-max", time=0.5)

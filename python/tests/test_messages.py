@@ -435,6 +435,8 @@ def test_a_step_that_cannot_be_done():
         ("meshio", lambda motion: motion.body.mesh.to_meshio(), "to_meshio needs meshio: pip install emmy-fem[meshio]"),
         ("scipy", lambda motion: motion.body.mass(), "a sparse matrix needs SciPy: pip install scipy"),
         ("gmsh", lambda motion: emmy.Mesh.from_gmsh(), "from_gmsh needs Gmsh: pip install gmsh"),
+        ("matplotlib", lambda motion: emmy.plot.energies(motion), "emmy.plot needs Matplotlib: pip install matplotlib"),
+        ("pandas", lambda motion: motion.history.to_pandas(), "to_pandas needs pandas: pip install pandas"),
     ],
 )
 def test_a_package_that_is_missing(package, use, message, monkeypatch):

@@ -1,7 +1,5 @@
 """Pictures of Matplotlib."""
 
-import sys
-
 import emmy
 import numpy as np
 import pytest
@@ -82,10 +80,3 @@ def test_words_are_not_drawn():
     history = emmy.Motion(body, until=0.2, adaptive=1e-3).run()
     with pytest.raises(emmy.InputError, match="^names: 'limited_by' has words"):
         emmy.plot.columns(history, "limited_by")
-
-
-def test_matplotlib_is_optional(monkeypatch):
-    motion = thrown()
-    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
-    with pytest.raises(ImportError, match="^emmy.plot needs Matplotlib: pip install matplotlib$"):
-        emmy.plot.energies(motion)

@@ -79,7 +79,7 @@ def test_a_picture_of_a_group_or_a_region():
     assert motion.to_pyvista().volume == pytest.approx(2.0, rel=1e-13)
     with pytest.raises(emmy.UnknownGroupError, match="^group: the mesh has no group `sift`; did you mean `soft`"):
         motion.to_pyvista(group="sift")
-    with pytest.raises(emmy.InputError, match="^region: the body has 2 regions, counted from 0, and no region 2$"):
+    with pytest.raises(emmy.InputError, match="^region: there is no region 2; the body has 2, counted from 0$"):
         motion.to_pyvista(region=2)
     with pytest.raises(TypeError, match="exclude each other"):
         motion.to_pyvista(group="soft", region=0)
