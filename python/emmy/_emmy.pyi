@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Body", "Field", "Function", "Goal", "GoalError", "Gradient", "Mesh", "Motion", "Parameter", "Problem", "Snapshot",
-    "Step", "check", "energy", "main", "on_one_thread", "set_threads", "standard_gravity", "stress", "threads", "verb",
-    "version",
+    "Step", "check", "energy", "main", "on_one_thread", "set_threads", "spectrum", "standard_gravity", "stress",
+    "threads", "verb", "version",
 ]  # fmt: skip
 
 _Reals = NDArray[np.float64]

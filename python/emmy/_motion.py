@@ -275,12 +275,10 @@ class Motion(MotionView):
         output : str or path, optional
             Directory for everything that `emmy run` writes; `emmy.Run` reads it, `emmy resume` continues it. An earlier
             run in it is replaced, but not steps that this motion has written.
-        every, fields : int, list of str, optional
-            Steps between frames, besides the first and the last state, and fields in them. In `output` they are as in
-            the table ``[output]`` of the input. Without `output`, frames with displacement, velocity and these fields
-            are kept in memory, in `frames`, if `every` is given.
-        interval, format, precision, checkpoint_every, log_every : optional
-            Frames and other files in `output`, as in the table ``[output]`` of the input.
+        every, interval, fields, format, precision, checkpoint_every, log_every : optional
+            Frames and other files in `output`, as in the table ``[output]`` of the input. Without `output`, frames
+            are kept in memory if `every` is given: the first and the last state and those after each so many steps,
+            with displacement, velocity and the fields that are named in `fields`; `frames` has them.
 
         Returns
         -------

@@ -79,12 +79,12 @@ class Frame:
         >>> motion.frames[1].field("displacement")[0].round(12).tolist()
         [0.0, 0.0, 0.5]
         """
-        fields = self._fields()
+        fields = self._arrays()
         if name not in fields:
             raise fault("name", f"the frame has no field {name!r}; there is {', '.join(fields)}")
         return np.array(fields[name])
 
-    def _fields(self) -> Mapping[str, Any]:
+    def _arrays(self) -> Mapping[str, Any]:
         grid = self.to_pyvista()
         return {name: data[name] for data in (grid.point_data, grid.cell_data) for name in data.keys()}
 
@@ -135,7 +135,7 @@ class KeptFrame(Frame):
         self.number = number
         self._kept, self._grid = fields, grid
 
-    def _fields(self) -> Mapping[str, Any]:
+    def _arrays(self) -> Mapping[str, Any]:
         return self._kept
 
     def to_pyvista(self) -> Any:

@@ -47,12 +47,13 @@ def spectrum(
         ``"psd"``, ``"amplitude"``, ``"frf"``, ``"transmissibility"`` or ``"srs"``.
     input : array (n,), optional
         Input of ``frf`` and ``transmissibility``, to which the values are the response.
-    window, detrend : str, optional
-        Window of the segments (``hann``, ``boxcar``, ``flattop``, ``blackman``), and trend that is taken out of each
-        (``constant``, ``linear``, ``none``).
+    window : str, optional
+        Window of the segments: ``hann``, ``boxcar``, ``flattop`` or ``blackman``.
     segment, overlap : int, optional
         Samples of a segment, 256 if not given, or all of ``amplitude``; samples that it shares with the next one, half
         of it if not given.
+    detrend : str, optional
+        Trend that is taken out of each segment: ``constant``, ``linear`` or ``none``.
     frequencies : array, optional
         Frequencies of ``srs``; 120 in equal ratios if not given.
     q : float, optional

@@ -23,7 +23,8 @@ LEFT_OUT = {
 #: Classes whose objects the package makes: `Attributes` describe them, not the arguments of their constructors.
 MADE_BY_THE_PACKAGE = {
     "Comparison", "Convergence", "ConvergenceError", "Event", "Fault", "Frame", "Frames", "Goal", "GoalError",
-    "Gradient", "History", "Mobility", "Modes", "Named", "Peak", "Prescribed", "Problem", "Snapshot", "Sweep",
+    "Gradient", "History", "Mobility", "Modes", "Named", "Peak", "Prescribed", "Problem", "Response", "Snapshot",
+    "Sweep",
 }  # fmt: skip
 #: Names that raise nothing but what wrong types raise.
 RAISE_NOTHING = {
