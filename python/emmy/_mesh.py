@@ -121,7 +121,7 @@ class Mesh(Sources):
         return self._native.group_nodes(name)
 
     def _check_group(self, name: str, place: str) -> None:
-        kind, _, plain = name.partition(":")
+        kind, _, plain = words.one(name, str, place).partition(":")
         if name not in self._native.group_names and kind not in self._native.group_names.get(plain, ()):
             available = tuple(self._native.group_names)
             chosen = [f"{kind}:{own}" for own, kinds in self.groups.items() for kind in kinds if ":" in name]

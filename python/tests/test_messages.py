@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+import traceback
 
 import emmy
 import numpy as np
@@ -447,6 +448,13 @@ def test_a_package_that_is_missing(package, use, message, monkeypatch):
     with pytest.raises(ImportError) as raised:
         use(motion)
     assert str(raised.value) == message
+
+
+def test_tracebacks_name_public_classes():
+    for error in (emmy.InputError([emmy.Fault("degree", "must be at least 1")]), emmy.ResultsError("no run")):
+        assert traceback.format_exception_only(error)[0].startswith(f"emmy.{type(error).__name__}: ")
+        assert type(pickle.loads(pickle.dumps(error))) is type(error)
+    assert repr(emmy.Step) == "<class 'emmy.Step'>"
 
 
 def block():
