@@ -351,9 +351,9 @@ class Motion(MotionView):
             raise TypeError(f"{', '.join(others)}: only with output=..., the directory of the files")
         if "fields" in given and "every" not in given:
             raise TypeError("fields: only with every=..., the steps between frames, or output=..., their directory")
-        every, names = words.count(given.get("every", 0), 0, "every"), given.get("fields", ())
-        if isinstance(names, str):
+        if isinstance(given.get("fields"), str):
             raise TypeError("fields: str in place of a list of names")
+        every, names = words.count(given.get("every", 0), 0, "every"), tuple(given.get("fields", ()))
         if every == 0:
             march(self, until, observers, progress)
             return

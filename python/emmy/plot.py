@@ -117,7 +117,8 @@ def columns(results: Motion | Run | History, *names: str, ax: Any = None) -> Any
     results : Motion, Run or History
         Whose history is drawn.
     *names : str
-        Columns; the name of a probe, reaction or joint stands for all of its columns.
+        Columns. Without a column X, X stands for the components X_x, X_y, X_z, such as those of a probe, else for all
+        columns that begin with X_, such as those of a reaction or joint.
     ax : matplotlib.axes.Axes, optional
         Axes; new ones if not given.
 
@@ -150,7 +151,8 @@ def columns(results: Motion | Run | History, *names: str, ax: Any = None) -> Any
     known = history.dtype.names or ()
     chosen: list[str] = []
     for name in names:
-        found = [name] if name in known else [own for own in known if own.startswith(f"{name}_")]
+        components = [f"{name}_{axis}" for axis in "xyz" if f"{name}_{axis}" in known]
+        found = [name] if name in known else components or [own for own in known if own.startswith(f"{name}_")]
         if not found:
             raise fault("names", f"{name!r} is not a column; there is {', '.join(known)}")
         chosen += found

@@ -66,6 +66,9 @@ def test_columns():
     assert list(drawn) == ["o_x", "o_y", "o_z", "kinetic_energy"]
     t = motion.history["time"]
     assert drawn["o_z"] == pytest.approx(3 * t - 5 * t**2, abs=1e-12)
+    drawn = lines(emmy.plot.columns(motion, "linear_momentum"))
+    assert list(drawn) == ["linear_momentum_x", "linear_momentum_y", "linear_momentum_z"]
+    assert drawn["linear_momentum_z"] == pytest.approx(2 * (3 - 10 * t), abs=1e-12)
     with pytest.raises(emmy.InputError, match="^names: 'q' is not a column; there is step, time"):
         emmy.plot.columns(motion, "q")
     with pytest.raises(TypeError, match="^names: give at least one column"):
