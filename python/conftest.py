@@ -13,7 +13,7 @@ def names_of_examples(request, tmp_path, monkeypatch):
     import emmy
     import numpy as np
 
-    for package in ("gmsh", "meshio", "pyvista", "scipy"):
+    for package in ("gmsh", "matplotlib", "meshio", "pandas", "pyvista", "scipy"):
         if package in request.node.dtest.docstring:
             pytest.importorskip(package)
     monkeypatch.chdir(tmp_path)

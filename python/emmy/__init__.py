@@ -18,6 +18,7 @@ except ImportError as _error:
         f"source tree, may be in its place: {__path__}"
     ) from _error
 
+from . import plot
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body, Mobility, Prescribed
 from ._contact import Contact, Cylinder, Plane, Sphere
@@ -74,6 +75,6 @@ __all__ = [
     "Prescribed", "Problem", "Region", "Response", "ResultsError", "Rigid", "Run", "SaintVenantKirchhoff", "Snapshot",
     "Sphere", "Spring", "State", "Step", "Support", "Sweep", "Tie", "UnknownGroupError", "Viscosity", "Yeoh",
     "__version__", "check", "compare", "converge", "elements", "equilibrium", "examples", "fields", "load",
-    "materials", "meshes", "modes", "new", "report", "response", "resume", "run", "schema", "schemes", "set_threads",
-    "solvers", "spectrum", "sweep", "threads",
+    "materials", "meshes", "modes", "new", "plot", "report", "response", "resume", "run", "schema", "schemes",
+    "set_threads", "solvers", "spectrum", "sweep", "threads",
 ]  # fmt: skip

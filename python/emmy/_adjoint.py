@@ -183,7 +183,8 @@ class Parameter:
                 raise
             if not isinstance(made, Body):
                 raise TypeError(
-                    f"body: the function {words.name_of(body)} returned {type(made).__name__} in place of a Body"
+                    f"body: the function {words.name_of(body)} returned {words.class_name(type(made))} in place of an "
+                    "emmy.Body"
                 )
             return made._native
 

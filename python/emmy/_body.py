@@ -149,7 +149,9 @@ class Body:
         contacts: Contact | Iterable[Contact] = (),
     ) -> None:
         if mesh is not None and not isinstance(mesh, Mesh):
-            raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
+            raise TypeError(
+                f"mesh: {words.class_name(type(mesh))} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio"
+            )
         self._mesh = Mesh._of(_emmy.Mesh.empty()) if mesh is None else mesh
         self._regions = words.each(regions, Region, "regions")
         self._supports = words.each(supports, Support, "supports")

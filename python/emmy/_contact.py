@@ -204,7 +204,7 @@ class Contact(Table):
 
     def _check(self) -> None:
         if self.opponent is not None and not isinstance(self.opponent, (str, *OBSTACLES)):
-            kind = type(self.opponent).__name__
+            kind = words.class_name(type(self.opponent))
             raise TypeError(f"opponent: {kind} is neither the name of a surface nor an obstacle, such as emmy.Plane")
         super()._check()
 

@@ -278,6 +278,32 @@ def to_meshio(mesh: _emmy.Mesh) -> Any:
         raise fault("mesh", f"meshio {meshio.__version__} cannot hold cells of the kind {error}") from None
 
 
+def part(mesh: _emmy.Mesh, grid: Any, name: str) -> Any:
+    """The members of a group in a grid of the whole mesh: its cells, else its facets, else its nodes."""
+    import pyvista
+
+    kinds = mesh.group_names[name]
+    if "cells" in kinds:
+        return grid.extract_cells(mesh.cell_group(name))
+    if "facets" in kinds:
+        is_plane = all(dimension(kind) < 3 for kind in mesh.cells)
+        rows = mesh.facet_nodes(name)
+        types = [_facet_kind(row, is_plane).vtk for row in rows]
+    else:
+        rows = [[node] for node in mesh.node_group(name).tolist()]
+        types = [OF_NAME["vertex"].vtk] * len(rows)
+    # Without the nodes of other cells.
+    nodes = np.unique(np.concatenate(rows))
+    connectivity = np.concatenate([[len(row), *np.searchsorted(nodes, row)] for row in rows])
+    members = pyvista.UnstructuredGrid(connectivity, np.array(types, dtype=np.uint8), mesh.points[nodes])
+    for key in grid.point_data.keys():
+        members.point_data[key] = grid.point_data[key][nodes]
+    if "facets" in kinds:
+        for key in grid.cell_data.keys():
+            members.cell_data[key] = grid.cell_data[key][mesh.facet_group(name)[:, 0]]
+    return members
+
+
 def to_pyvista(mesh: _emmy.Mesh) -> Any:
     """A grid of PyVista, with cells in the order of their numbers."""
     try:

@@ -210,6 +210,13 @@ class ResultsError(Error, OSError):
         return _calls(super().__str__())
 
 
+# Tracebacks name the public place.
+for _public in (
+    EmmyWarning, Fault, Error, InputError, MeshError, UnknownGroupError, ConvergenceError, LimitExceeded, ResultsError,
+):  # fmt: skip
+    _public.__module__ = "emmy"
+
+
 def fault(place: str, message: str, help: str = "") -> InputError:
     """An error with one mistake."""
     return InputError([Fault(place, message, help)])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import fault
+from ._errors import fault, missing
 
 #: Columns of whole numbers in the files of a run.
 WHOLE = {"step", "newton_iterations", "degree", "contact_points", "cuts", "iteration", "run", "mode"}
@@ -86,6 +86,29 @@ class History(np.ndarray[Any, np.dtype[Any]]):
         own = super().__getitem__(key)
         return np.asarray(own) if isinstance(key, str) else own
 
+    def to_pandas(self) -> Any:
+        """The history as a data frame of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each row of the history, and its columns.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2))
+        >>> history = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1))).run()
+        >>> history.to_pandas()["kinetic_energy"].round(9).tolist()
+        [1.0, 1.0, 1.0]
+        """
+        return to_pandas(self)
+
     def peak(self, name: str) -> Peak:
         """Last, smallest and largest number of a column, with times. Of some rows alone: ``history[9:].peak(name)``.
 
@@ -123,6 +146,15 @@ class History(np.ndarray[Any, np.dtype[Any]]):
             return Peak(last, math.nan, math.nan, math.nan, math.nan)
         low, high = int(np.nanargmin(numbers)), int(np.nanargmax(numbers))
         return Peak(last, float(numbers[low]), float(times[low]), float(numbers[high]), float(times[high]))
+
+
+def to_pandas(table: NDArray[Any]) -> Any:
+    """A structured array as a data frame of pandas."""
+    try:
+        import pandas
+    except ImportError:
+        raise missing("to_pandas", "pandas", "pandas") from None
+    return pandas.DataFrame({name: table[name] for name in table.dtype.names or ()})
 
 
 def structured(rows: NDArray[np.float64], columns: Iterable[tuple[str, bool]]) -> NDArray[Any]:

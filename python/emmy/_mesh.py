@@ -26,13 +26,13 @@ class Mesh(Sources):
     cells : dict of str to array of int (m, nodes)
         Nodes of the cells of each kind, in the order of VTK; `elements` lists the kinds. Cells are numbered in the
         order of the dict. Triangles and quadrilaterals beside solid cells are their faces for `cell_groups`.
-    cell_groups : dict of str to array of int, optional
-        Numbers of the cells of each group.
+    cell_groups : dict of str to array of int or bool, optional
+        Cells of each group: their numbers, or a mask with a truth value for each cell.
     facet_groups : dict of str to array of int, optional
         Facets of each group: rows of node numbers (the corners suffice) or rows ``(cell, face)``; or a list of such
         arrays. Rows of two numbers are edges in a mesh in plane strain and ``(cell, face)`` otherwise.
-    node_groups : dict of str to array of int, optional
-        Nodes of each group.
+    node_groups : dict of str to array of int or bool, optional
+        Nodes of each group: their numbers, or a mask with a truth value for each node.
 
     Raises
     ------
@@ -51,6 +51,13 @@ class Mesh(Sources):
     <emmy.Mesh: 4 nodes, 1 cell (1 tet4)>
     >>> mesh.groups
     {'base': ('facets',)}
+
+    Groups by masks:
+
+    >>> points = np.array(points)
+    >>> mesh = emmy.Mesh(points, {"tet4": [[0, 1, 2, 3]]}, node_groups={"base": points[:, 2] == 0})
+    >>> mesh.group_nodes("base").tolist()
+    [0, 1, 2]
     """
 
     @property
@@ -110,15 +117,18 @@ class Mesh(Sources):
         >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).group_nodes("x-min").size
         4
         """
-        kind, _, plain = name.partition(":")
+        self._check_group(name, "name")
+        return self._native.group_nodes(name)
+
+    def _check_group(self, name: str, place: str) -> None:
+        kind, _, plain = words.one(name, str, place).partition(":")
         if name not in self._native.group_names and kind not in self._native.group_names.get(plain, ()):
             available = tuple(self._native.group_names)
             chosen = [f"{kind}:{own}" for own, kinds in self.groups.items() for kind in kinds if ":" in name]
             near = difflib.get_close_matches(name, [*available, *chosen], n=1)
             groups = "groups: " + ", ".join(f"`{own}`" for own in available)
             help = f"did you mean `{near[0]}`?" if near else groups
-            raise UnknownGroupError([Fault("name", f"the mesh has no group `{name}`", help, name, available)])
-        return self._native.group_nodes(name)
+            raise UnknownGroupError([Fault(place, f"the mesh has no group `{name}`", help, name, available)])
 
     def nearest_node(self, point: Sequence[float]) -> int:
         """The node that is nearest to a point.
@@ -282,8 +292,13 @@ class Mesh(Sources):
         """
         return _convert.to_meshio(self._native)
 
-    def to_pyvista(self) -> Any:
+    def to_pyvista(self, group: str | None = None) -> Any:
         """The mesh as a grid of PyVista, with groups as arrays ``group:NAME`` and ``facets:NAME``.
+
+        Parameters
+        ----------
+        group : str, optional
+            Group whose cells alone are in the grid; without cells its facets, else its nodes.
 
         Returns
         -------
@@ -293,13 +308,22 @@ class Mesh(Sources):
         ------
         ImportError
             If PyVista is not installed.
+        UnknownGroupError
+            If the mesh does not have the group.
 
         Examples
         --------
-        >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).to_pyvista().n_cells
-        1
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
+        >>> mesh.to_pyvista().n_cells, mesh.to_pyvista("x-max").n_cells
+        (8, 4)
         """
-        return _convert.to_pyvista(self._native)
+        grid = _convert.to_pyvista(self._native)
+        return grid if group is None else self._part(grid, group)
+
+    def _part(self, grid: Any, group: str) -> Any:
+        """The members of a group in a grid of the whole mesh."""
+        self._check_group(group, "group")
+        return _convert.part(self._native, grid, group)
 
     def __repr__(self) -> str:
         count, kinds = self.n_cells, ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items())

@@ -18,7 +18,7 @@ from . import _words as words
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body
 from ._emmy import Step
-from ._errors import ConvergenceError, LimitExceeded, ResultsError, fault, of_whole_input, warn
+from ._errors import ConvergenceError, InputError, LimitExceeded, ResultsError, fault, of_whole_input, warn
 from ._history import History
 from ._march import march
 from ._parts import Adaptive, Initial
@@ -130,9 +130,9 @@ class Motion(MotionView):
         adjoint: bool = False,
     ) -> None:
         if not isinstance(body, Body):
-            raise TypeError(f"body: {type(body).__name__} is not an emmy.Body")
+            raise TypeError(f"body: {words.class_name(type(body))} is not an emmy.Body")
         if start is not None and not isinstance(start, (Snapshot, State)):
-            raise TypeError(f"start: {type(start).__name__} is neither an emmy.Snapshot nor an emmy.State")
+            raise TypeError(f"start: {words.class_name(type(start))} is neither an emmy.Snapshot nor an emmy.State")
         velocity, tables = _initial(initial)
         _check_one_start(start, velocity, tables, equilibrium)
         given: Snapshot | State | NDArray[np.float64] | None = start
@@ -162,6 +162,7 @@ class Motion(MotionView):
         with of_whole_input():
             self._body, self._native = body, _emmy.Motion(tree, body._native, native, adjoint)
         self._rows = self._native.rows(0)
+        self._kept = []
         self._written: dict[Path, tuple[int, int]] = {}
 
     @classmethod
@@ -275,7 +276,9 @@ class Motion(MotionView):
             Directory for everything that `emmy run` writes; `emmy.Run` reads it, `emmy resume` continues it. An earlier
             run in it is replaced, but not steps that this motion has written.
         every, interval, fields, format, precision, checkpoint_every, log_every : optional
-            Frames and other files in `output`, as in the table ``[output]`` of the input.
+            Frames and other files in `output`, as in the table ``[output]`` of the input. Without `output`, frames
+            are kept in memory if `every` is given: the first and the last state and those after each so many steps,
+            with displacement, velocity and the fields that are named in `fields`; `frames` has them.
 
         Returns
         -------
@@ -290,9 +293,9 @@ class Motion(MotionView):
         RuntimeError
             If the motion has no plan, or is at work in another thread.
         InputError
-            If `until` is not finite, or a setting of the files is out of its range.
+            If `until` is not finite, a setting of the files is out of its range, or the body does not have a field.
         TypeError
-            If files are described without `output`, or an observer is not a function.
+            If files are described without `output`, or fields without frames, or an observer is not a function.
         ResultsError
             If the files cannot be written, or `output` holds steps of this motion.
 
@@ -319,9 +322,7 @@ class Motion(MotionView):
         }  # fmt: skip
         given = _plan.output(files)
         if directory is None:
-            if given is not None:
-                raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
-            march(self, until, functions, progress)
+            self._run_in_memory(until, functions, progress, given or {})
             warn(self._native.warnings())
             return self.history
         with of_whole_input():
@@ -341,6 +342,35 @@ class Motion(MotionView):
         self._native.close("done" if is_done else "interrupted", None)
         warn(self._native.warnings())
         return self.history
+
+    def _run_in_memory(
+        self, until: float | None, observers: Sequence[Observer], progress: bool, given: Mapping[str, Any]
+    ) -> None:
+        others = [name for name in given if name not in ("every", "fields")]
+        if others:
+            raise TypeError(f"{', '.join(others)}: only with output=..., the directory of the files")
+        if "fields" in given and "every" not in given:
+            raise TypeError("fields: only with every=..., the steps between frames, or output=..., their directory")
+        if isinstance(given.get("fields"), str):
+            raise TypeError("fields: str in place of a list of names")
+        every, names = words.count(given.get("every", 0), 0, "every"), tuple(given.get("fields", ()))
+        if every == 0:
+            march(self, until, observers, progress)
+            return
+
+        def keep(step: Step, motion: Motion) -> None:
+            if step.number % every == 0:
+                self._keep(names)
+
+        try:
+            self._keep(names)
+        except InputError as error:
+            error.faults[:] = [own._replace(place="fields") for own in error.faults]
+            raise
+        try:
+            march(self, until, (keep, *observers), progress)
+        finally:
+            self._keep(names)
 
     def _new_directory(self, output: str | os.PathLike[str]) -> Path:
         """The directory of results, unless it holds steps of this motion, which new results would replace."""
@@ -421,6 +451,7 @@ class Motion(MotionView):
         motion = type(self).__new__(type(self))
         motion._body, motion._native = self._body, self._native.copy()
         motion._rows = motion._native.rows(0)
+        motion._kept = []
         motion._written = dict(self._written)
         return motion
 

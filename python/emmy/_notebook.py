@@ -89,9 +89,7 @@ def _page(head: str, history: NDArray[Any], accuracy: str, scales: tuple[float, 
     parts = [f"<div><p>{head}<br>{verdict(history, scales)}{known}</p>"]
     if len(history) > 1:
         time = history["time"]
-        names = ENERGIES_WITH_CONTACT if "contact_energy" in (history.dtype.names or ()) else ENERGIES
-        energies = {name: history[key] for name, key in names.items()}
-        parts.append(chart("Energy", time, energies))
+        parts.append(chart("Energy", time, energies_of(history)))
         parts.append(
             chart(
                 "Energy residual of a step", time[1:], {"residual": np.abs(history["energy_residual"][1:])}, is_log=True
@@ -107,6 +105,12 @@ ENERGIES_WITH_CONTACT = {
     "V": "strain_energy",
     "V_c": "contact_energy",
 }
+
+
+def energies_of(history: NDArray[Any]) -> dict[str, NDArray[np.float64]]:
+    """The energies in a history by their letters."""
+    names = ENERGIES_WITH_CONTACT if "contact_energy" in (history.dtype.names or ()) else ENERGIES
+    return {name: history[key] for name, key in names.items()}
 
 
 def chart(title: str, x: NDArray[np.float64], lines: dict[str, NDArray[np.float64]], *, is_log: bool = False) -> str:

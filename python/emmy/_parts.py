@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Any
+from typing import Any, Self
 
 from numpy.typing import NDArray
 
+from . import _emmy
 from . import _words as words
+from ._errors import fault
 from ._materials import Material
 from ._words import History, Path, Table, Vector, VectorField
 
@@ -85,7 +88,9 @@ class Region(Table):
 
     def _check(self) -> None:
         if not isinstance(self.material, Material):
-            raise TypeError(f"material: {type(self.material).__name__} is not a material, such as emmy.NeoHooke")
+            raise TypeError(
+                f"material: {words.class_name(type(self.material))} is not a material, such as emmy.NeoHooke"
+            )
         super()._check()
 
     def _tree(self) -> dict[str, Any]:
@@ -359,6 +364,41 @@ class Load(Table):
     drag: float | None = None
     history: History = 1
     follow: bool = False
+
+    @classmethod
+    def gravity(cls, direction: str, *, units: str, group: str | None = None, history: History = 1) -> Self:
+        """Standard gravity along an axis as an `acceleration`, 9.80665 m/s^2 in the units of the body.
+
+        Parameters
+        ----------
+        direction : str
+            Axis with or without a sign, such as "-z".
+        units : str
+            System of units, such as "m-kg-s" or "mm-t-s", as in `Motion`.
+        group : str, optional
+            Group of cells; all masses if not given.
+        history : history, optional
+            Factor over time.
+
+        Returns
+        -------
+        Load
+
+        Raises
+        ------
+        InputError
+            If the direction is not along an axis, or there is no such system of units.
+
+        Examples
+        --------
+        >>> emmy.Load.gravity("-z", units="mm-t-s")
+        Load(acceleration=(0.0, 0.0, -9806.65))
+        """
+        size, found = _emmy.standard_gravity(units), re.fullmatch("([+-]?)([xyz])", direction)
+        if found is None:
+            raise fault("direction", f'{direction!r} is not a direction along an axis, such as "-z"')
+        own = -size if found[1] == "-" else size
+        return cls(group, acceleration=[own if axis == found[2] else 0.0 for axis in "xyz"], history=history)
 
     def _tree(self) -> dict[str, Any]:
         given = self._given()

@@ -6,7 +6,7 @@ import csv
 import json
 import os
 import xml.etree.ElementTree as xml
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, overload
 
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _notebook
-from ._errors import ResultsError, missing, regular
+from . import _words as words
+from ._errors import ResultsError, fault, missing, regular
 from ._history import LIMITS, WHOLE, Event, History, structured
 
 
@@ -25,8 +26,8 @@ class Frame:
     ----------
     time : float
         Time.
-    path : pathlib.Path
-        File: a `.vtu` file, or the `.vtkhdf` file of all frames.
+    path : pathlib.Path or None
+        File: a `.vtu` file, or the `.vtkhdf` file of all frames; None for a frame in memory.
 
     Examples
     --------
@@ -34,10 +35,58 @@ class Frame:
     0.5
     """
 
-    def __init__(self, time: float, path: str | os.PathLike[str], index: int | None = None) -> None:
+    def __init__(self, time: float, path: str | os.PathLike[str] | None, index: int | None = None) -> None:
         self.time = time
-        self.path: Path = Path(path)
+        self.path: Path | None = None if path is None else Path(path)
         self._index = index
+
+    @property
+    def displacement(self) -> NDArray[Any]:
+        """The field ``displacement``, array (n, 3)."""
+        return self.field("displacement")
+
+    @property
+    def velocity(self) -> NDArray[Any]:
+        """The field ``velocity``, array (n, 3)."""
+        return self.field("velocity")
+
+    def field(self, name: str) -> NDArray[Any]:
+        """A field of the frame.
+
+        Parameters
+        ----------
+        name : str
+            Name of a field that was written or kept.
+
+        Returns
+        -------
+        array (n,) or (n, components)
+            Values at the nodes, or in the cells.
+
+        Raises
+        ------
+        ImportError
+            If the frame is in a file, and PyVista is not installed.
+        InputError
+            If the frame does not have the field.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(every=1)
+        >>> motion.frames[1].field("displacement")[0].round(12).tolist()
+        [0.0, 0.0, 0.5]
+        """
+        fields = self._arrays()
+        if name not in fields:
+            raise fault("name", f"the frame has no field {name!r}; there is {', '.join(fields)}")
+        return np.array(fields[name])
+
+    def _arrays(self) -> Mapping[str, Any]:
+        grid = self.to_pyvista()
+        return {name: data[name] for data in (grid.point_data, grid.cell_data) for name in data.keys()}
 
     def to_pyvista(self) -> Any:
         """The frame as a grid of PyVista.
@@ -65,6 +114,7 @@ class Frame:
             import pyvista
         except ImportError:
             raise missing("to_pyvista", "PyVista", "emmy-fem[pyvista]") from None
+        assert self.path is not None
         if self._index is None:
             return pyvista.read(regular(self.path))
         reader = _series(self.path)
@@ -73,7 +123,29 @@ class Frame:
         return pyvista.wrap(reader.GetOutput())
 
     def __repr__(self) -> str:
-        return f"<emmy.Frame: t = {self.time:.6g}, {self.path}>"
+        return f"<emmy.Frame: t = {self.time:.6g}, {'in memory' if self.path is None else self.path}>"
+
+
+class KeptFrame(Frame):
+    """A frame in memory."""
+
+    def __init__(self, time: float, number: int, fields: Mapping[str, NDArray[Any]], grid: Callable[[], Any]) -> None:
+        super().__init__(time, None)
+        #: Number of the step at whose end it was kept.
+        self.number = number
+        self._kept, self._grid = fields, grid
+
+    def _arrays(self) -> Mapping[str, Any]:
+        return self._kept
+
+    def to_pyvista(self) -> Any:
+        return self._grid()
+
+
+#: Times that differ by less than this part of the largest one are equal.
+ROUNDING = 1e-9
+
+NO_FRAMES = "there are no frames; `every` of `Motion.run` keeps or writes them"
 
 
 class Frames(Sequence[Frame]):
@@ -82,8 +154,8 @@ class Frames(Sequence[Frame]):
     Examples
     --------
     >>> frames = emmy.Frames([emmy.Frame(0.0, "a.vtu"), emmy.Frame(0.5, "b.vtu")])
-    >>> frames.times.tolist(), frames[-1].time
-    ([0.0, 0.5], 0.5)
+    >>> frames.times.tolist(), frames[-1].time, frames.at(0.5).path.name
+    ([0.0, 0.5], 0.5, 'b.vtu')
     """
 
     def __init__(self, frames: Sequence[Frame]) -> None:
@@ -93,6 +165,83 @@ class Frames(Sequence[Frame]):
     def times(self) -> NDArray[np.float64]:
         """Times of the frames."""
         return np.array([frame.time for frame in self._frames])
+
+    @property
+    def displacement(self) -> NDArray[Any]:
+        """The field ``displacement`` in all frames, array (m, n, 3)."""
+        return self.field("displacement")
+
+    @property
+    def velocity(self) -> NDArray[Any]:
+        """The field ``velocity`` in all frames, array (m, n, 3)."""
+        return self.field("velocity")
+
+    def field(self, name: str) -> NDArray[Any]:
+        """A field in all frames.
+
+        Parameters
+        ----------
+        name : str
+            Name of a field that was written or kept.
+
+        Returns
+        -------
+        array (m, n) or (m, n, components)
+            `Frame.field` of each of the m frames.
+
+        Raises
+        ------
+        ImportError
+            If a frame is in a file, and PyVista is not installed.
+        InputError
+            If there are no frames, or one does not have the field.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(every=1)
+        >>> motion.frames.field("displacement")[:, 0, 2].round(12).tolist()
+        [0.0, 0.5, 1.0]
+        """
+        if not self._frames:
+            raise fault("name", NO_FRAMES)
+        return np.stack([frame.field(name) for frame in self._frames])
+
+    def at(self, time: float) -> Frame:
+        """The frame at a time.
+
+        Parameters
+        ----------
+        time : float
+            Time of a frame; it may differ by rounding.
+
+        Returns
+        -------
+        Frame
+
+        Raises
+        ------
+        InputError
+            If there is no frame at this time.
+        TypeError
+            If the time is not a number.
+
+        Examples
+        --------
+        >>> frames = emmy.Frames([emmy.Frame(0.0, "a.vtu"), emmy.Frame(0.5, "b.vtu")])
+        >>> frames.at(0.5).time
+        0.5
+        """
+        own, times = words.real(time, "time"), self.times
+        if not self._frames:
+            raise fault("time", NO_FRAMES)
+        distances = np.abs(times - own)
+        index = int(np.argmin(distances))
+        if distances[index] > ROUNDING * max(abs(own), float(np.abs(times).max())):
+            raise fault("time", f"there is no frame at t = {own:.9g}; the nearest one is at t = {times[index]:.9g}")
+        return self._frames[index]
 
     @overload
     def __getitem__(self, index: int) -> Frame: ...
@@ -206,6 +355,43 @@ class Run:
         for path in sorted(self._directory.glob("*.vtkhdf")):
             return Frames([Frame(time, path, index) for index, time in enumerate(_times(_series(path)))])
         raise ResultsError(f"{self._directory} has no frames")
+
+    def field(self, name: str, *, time: float | None = None) -> NDArray[Any]:
+        """A field of the frame at a time.
+
+        Parameters
+        ----------
+        name : str
+            Name of a field in the frames.
+        time : float, optional
+            Time of a frame; the last one if not given.
+
+        Returns
+        -------
+        array (n,) or (n, components)
+            Values at the nodes, or in the cells.
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed.
+        InputError
+            If there is no frame at this time, or it does not have the field.
+        ResultsError
+            If the run has no frames.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(output="flight")
+        >>> emmy.Run("flight").field("displacement", time=0.5)[0].round(12).tolist()     # pyvista reads the file
+        [0.0, 0.0, 0.5]
+        """
+        frames = self.frames
+        frame = frames[-1] if time is None else frames.at(time)
+        return frame.field(name)
 
     @property
     def _has_summary(self) -> bool:

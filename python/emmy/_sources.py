@@ -46,12 +46,12 @@ class Sources:
         self._native = _emmy.Mesh.from_arrays(
             nodes_of_mesh,
             blocks,
-            _groups(cell_groups, "cell_groups"),
+            _groups(cell_groups, sum(len(nodes) for _, nodes in blocks), "cell_groups"),
             {
                 name: _facets(group, f"facet_groups.{name}", is_plane)
                 for name, group in words.mapping(facet_groups or {}, "facet_groups").items()
             },
-            _groups(node_groups, "node_groups"),
+            _groups(node_groups, len(nodes_of_mesh), "node_groups"),
         )
         warn(self._native.notes)
 
@@ -488,8 +488,8 @@ class Sources:
             Points.
         links : array of int (m, 2)
             Pairs of points.
-        groups, link_groups : dict of str to array of int, optional
-            Groups of points and of links.
+        groups, link_groups : dict of str to array of int or bool, optional
+            Groups of points and of links: their numbers, or a mask of all of them.
 
         Returns
         -------
@@ -505,11 +505,12 @@ class Sources:
         >>> emmy.Mesh.network([[0, 0, 0], [1, 0, 0]], [[0, 1]], groups={"star": [0]}).group_nodes("star").tolist()
         [0]
         """
-        own, own_links = _groups(groups, "groups"), _groups(link_groups, "link_groups")
+        nodes = words.array(points, (None, 3), "points")
         pairs = words.integers(links, "links")
         if pairs.ndim != 2 or pairs.shape[1] != 2:
             raise fault("links", f"expected an array of shape (m, 2), found {pairs.shape}")
-        mesh = cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
+        own, own_links = _groups(groups, len(nodes), "groups"), _groups(link_groups, len(pairs), "link_groups")
+        mesh = cls._of(_emmy.Mesh.network(nodes, pairs, own, own_links))
         warn(mesh._native.notes)
         return mesh
 
@@ -520,10 +521,10 @@ for _name, _member in vars(Sources).items():
         _member.__func__.__qualname__ = f"Mesh.{_name}"
 
 
-def _groups(groups: Mapping[str, ArrayLike] | None, place: str) -> dict[str, NDArray[np.int64]]:
-    """Groups of numbers."""
+def _groups(groups: Mapping[str, ArrayLike] | None, n: int, place: str) -> dict[str, NDArray[np.int64]]:
+    """Groups of some of n nodes or cells."""
     given = words.mapping(groups or {}, place)
-    return {name: words.integers(group, f"{place}.{name}") for name, group in given.items()}
+    return {name: words.members(group, n, f"{place}.{name}") for name, group in given.items()}
 
 
 def _is_named(part: Any) -> bool:

@@ -47,12 +47,13 @@ def spectrum(
         ``"psd"``, ``"amplitude"``, ``"frf"``, ``"transmissibility"`` or ``"srs"``.
     input : array (n,), optional
         Input of ``frf`` and ``transmissibility``, to which the values are the response.
-    window, detrend : str, optional
-        Window of the segments (``hann``, ``boxcar``, ``flattop``, ``blackman``), and trend that is taken out of each
-        (``constant``, ``linear``, ``none``).
+    window : str, optional
+        Window of the segments: ``hann``, ``boxcar``, ``flattop`` or ``blackman``.
     segment, overlap : int, optional
         Samples of a segment, 256 if not given, or all of ``amplitude``; samples that it shares with the next one, half
         of it if not given.
+    detrend : str, optional
+        Trend that is taken out of each segment: ``constant``, ``linear`` or ``none``.
     frequencies : array, optional
         Frequencies of ``srs``; 120 in equal ratios if not given.
     q : float, optional
@@ -172,8 +173,8 @@ def response(
         ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
     relative : bool, optional
         Whether amplitudes are relative to the base.
-    nodes : array (n,), optional
-        Nodes; all of the mesh if not given.
+    nodes : array of int (n,) or of bool, optional
+        Nodes: their numbers, or a mask with a truth value for each node; all of the mesh if not given.
     count : int, optional
         Number of modes.
     state : State or Snapshot, optional
@@ -206,7 +207,7 @@ def response(
     f = words.finite(frequencies, (None,), "frequencies")
     if len(f) == 0 or f.min() <= 0.0:
         raise fault("frequencies", "must be positive")
-    at = np.arange(own.n_nodes) if nodes is None else words.integers(nodes, "nodes")
+    at = np.arange(own.n_nodes) if nodes is None else words.members(nodes, own.n_nodes, "nodes")
     if at.size and at.max() >= own.n_nodes:
         raise fault("nodes", f"{at.max()} is not the number of one of the {own.n_nodes} nodes")
     if isinstance(base, str):

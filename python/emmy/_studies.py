@@ -18,7 +18,7 @@ from . import _emmy
 from . import _words as words
 from ._body import Body
 from ._errors import ConvergenceError, of_whole_input, regular, warn
-from ._history import record_array
+from ._history import record_array, to_pandas
 from ._mesh import Mesh
 from ._motion import Motion
 from ._results import read_table, stamp
@@ -55,6 +55,27 @@ class Convergence:
     table: NDArray[Any]
     reference: dict[str, Any]
     failures: dict[float, str]
+
+    def to_pandas(self) -> Any:
+        """The table as a data frame of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each size.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> study = emmy.converge(emmy.new("spinning-block"), sizes=[0.004, 0.002], reference=0.0005, to=0.04)
+        >>> study.to_pandas()["step_size"].tolist()
+        [0.004, 0.002]
+        """
+        return to_pandas(self.table)
 
     @property
     def step_size(self) -> NDArray[np.float64]:

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from . import _emmy, _rows
 from . import _words as words
 from ._errors import ConvergenceError, Error, InputError, fault
-from ._history import record_array
+from ._history import History, record_array, to_pandas
 from ._motion import NO_PLAN, Motion
 from ._progress import Progress
-from ._results import stamp
+from ._results import Run, stamp
 from ._rows import Row
 from ._run import StrPath, call, directory_of, flags, toml
 from ._studies import Problem
@@ -65,6 +65,28 @@ class Sweep:
     failures: dict[int, str]
     path: Path | None = None
 
+    def to_pandas(self) -> Any:
+        """The table as a data frame of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each run.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> path = emmy.new("spinning-block")
+        >>> sweep = emmy.sweep(path, {"region.0.density": [1.0, 2.0]}, until=0.1, measure="steps")
+        >>> sweep.to_pandas().columns.tolist()
+        ['region.0.density', 'steps']
+        """
+        return to_pandas(self.table)
+
     def __len__(self) -> int:
         return len(self.table)
 
@@ -76,6 +98,7 @@ def sweep(
     problem: StrPath | Problem | Callable[..., Motion],
     parameters: Mapping[str, Sequence[Any]],
     *,
+    set: Mapping[str, Any] | None = None,
     workers: int | None = None,
     until: float | None = None,
     output: StrPath | None = None,
@@ -83,7 +106,7 @@ def sweep(
     resume: bool = False,
     keep: bool = False,
     modes: int | None = None,
-    measure: Callable[[Motion], Mapping[str, float]] | None = None,
+    measure: str | Sequence[str] | Callable[[Any], Mapping[str, float]] | None = None,
 ) -> Sweep:
     """Runs a motion with every combination of values of some parameters, several at a time.
 
@@ -95,6 +118,8 @@ def sweep(
     parameters : dict of str to list
         Values: of dotted keys of the input such as "region.0.density", or of arguments of the function. The last
         parameter changes fastest. Results do not depend on the number of workers.
+    set : dict, optional
+        Of a file: values of further dotted keys, the same in all runs, as in `run`.
     workers : int, optional
         Runs at a time; as many as there are threads if not given.
     until : float, optional
@@ -113,9 +138,11 @@ def sweep(
     modes : int, optional
         Of a file: number of natural modes of each run, in place of its motion; the columns are ``frequency_1`` and so
         on, ``effective_mass_x_1`` and so on.
-    measure : function, optional
-        Further results of a motion at its end, as a dict of numbers with names of their own; with a function as
-        `problem` only.
+    measure : str, list of str or function, optional
+        Names of the results that alone are wanted: columns of the table, of the history (their last numbers) or of the
+        summary, and ``X_min``, ``X_max``, ``X_min_time``, ``X_max_time`` of any column X of the history. Or a function
+        with further results of a run, as a dict of numbers with names of their own: of the motion at its end or, of a
+        file, of its `Run`. The runs of a file are kept then, as by `keep`.
 
     Returns
     -------
@@ -124,7 +151,7 @@ def sweep(
     Raises
     ------
     InputError
-        If the input or a key is bad.
+        If the input or a key is bad, or a run has no result of a name in `measure`.
     ResultsError
         If the results cannot be written; of a function, if `output` exists and `resume` is not given; if `resume` is
         given and `output` holds another sweep.
@@ -136,13 +163,18 @@ def sweep(
     Notes
     -----
     An `emmy.Error` fails its run only. Any other exception of the function or of `measure` ends the sweep; the rows in
-    `output` stay, and `resume=True` continues it.
+    `output` stay, and `resume=True` continues it. The results of a file are measured after its last run, so that
+    `resume=True` measures again without new runs.
 
     Examples
     --------
     >>> sweep = emmy.sweep(emmy.new("spinning-block"), {"region.0.density": [1, 2], "time.scheme": ["DGM"]}, until=0.2)
     >>> sweep.table["region.0.density"].tolist(), len(sweep.failures)
     ([1, 2], 0)
+    >>> sweep = emmy.sweep("spinning-block.toml", {"region.0.density": [1, 2]}, set={"time.scheme": "DGM"}, until=0.2,
+    ...                    measure=["kinetic_energy_max", "steps"])
+    >>> sweep.table.dtype.names
+    ('region.0.density', 'kinetic_energy_max', 'steps')
     """
     if workers is not None:
         workers = words.count(workers, 1, "workers", most=65535)
@@ -154,16 +186,41 @@ def sweep(
             raise fault(f"parameters.{name}", "has no values")
     if not values:
         raise fault("parameters", "there is no parameter")
+    chosen = _measure(measure, values)
     if callable(problem):
+        if set is not None:
+            raise TypeError("set: only with an input file, which has keys")
         if keep:
             raise TypeError("keep: only with an input file; a function may keep the histories of its motions itself")
         if modes is not None:
             raise TypeError("modes: only with an input file; `emmy.modes` computes those of a body")
         path = None if output is None else Path(output)
-        return _of_function(problem, values, workers, until, path, progress, resume, measure)
-    if measure is not None:
-        raise TypeError("measure: only with a function that makes the motion")
-    return _of_file(problem, values, workers, until, output, progress, resume, keep, modes)
+        return _of_function(problem, values, workers, until, path, progress, resume, chosen)
+    if modes is not None and callable(chosen):
+        raise TypeError("measure: not a function with modes, whose runs have no motion")
+    changes = dict(words.mapping(set or {}, "set"))
+    for key in changes:
+        if key in values:
+            raise fault(f"set.{key}", "is one of the parameters")
+    return _of_file(problem, values, changes, workers, until, output, progress, resume, keep, modes, chosen)
+
+
+#: What is measured: chosen results by their names, or further ones by a function.
+Measure = tuple[str, ...] | Callable[[Any], Mapping[str, float]]
+
+
+def _measure(
+    given: str | Sequence[str] | Callable[[Any], Mapping[str, float]] | None, parameters: Mapping[str, Any]
+) -> Measure | None:
+    if given is None or callable(given):
+        return given
+    names = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else None
+    if not names or not all(isinstance(name, str) for name in names):
+        raise TypeError(f"measure: {given!r} is neither the name of a result, nor a list of names, nor a function")
+    for name in names:
+        if name in parameters:
+            raise fault("measure", f"{name!r} is a parameter, which is in the table anyway")
+    return names
 
 
 def _values(given: Any, place: str) -> list[Any]:
@@ -180,6 +237,7 @@ def _runs(values: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 def _of_file(
     problem: StrPath | Problem,
     values: dict[str, list[Any]],
+    changes: dict[str, Any],
     workers: int | None,
     until: float | None,
     output: StrPath | None,
@@ -187,10 +245,11 @@ def _of_file(
     resume: bool,
     keep: bool,
     modes: int | None,
+    measure: Measure | None,
 ) -> Sweep:
     """A sweep of the library."""
     path = problem.path if isinstance(problem, Problem) else Path(problem)
-    changes = problem._changes if isinstance(problem, Problem) else {}
+    changes = (problem._changes if isinstance(problem, Problem) else {}) | changes
     end = problem._until if until is None and modes is None and isinstance(problem, Problem) else until
     runs = _runs(values)
     directory = Path(f"{directory_of(path, changes | runs[0])}-sweep" if output is None else output)
@@ -207,7 +266,7 @@ def _of_file(
         "until": end,
         "output": directory,
         "resume": resume,
-        "keep": keep,
+        "keep": keep or (measure is not None and modes is None),
         "modes": modes,
         "quiet": not progress,
     }
@@ -222,8 +281,35 @@ def _of_file(
         error.faults[:] = [own._replace(place=re.sub("^set$", "parameters", own.place)) for own in error.faults]
         raise
     table, failures = _rows.of_library(rows, runs)
+    if measure is not None:
+        table = _measured_table(values, table, failures, None if modes is not None else directory / "runs", measure)
     names = [name for name in table.dtype.names or () if name not in values]
     return Sweep(values, names, table, failures, rows)
+
+
+def _measured_table(
+    values: Mapping[str, Any],
+    table: NDArray[Any],
+    failures: Mapping[int, str],
+    folder: Path | None,
+    measure: Measure,
+) -> NDArray[Any]:
+    """The table of a sweep of the library with what is measured in the folders of its runs, if they have some."""
+    rows: list[dict[str, Any]] = []
+    for index in range(len(table)):
+        row = {name: table[name][index].item() for name in table.dtype.names or () if name not in values}
+        if index in failures:
+            rows.append({name: row[name] for name in measure if name in row} if isinstance(measure, tuple) else row)
+            continue
+        run = None if folder is None else Run(folder / str(index + 1))
+        if isinstance(measure, tuple):
+            history, summary = (None, {}) if run is None else (run.history, run.summary)
+            rows.append(_chosen(measure, row, history, summary))
+        else:
+            rows.append(row | _measured(measure(run), {*values, *row}))
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = {name: table[name].tolist() for name in values}
+    return record_array(columns | {name: [row.get(name, np.nan) for row in rows] for name in names})
 
 
 def _of_function(
@@ -234,7 +320,7 @@ def _of_function(
     path: Path | None,
     progress: bool,
     resume: bool,
-    measure: Callable[[Motion], Mapping[str, float]] | None,
+    measure: Measure | None,
 ) -> Sweep:
     """A sweep on threads: the library releases Python's lock in each step."""
     runs = _runs(values)
@@ -298,7 +384,7 @@ def _run(
     parameters: Mapping[str, Any],
     until: float | None,
     stop: threading.Event,
-    measure: Callable[[Motion], Mapping[str, float]] | None,
+    measure: Measure | None,
 ) -> Row:
     """A run: the last row of its history, peaks of the columns asked for, and what was measured."""
     motion: Motion | None = None
@@ -306,7 +392,9 @@ def _run(
     try:
         motion = make(**parameters)
         if not isinstance(motion, Motion):
-            raise TypeError(f"the function of a sweep must return a Motion, not {type(motion).__name__}")
+            raise TypeError(
+                f"the function of a sweep must return an emmy.Motion, not {words.class_name(type(motion))}"
+            )
         if not motion._native.has_plan:
             raise RuntimeError(NO_PLAN)
         end = motion._native.end if until is None else until
@@ -325,9 +413,42 @@ def _run(
         peak = history.peak(name)
         row |= {f"{name}_min": peak.smallest, f"{name}_min_time": peak.smallest_time}
         row |= {f"{name}_max": peak.largest, f"{name}_max_time": peak.largest_time}
+    if isinstance(measure, tuple):
+        return _chosen(measure, row, history, {}), message
     if measure is not None and message is None:
         row |= _measured(measure(motion), {*parameters, *row, "run", "until", "message"})
     return row, message
+
+
+#: What names of results add to the name of a column, for each part of its peak.
+_ENDINGS = {
+    "_min_time": "smallest_time", "_max_time": "largest_time", "_min": "smallest", "_max": "largest", "": "last",
+}  # fmt: skip
+
+
+def _chosen(
+    names: Sequence[str], row: Mapping[str, Any], history: History | None, summary: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Results of a run by their names: of its row, of the columns of its history, or of its summary."""
+    found: dict[str, Any] = {}
+    for name in names:
+        number = row[name] if name in row else None if history is None else _of_history(history, name)
+        number = summary.get(name) if number is None else number
+        if not isinstance(number, (int, float, str)):
+            columns = () if history is None else history.dtype.names or ()
+            known = ", ".join(dict.fromkeys([*row, *columns]))
+            raise fault("measure", f"{name!r} is no result; there is {known}")
+        found[name] = number
+    return found
+
+
+def _of_history(history: History, name: str) -> float | None:
+    """The last number of a column, or a part of its peak."""
+    for ending, part in _ENDINGS.items():
+        column = name.removesuffix(ending)
+        if name.endswith(ending) and column in (history.dtype.names or ()):
+            return float(getattr(history.peak(column), part))
+    return None
 
 
 def _measured(results: Mapping[str, float], taken: set[str]) -> dict[str, float]:

@@ -29,7 +29,7 @@ def supports(tree: dict[str, Any]) -> tuple[Support, ...]:
 
 def loads(tree: dict[str, Any]) -> tuple[Load, ...]:
     """The loads of an input."""
-    return tuple(Load(**table) for table in _tables(tree, "load"))
+    return tuple(_load(table, tree) for table in _tables(tree, "load"))
 
 
 def masses(tree: dict[str, Any]) -> tuple[Mass, ...]:
@@ -73,6 +73,13 @@ def _contact(table: dict[str, Any]) -> Contact:
         (kind,) = (kind for kind in OBSTACLES if kind._section == f"obstacle.{shape}")
         opponent = kind(**own, move=motion)
     return Contact(surface, opponent, **others)
+
+
+def _load(table: dict[str, Any], tree: dict[str, Any]) -> Load:
+    others = {key: value for key, value in table.items() if key != "gravity"}
+    if "gravity" in table:
+        return Load.gravity(table["gravity"], units=tree["units"]["system"], **others)
+    return Load(**others)
 
 
 def _joint(table: dict[str, Any]) -> Joint:

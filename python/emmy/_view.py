@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ._emmy import Step
 from ._errors import fault
 from ._history import Event, History, Peak, structured
 from ._mesh import Mesh
+from ._results import Frame, Frames, KeptFrame
 from ._state import Snapshot, State
 
 
@@ -23,6 +25,7 @@ class MotionView:
     _body: Body
     _native: _emmy.Motion
     _rows: NDArray[np.float64]
+    _kept: list[KeptFrame]
 
     @property
     def body(self) -> Body:
@@ -234,8 +237,32 @@ class MotionView:
             raise fault("x", f"expected an array of shape {wanted}, found {given.shape}")
         return words.vectors(given.reshape(-1, 3), k * n, "x")
 
-    def field(self, name: str, group: str | None = None) -> NDArray[np.float64]:
-        """A field at the present state.
+    @property
+    def frames(self) -> Frames:
+        """Frames in memory, which `run` keeps if it is called with ``every`` and without ``output``.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.25), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(every=2, fields=["cell_volume_ratio"])
+        >>> motion.frames.times.tolist(), motion.frames.velocity.shape
+        ([0.0, 0.5, 1.0], (3, 8, 3))
+        """
+        kept: list[Frame] = [*self._kept]
+        return Frames(kept)
+
+    def _keep(self, names: Iterable[str]) -> None:
+        """Keeps the present state as a frame, once a step."""
+        if self._kept and self._kept[-1].number == self.number:
+            return
+        fields = {name: self._native.field(name) for name in ("displacement", "velocity", *names)}
+        body, fields_at = self._body, self._native.fields_at
+        self._kept.append(KeptFrame(self.time, self.number, fields, lambda: _grid(body, fields, fields_at)))
+
+    def field(self, name: str, group: str | None = None, *, time: float | None = None) -> NDArray[np.float64]:
+        """A field at the present state, or in a frame.
 
         Parameters
         ----------
@@ -244,6 +271,8 @@ class MotionView:
         group : str, optional
             Group of cells, facets or nodes. Fields at the nodes of a group of cells come from these cells alone: its
             own side where regions meet. Without a group, a node there has the mean of the sides by volume.
+        time : float, optional
+            Time of one of the `frames`, which has the field; without `group`.
 
         Returns
         -------
@@ -254,7 +283,10 @@ class MotionView:
         Raises
         ------
         InputError
-            If there is no such field or group, or the body cannot have the field, or the group has no cells for it.
+            If there is no such field, group or frame, or the body cannot have the field, or the group has no cells for
+            it.
+        TypeError
+            If both `group` and `time` are given.
 
         Examples
         --------
@@ -265,7 +297,11 @@ class MotionView:
         >>> emmy.Motion(body).field("displacement", group="x-max").shape
         (4, 3)
         """
-        return self._native.field(name, group)
+        if time is None:
+            return self._native.field(name, group)
+        if group is not None:
+            raise TypeError("group: not with time; Mesh.group_nodes has the rows of a group in the field of a frame")
+        return self.frames.at(time).field(name)
 
     def fields(self, *names: str) -> dict[str, NDArray[np.float64]]:
         """Several fields at the present state; without names all that the body can have.
@@ -293,13 +329,18 @@ class MotionView:
         """
         return {name: self._native.field(name) for name in names or self._native.field_names()}
 
-    def to_pyvista(self, *names: str) -> Any:
+    def to_pyvista(self, *names: str, group: str | None = None, region: int | None = None) -> Any:
         """Reference points, displacement, groups and the fields asked for, as a grid of PyVista.
 
         Parameters
         ----------
         *names : str
             Names of fields.
+        group : str, optional
+            Group: its cells alone, at whose nodes fields have the values of these cells; without cells its facets,
+            else its nodes.
+        region : int, optional
+            Number of a region of the body from 0, whose cells alone are in the grid.
 
         Returns
         -------
@@ -310,7 +351,11 @@ class MotionView:
         ImportError
             If PyVista is not installed.
         InputError
-            As `field`.
+            As `field`; if there is no such region.
+        UnknownGroupError
+            If the mesh does not have the group.
+        TypeError
+            If both `group` and `region` are given.
 
         Examples
         --------
@@ -318,15 +363,24 @@ class MotionView:
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
         >>> emmy.Motion(body).to_pyvista("cell_volume_ratio").cell_data["cell_volume_ratio"].tolist()
         [1.0]
+        >>> emmy.Motion(body).to_pyvista(group="x-max").area
+        1.0
         """
-        # With the nodes of rigid bodies.
-        grid = Mesh._of(self._body._native.mesh).to_pyvista()
-        grid.point_data["displacement"] = self.displacement
-        for name in names:
-            values = self._native.field(name)
-            data = grid.cell_data if self._native.fields_at[name] == "cells" else grid.point_data
-            data[name] = values
-        return grid
+        if region is not None:
+            if group is not None:
+                raise TypeError("group and region exclude each other")
+            regions = self._body.regions
+            if words.count(region, 0, "region") >= len(regions):
+                raise fault("region", f"there is no region {region}; the body has {len(regions)}, counted from 0")
+            group = regions[region].group
+        mesh, fields_at = Mesh._of(self._body._native.mesh), self._native.fields_at
+        fields = {"displacement": self.displacement} | {name: self._native.field(name) for name in names}
+        if group is not None and "cells" in mesh.groups.get(group, ()):
+            for name in names:
+                if fields_at[name] == "nodes":
+                    fields[name][mesh.group_nodes(f"cells:{group}")] = self._native.field(name, group)
+        grid = _grid(self._body, fields, fields_at)
+        return grid if group is None else mesh._part(grid, group)
 
     def snapshot(self) -> Snapshot:
         """Everything that determines the rest of the motion.
@@ -349,6 +403,15 @@ class MotionView:
 
     def _repr_html_(self) -> str:
         return _notebook.motion(self)
+
+
+def _grid(body: Body, fields: Mapping[str, NDArray[Any]], fields_at: Mapping[str, str]) -> Any:
+    """A grid of PyVista with fields, at nodes or in cells by their names."""
+    # With the nodes of rigid bodies.
+    grid = Mesh._of(body._native.mesh).to_pyvista()
+    for name, values in fields.items():
+        (grid.cell_data if fields_at[name] == "cells" else grid.point_data)[name] = values
+    return grid
 
 
 def _step_size(value: float) -> float:

@@ -54,7 +54,7 @@ class Table:
         def checked(self: Table, *values: Any, **keywords: Any) -> None:
             for name in keywords:
                 if name not in names:
-                    raise TypeError(_unknown(type(self).__name__, name, names))
+                    raise TypeError(_unknown(type(self), name, names))
             init(self, *values, **keywords)
 
         setattr(cls, "__init__", checked)
@@ -187,19 +187,24 @@ def each(value: T | Iterable[T], kind: type[T], place: str) -> tuple[T, ...]:
     if isinstance(value, kind):
         return (value,)
     if not isinstance(value, Iterable):
-        raise TypeError(f"{place}: {type(value).__name__} in place of {kind.__name__} or a list of them")
+        raise TypeError(f"{place}: {class_name(type(value))} in place of {class_name(kind)} or a list of them")
     items = tuple(value)
     for index, item in enumerate(items):
         if not isinstance(item, kind):
-            raise TypeError(f"{place}[{index}]: {type(item).__name__} in place of {kind.__name__}")
+            raise TypeError(f"{place}[{index}]: {class_name(type(item))} in place of {class_name(kind)}")
     return items
 
 
 def one(value: Any, kind: type[T], place: str) -> T:
     """An object of a class."""
     if not isinstance(value, kind):
-        raise TypeError(f"{place}: {type(value).__name__} in place of {kind.__name__}")
+        raise TypeError(f"{place}: {class_name(type(value))} in place of {class_name(kind)}")
     return value
+
+
+def class_name(kind: type) -> str:
+    """Name of a class for messages, one of the package by its public place."""
+    return f"emmy.{kind.__name__}" if kind.__module__.partition(".")[0] == "emmy" else kind.__name__
 
 
 def mapping(value: Any, place: str) -> Mapping[str, Any]:
@@ -295,11 +300,23 @@ def integers(value: Any, place: str) -> NDArray[np.int64]:
     return np.ascontiguousarray(given, dtype=np.int64)
 
 
+def members(value: Any, n: int, place: str) -> NDArray[np.int64]:
+    """Numbers of some of n nodes or cells; a mask with a truth value for each of them chooses those that are true."""
+    given = regular(value, place)
+    if given.dtype.kind != "b":
+        return integers(given, place)
+    if given.shape != (n,):
+        raise fault(place, f"expected a mask of shape ({n},), found {given.shape}")
+    return np.flatnonzero(given).astype(np.int64)
+
+
 def _fields(table: type[Table] | Table) -> tuple[dataclasses.Field[Any], ...]:
     return dataclasses.fields(table)  # type: ignore[arg-type]
 
 
-def _unknown(name: str, key: str, names: list[str]) -> str:
-    near = difflib.get_close_matches(key, names, n=1)
+def _unknown(table: type[Table], key: str, names: list[str]) -> str:
+    name, near = table.__name__, difflib.get_close_matches(key, names, n=1)
     hint = f"; did you mean {near[0]}?" if near else ""
+    # A key of the input for which there is a method.
+    hint = f"; see {name}.{key}" if hasattr(table, key) else hint
     return f"{name} has no argument {key}; it has: {', '.join(names)}{hint}"

@@ -7,6 +7,7 @@ use emmy::body::{BlockRow, Mobility};
 use emmy::mesh::MeshBuilder;
 use emmy::motion::State;
 use emmy_io::input::{self, Overrides, Tree};
+use emmy_io::units::{SYSTEMS, UnitSystem};
 use numpy::ndarray::{Array3, ArrayView2};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -85,6 +86,16 @@ fn responses(
         }
         None => Ok(responses),
     }
+}
+
+/// Standard acceleration of gravity in a system of units.
+#[pyfunction]
+pub(crate) fn standard_gravity(py: Python<'_>, units: &str) -> PyResult<f64> {
+    let unknown = || {
+        let known = SYSTEMS.each_ref().map(|system| system.name).join(", ");
+        errors::argument(py, "units", &format!("{units:?} is not a system of units; there is {known}"))
+    };
+    UnitSystem::named(units).map(emmy_io::units::standard_gravity).ok_or_else(unknown)
 }
 
 /// Version of Emmy.

@@ -29,7 +29,7 @@ mod _emmy {
     #[pymodule_export]
     use super::adjoint::{Goal, GoalError, Gradient, Parameter};
     #[pymodule_export]
-    use super::body::{Body, Problem, check, energy, stress, version};
+    use super::body::{Body, Problem, check, energy, standard_gravity, stress, version};
     #[pymodule_export]
     use super::function::{Field, Function};
     #[pymodule_export]

@@ -44,7 +44,7 @@ pub(crate) type Counts = (usize, usize, usize, usize, Option<String>);
 /// >>> step = motion.step(0.5)
 /// >>> step.number, step.time, round(step["kinetic_energy"], 12)
 /// (1, 0.5, 1.0)
-#[pyclass(frozen, module = "emmy._emmy")]
+#[pyclass(frozen, module = "emmy")]
 pub(crate) struct Step {
     names: Arc<Vec<String>>,
     row: Vec<f64>,

@@ -4,6 +4,8 @@ import emmy
 import numpy as np
 import pytest
 
+from bodies import rubber
+
 #: Corners, edges and faces of the cells, in the order of VTK.
 HEX = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 HEX_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
@@ -183,6 +185,50 @@ def test_arrays_that_are_taken(points, kind):
     assert mesh.cells["tet4"].dtype == np.int64
 
 
+def test_masks_are_groups():
+    box = emmy.Mesh.box((2, 1, 1), (2, 1, 1))
+    x = box.points[:, 0]
+    cells = np.array([False, True])
+    mesh = emmy.Mesh(box.points, box.cells, node_groups={"right": x == 2.0}, cell_groups={"far": cells, "near": ~cells})
+    assert mesh.group_nodes("right").tolist() == np.flatnonzero(x == 2.0).tolist() and (x == 2.0).sum() == 4
+    assert np.array_equal(mesh.group_nodes("far"), np.flatnonzero(x >= 1.0))
+    body = emmy.Body(mesh, [emmy.Region(rubber(), density=d, group=g) for g, d in (("near", 1.0), ("far", 5.0))])
+    assert body.total_mass == pytest.approx(6.0, rel=1e-13)
+    network = emmy.Mesh.network(
+        [(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1), (1, 2)], {"end": [False, False, True]}, {"last": [False, True]}
+    )
+    assert network.group_nodes("end").tolist() == [2] and network.group_nodes("last").tolist() == [1, 2]
+    for groups, place, n in [("node_groups", "right", 12), ("cell_groups", "right", 2)]:
+        expected = rf"^{groups}.{place}: expected a mask of shape \({n},\), found \(3,\)$"
+        with pytest.raises(emmy.InputError, match=expected):
+            emmy.Mesh(box.points, box.cells, **{groups: {place: [True, False, True]}})
+    spring = emmy.Body(
+        emmy.Mesh.network([(0, 0, 0), (1, 0, 0)], [(0, 1)], {"foot": [0], "head": [1]}),
+        emmy.Region(emmy.Spring(stiffness=18.0)),
+        masses=emmy.Mass("head", mass=0.5),
+        supports=[emmy.Support("foot", fix="xyz"), emmy.Support("head", fix="yz")],
+    )
+    found = emmy.response(spring, [1.0], base="x", damping=0.05, count=1, nodes=np.array([False, True]))
+    assert found.nodes.tolist() == [1] and found.amplitudes.shape == (1, 1, 3)
+    with pytest.raises(emmy.InputError, match=r"^nodes: expected a mask of shape \(2,\), found \(3,\)$"):
+        emmy.response(spring, [1.0], base="x", count=1, nodes=[True, False, True])
+
+
+def test_volumes_of_round_meshes_converge():
+    shapes = {
+        "cylinder": (lambda n: emmy.Mesh.cylinder(2.0, 3.0, (n, 1)), np.pi * 4.0 * 3.0),
+        "ring": (lambda n: emmy.Mesh.ring(1.0, 2.0, 3.0, (1, 4 * n, 1)), np.pi * (4.0 - 1.0) * 3.0),
+        "ball": (lambda n: emmy.Mesh.ball(2.0, n), 4 / 3 * np.pi * 8.0),
+    }
+    for name, (make, volume) in shapes.items():
+        errors = np.array([1 - make(n).quality["volume"] / volume for n in (4, 8, 16)])
+        assert np.all(errors > 0.0), name
+        assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(2.0, abs=0.05), name
+    assert list(emmy.Mesh.cylinder(2.0, 3.0, (2, 1)).groups) == ["body", "side", "z-max", "z-min"]
+    assert list(emmy.Mesh.ring(1.0, 2.0, 3.0, (1, 8, 1)).groups) == ["body", "inner", "outer", "z-max", "z-min"]
+    assert list(emmy.Mesh.ball(2.0, 2).groups) == ["body", "surface"]
+
+
 def test_a_read_only_array_is_taken():
     points = np.array(TET, dtype=float)
     points.flags.writeable = False
@@ -209,6 +255,9 @@ def test_history(spinning):
     assert set(spinning.columns) == set(history.dtype.names)
     pandas = pytest.importorskip("pandas")
     assert len(pandas.DataFrame(history)) == 21
+    frame = history.to_pandas()
+    assert frame.columns.tolist() == list(history.dtype.names) and frame["step"].dtype == np.int64
+    assert np.array_equal(frame["time"], history["time"]) and len(history[:3].to_pandas()) == 3
 
 
 def test_velocities_as_an_array():

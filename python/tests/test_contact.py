@@ -171,7 +171,7 @@ def test_impossible_contacts(make, place, words):
 def test_opponents_are_obstacles_or_surfaces(opponent):
     with pytest.raises(TypeError, match=r"opponent: \w+ is neither the name of a surface nor an obstacle, such as"):
         emmy.Contact("all", opponent)
-    with pytest.raises(TypeError, match=r"contacts\[0\]: Plane in place of Contact"):
+    with pytest.raises(TypeError, match=r"contacts\[0\]: emmy.Plane in place of emmy.Contact"):
         block(FLOOR)
 
 

@@ -23,7 +23,8 @@ LEFT_OUT = {
 #: Classes whose objects the package makes: `Attributes` describe them, not the arguments of their constructors.
 MADE_BY_THE_PACKAGE = {
     "Comparison", "Convergence", "ConvergenceError", "Event", "Fault", "Frame", "Frames", "Goal", "GoalError",
-    "Gradient", "History", "Mobility", "Modes", "Named", "Peak", "Prescribed", "Problem", "Snapshot", "Sweep",
+    "Gradient", "History", "Mobility", "Modes", "Named", "Peak", "Prescribed", "Problem", "Response", "Snapshot",
+    "Sweep",
 }  # fmt: skip
 #: Names that raise nothing but what wrong types raise.
 RAISE_NOTHING = {
@@ -37,6 +38,8 @@ HELPERS = {"fault": "InputError", "missing": "ImportError"}
 
 CLASSES = {name: getattr(emmy, name) for name in emmy.__all__ if inspect.isclass(getattr(emmy, name))}
 FUNCTIONS = {name: getattr(emmy, name) for name in emmy.__all__ if inspect.isfunction(getattr(emmy, name))}
+#: Names in the module `emmy.plot`.
+OF_PLOT = {f"plot.{name}": getattr(emmy.plot, name) for name in emmy.plot.__all__}
 
 
 def members(kinds):
@@ -53,7 +56,7 @@ def members(kinds):
 
 METHODS = members((classmethod, staticmethod, type(lambda: None)))
 PROPERTIES = members(property)
-CALLABLES = FUNCTIONS | {name: getattr(value, "__func__", value) for name, value in METHODS.items()}
+CALLABLES = FUNCTIONS | OF_PLOT | {name: getattr(value, "__func__", value) for name, value in METHODS.items()}
 
 
 def parsed(name):
@@ -66,7 +69,7 @@ def faults(name, *, without=()):
 
 
 def test_every_name_is_checked():
-    assert set(emmy.__all__) == set(CLASSES) | set(FUNCTIONS) | {"__version__"}
+    assert set(emmy.__all__) == set(CLASSES) | set(FUNCTIONS) | {"__version__", "plot"}
     assert MADE_BY_THE_PACKAGE | COMPILED <= set(CLASSES)
     assert set(CALLABLES) >= RAISE_NOTHING
     # Those of the main classes, and of bases that are not public.

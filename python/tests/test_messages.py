@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+import traceback
 
 import emmy
 import numpy as np
@@ -160,12 +161,12 @@ MESSAGES = [
     (
         lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), [rubber()]),
         TypeError,
-        "regions[0]: NeoHooke in place of Region",
+        "regions[0]: emmy.NeoHooke in place of emmy.Region",
     ),
     (
         lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), rubber()),
         TypeError,
-        "regions: NeoHooke in place of Region or a list of them",
+        "regions: emmy.NeoHooke in place of emmy.Region or a list of them",
     ),
     (
         lambda: emmy.Mesh(TET, cells=[[0, 1, 2, 3]]),
@@ -376,8 +377,8 @@ MESSAGES = [
         RuntimeError,
         "the motion keeps no trajectory; make it with adjoint=True",
     ),
-    (lambda: spinning_block(adjoint=True).gradient(5), TypeError, "goal: int in place of Goal"),
-    (lambda: emmy.modes(free_block(), state=5), TypeError, "state: int in place of State"),
+    (lambda: spinning_block(adjoint=True).gradient(5), TypeError, "goal: int in place of emmy.Goal"),
+    (lambda: emmy.modes(free_block(), state=5), TypeError, "state: int in place of emmy.State"),
     (
         lambda: goal(small_block()).value(spinning_block()),
         emmy.InputError,
@@ -435,6 +436,8 @@ def test_a_step_that_cannot_be_done():
         ("meshio", lambda motion: motion.body.mesh.to_meshio(), "to_meshio needs meshio: pip install emmy-fem[meshio]"),
         ("scipy", lambda motion: motion.body.mass(), "a sparse matrix needs SciPy: pip install scipy"),
         ("gmsh", lambda motion: emmy.Mesh.from_gmsh(), "from_gmsh needs Gmsh: pip install gmsh"),
+        ("matplotlib", lambda motion: emmy.plot.energies(motion), "emmy.plot needs Matplotlib: pip install matplotlib"),
+        ("pandas", lambda motion: motion.history.to_pandas(), "to_pandas needs pandas: pip install pandas"),
     ],
 )
 def test_a_package_that_is_missing(package, use, message, monkeypatch):
@@ -445,6 +448,13 @@ def test_a_package_that_is_missing(package, use, message, monkeypatch):
     with pytest.raises(ImportError) as raised:
         use(motion)
     assert str(raised.value) == message
+
+
+def test_tracebacks_name_public_classes():
+    for error in (emmy.InputError([emmy.Fault("degree", "must be at least 1")]), emmy.ResultsError("no run")):
+        assert traceback.format_exception_only(error)[0].startswith(f"emmy.{type(error).__name__}: ")
+        assert type(pickle.loads(pickle.dumps(error))) is type(error)
+    assert repr(emmy.Step) == "<class 'emmy.Step'>"
 
 
 def block():

@@ -83,5 +83,5 @@ def test_bad_parts_are_named(make, place, message):
 
 
 def test_a_part_must_be_a_mesh():
-    with pytest.raises(TypeError, match="parts.a: int in place of Mesh"):
+    with pytest.raises(TypeError, match="parts.a: int in place of emmy.Mesh"):
         emmy.Mesh.joined({"a": 1})

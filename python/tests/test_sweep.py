@@ -49,7 +49,7 @@ def test_bad_parameters_are_failures_and_bugs_are_not():
     assert "density" in sweep.failures[1] and np.isnan(sweep.table["kinetic_energy"][1])
     with pytest.raises(ZeroDivisionError):
         emmy.sweep(lambda x: make(1 / x), {"x": [1.0, 0.0]})
-    with pytest.raises(TypeError, match="must return a Motion"):
+    with pytest.raises(TypeError, match="must return an emmy.Motion, not NoneType"):
         emmy.sweep(lambda x: None, {"x": [1.0]})
 
 
@@ -282,8 +282,84 @@ def test_mistakes():
         emmy.sweep(emmy.new("spinning-block"), {"nonsense": [1]}, until=0.2)
     with pytest.raises(emmy.InputError, match="no values"):
         emmy.sweep(make, {"speed": []})
-    with pytest.raises(TypeError, match="measure"):
-        emmy.sweep("spinning-block.toml", {"time.degree": [1]}, measure=dict)
+    with pytest.raises(TypeError, match="^measure: 5 is neither the name of a result, nor a list of names, nor a f"):
+        emmy.sweep(make, {"speed": [1.0]}, measure=5)
+    with pytest.raises(TypeError, match="^measure: not a function with modes"):
+        emmy.sweep("spinning-block.toml", {"region.0.density": [1.0]}, measure=dict, modes=7)
+    with pytest.raises(emmy.InputError, match="^measure: 'speed' is a parameter"):
+        emmy.sweep(make, {"speed": [1.0]}, measure=["step", "speed"])
+    with pytest.raises(emmy.InputError, match="^measure: 'sped' is no result; there is step, time, step_size"):
+        emmy.sweep(make, {"speed": [1.0]}, measure="sped")
+    with pytest.raises(emmy.InputError, match="^set.time.degree: is one of the parameters"):
+        emmy.sweep("spinning-block.toml", {"time.degree": [1]}, set={"time.degree": 2})
+    with pytest.raises(TypeError, match="^set: only with an input file"):
+        emmy.sweep(make, {"speed": [1.0]}, set={"size": 0.5})
+
+
+def test_results_by_their_names():
+    names = ["mass_displacement_x_max", "kinetic_energy", "kinetic_energy_max", "kinetic_energy_min_time", "step"]
+    sweep = emmy.sweep(bounced, {"speed": [0.1, 0.2]}, measure=names, output="sweep.csv")
+    assert sweep.columns == names and sweep.table.dtype.names == ("speed", *names)
+    speeds = np.array([0.1, 0.2])
+    assert sweep.table["mass_displacement_x_max"] == pytest.approx(speeds / (2 * np.pi), abs=1e-10)
+    assert sweep.table["kinetic_energy"] == pytest.approx(speeds**2 / 2 * np.cos(1.8 * np.pi) ** 2, rel=1e-9)
+    assert sweep.table["kinetic_energy_max"] == pytest.approx(speeds**2 / 2, rel=1e-12)
+    # It turns around after a quarter of the period, or after three.
+    assert np.all(np.isclose(sweep.table["kinetic_energy_min_time"] % 0.5, 0.25))
+    assert sweep.table["step"].tolist() == [90, 90]
+    again = emmy.sweep(bounced, {"speed": [0.1, 0.2]}, measure=names, output="sweep.csv", resume=True)
+    assert np.array_equal(again.table, sweep.table)
+
+
+def test_measures_of_a_file():
+    path = emmy.new("spinning-block")
+    values, fixed = {"region.0.density": [0.5, 2.0]}, {"time.scheme": "AS(5)", "time.steps.0.size": 0.05}
+    names = ["scheme_is_not_there"]
+    with pytest.raises(emmy.InputError, match="^measure: 'scheme_is_not_there' is no result; there is status"):
+        emmy.sweep(path, values, set=fixed, until=0.2, measure=names, output="sweep")
+    # The results are there, and nothing runs again.
+    names = ["steps", "total_energy", "linear_momentum_x_max", "dofs"]
+    sweep = emmy.sweep(path, values, set=fixed, until=0.2, measure=names, output="sweep", resume=True)
+    assert sweep.columns == names
+    table = sweep.table
+    assert table["steps"].tolist() == [4, 4] and table["dofs"].tolist() == [672, 672]
+    # Both are proportional to the density, from one start; the body is free.
+    assert table["linear_momentum_x_max"][1] == pytest.approx(4 * table["linear_momentum_x_max"][0], rel=1e-9)
+    alone = emmy.run(path, set=fixed | {"region.0.density": 2.0}, until=0.2, output="alone")
+    assert table["total_energy"][1] == alone.history["total_energy"][-1]
+
+    def tip(run):
+        return {"path": np.abs(np.diff(run.history["tip_z"])).sum(), "rows": len(run.history)}
+
+    measured = emmy.sweep(path, values, set=fixed, until=0.2, measure=tip, output="sweep", resume=True)
+    assert measured.table["rows"].tolist() == [5, 5] and "steps" in measured.columns
+    assert measured.table["path"][1] == tip(alone)["path"]
+
+
+def test_failed_runs_of_a_file_have_no_measures():
+    path = emmy.new("spinning-block")
+    values = {"newton.max_iterations": [1, 20]}
+    sweep = emmy.sweep(path, values, until=0.2, output="sweep", measure=lambda run: {"rows": len(run.history)})
+    assert list(sweep.failures) == [0]
+    assert np.isnan(sweep.table["rows"][0]) and sweep.table["rows"][1] == 3
+    named = emmy.sweep(path, values, until=0.2, output="sweep", measure=["steps", "kinetic_energy_max"], resume=True)
+    assert np.isnan(named.table["kinetic_energy_max"][0]) and named.table["kinetic_energy_max"][1] > 0.0
+
+
+def test_names_of_modes():
+    path = emmy.new("spinning-block")
+    sweep = emmy.sweep(path, {"region.0.density": [0.5, 2.0]}, modes=7, measure="frequency_7", output="sweep")
+    assert sweep.columns == ["frequency_7"]
+    # The frequency falls with the root of the mass.
+    assert sweep.table["frequency_7"][0] == pytest.approx(2 * sweep.table["frequency_7"][1], rel=1e-6)
+
+
+def test_a_sweep_as_a_data_frame():
+    pytest.importorskip("pandas")
+    frame = emmy.sweep(make, VALUES).to_pandas()
+    assert frame.columns[:2].tolist() == ["speed", "size"] and len(frame) == 6
+    # A block of mass 2 in free flight.
+    assert frame.groupby("speed")["kinetic_energy"].mean().tolist() == pytest.approx([1.0, 4.0, 9.0], rel=1e-12)
 
 
 def test_parameters_are_those_of_the_function():
