@@ -327,9 +327,10 @@ class Load(Table):
     drag : float, optional
         Rate of a force -rate M v on the whole body.
     history : history, optional
-        Factor over time: a number, pairs ``[(time, factor), ...]``, an expression such as "sin(2*pi*t)", a dict of
-        ``file``, ``time``, ``value``, or a function of one number. A function must be smooth, since the scheme
-        integrates it by Gauss points: write one with kinks as pairs.
+        Factor over time: a number, pairs ``[(time, factor), ...]``, an expression such as "sin(2*pi*t)" or
+        "half_sine(t, 0, 0.011)", a dict of ``file``, ``time``, ``value`` and optionally ``factor``, ``low_pass`` and
+        ``correct_baseline``, or a function of one number. A function must be smooth, since the scheme integrates it by
+        Gauss points: write one with kinks as pairs, or as an expression with pulses.
     follow : bool, optional
         Whether a `force`, `moment` or `torque` turns with the rigid body on which it acts; its vector is that in the
         drawing.

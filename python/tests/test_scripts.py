@@ -166,3 +166,19 @@ def test_loop_goes_on_where_it_was_broken(spinning):
             break
     assert next(spinning).number == 8
     assert [step.number for step in spinning][-1] == 20
+
+
+def test_shock_mount(capsys):
+    own = run("shock_mount")
+    lines = capsys.readouterr().out.splitlines()
+    # The mount is stiffer than the linear one, whose stroke is 2.631 mm and whose device feels 47.25 g.
+    assert lines[:2] == ["stroke 2.362 mm", "acceleration of the device 50.4 g"]
+    # Of an oscillator with the damping 4e-4 omega^2: |1 + i d| / |1 - r^2 + i d|, d = 4e-4 omega r.
+    shaken = own["shaken"]
+    omega = 2 * np.pi * shaken.natural_frequencies[5]
+    ratio = shaken.frequencies / shaken.natural_frequencies[5]
+    damping = 1j * 4e-4 * omega * ratio
+    theory = np.abs((1 + damping) / (1 - ratio**2 + damping))
+    near = shaken.frequencies < 100
+    assert np.abs(own["amplitude"] / theory - 1)[near].max() < 0.01
+    assert Path("stroke.png").exists() and Path("shock-mount/report.html").exists()

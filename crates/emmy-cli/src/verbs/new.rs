@@ -38,7 +38,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 27] = [
+pub(super) const TEMPLATES: [Template; 28] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),

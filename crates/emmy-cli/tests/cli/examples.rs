@@ -712,6 +712,42 @@ fn engine_mount() {
     }
 }
 
+/// A thousandth of the shock is a linear one: that of an oscillator with the frequency and the damping of its mode.
+#[test]
+fn shock_mount() {
+    let (place, history) = run("shock-mount");
+    let summary = place.summary("shock-mount");
+    let largest = summary["largest_energy"].as_f64().unwrap();
+    let balance = history["energy_residual"].iter().fold(0f64, |worst, own| worst.max(own.abs()));
+    assert!(balance < 1e-12 * largest, "{balance}");
+    place.write("weak.toml", &place.read("shock-mount.toml").replace("294200*", "294.2*"));
+    place.succeed(&["run", "weak.toml", "--quiet", "--output", "weak"]);
+    place.succeed(&["modes", "shock-mount.toml", "--count", "6", "--output", "modes", "--quiet"]);
+    let modes = place.read("modes/modes.csv");
+    let omega: f64 = modes.lines().last().unwrap().split(',').nth(1).unwrap().parse().unwrap();
+    // z'' + c z' + omega^2 z = -a, c = 4e-4 omega^2, in steps of the classic method of order four.
+    let (h, mut z, mut v) = (1e-6, 0.0, 0.0);
+    let (mut stroke, mut felt) = (0f64, 0f64);
+    let rate = |t: f64, z: f64, v: f64| {
+        let a = if t < 0.011 { 294.2 * (std::f64::consts::PI * t / 0.011).sin() } else { 0.0 };
+        -a - omega * omega * (z + 4e-4 * v)
+    };
+    for i in 0..50_000 {
+        let t = h * f64::from(i);
+        let a = rate(t, z, v);
+        let b = rate(t + h / 2.0, z + h / 2.0 * v, v + h / 2.0 * a);
+        let c = rate(t + h / 2.0, z + h / 2.0 * v + h * h / 4.0 * a, v + h / 2.0 * b);
+        let d = rate(t + h, z + h * v + h * h / 2.0 * b, v + h * c);
+        z += h * v + h * h / 6.0 * (a + b + c);
+        v += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        (stroke, felt) = (stroke.max(z.abs()), felt.max((omega * omega * (z + 4e-4 * v)).abs()));
+    }
+    let weak = place.history("weak");
+    let peak = |name: &str| weak[name].iter().fold(0f64, |peak, own| peak.max(own.abs()));
+    close(peak("stroke_displacement_z"), stroke, 0.01);
+    close(peak("plate_acceleration_z"), felt, 0.01);
+}
+
 /// The exact answer of a bar that strikes a wall: it pushes with rho c v A for 2 L/c and rebounds with v.
 #[test]
 fn bar_on_a_wall() {

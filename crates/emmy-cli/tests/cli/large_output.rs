@@ -42,7 +42,7 @@ fn large_frames_have_smaller_defaults() {
     let frame = place.read(&format!("out/frames/{}", frames[100]));
     for (array, kind) in [("displacement", "Float32"), ("von_mises_stress", "Float32"), ("Points", "Float64")]
     {
-        let line = frame.lines().find(|line| line.contains(&format!("\"{array}\""))).unwrap();
+        let line = frame.lines().find(|line| line.contains(&format!("Name=\"{array}\""))).unwrap();
         assert!(line.contains(kind), "{line}");
     }
     assert!(frame.contains("\"largest_stretch\"") && !frame.contains("\"velocity\""));

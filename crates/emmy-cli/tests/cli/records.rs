@@ -23,7 +23,7 @@ steps = [{ until = 0.03, size = 0.03 }]
 
 [output]
 directory = "out"
-probes = [{ name = "centre", at = [1.0, 1.0, 1.0] }]
+probes = [{ name = "centre", point = [1.0, 1.0, 1.0] }]
 "#;
 
 #[test]

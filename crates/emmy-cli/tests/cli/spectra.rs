@@ -70,6 +70,22 @@ fn spectra_of_columns_are_printed_and_written() {
 }
 
 #[test]
+fn a_transient_is_taken_as_a_whole() {
+    // The response is three times the input two samples later.
+    let pulse = |i: i32| if (0..20).contains(&i) { (0.05 * TAU * 0.5 * f64::from(i)).sin() } else { 0.0 };
+    let place =
+        run_with(&(0..400).map(|i| [0.01 * f64::from(i), pulse(i), 3.0 * pulse(i - 2)]).collect::<Vec<_>>());
+    let of = |flags: &[&str]| {
+        let own = ["spectrum", "own", "--column", "tip_y", "--input", "tip_x", "--kind", "transmissibility"];
+        place.succeed(&[&own[..], flags].concat()).stderr
+    };
+    assert!(of(&[]).contains("note: the input dies out"));
+    assert!(!of(&["--window", "boxcar", "--segment", "400", "--detrend", "none"]).contains("dies out"));
+    let (_, rows) = table(&place, "own-spectrum/spectrum.csv");
+    assert!(rows.iter().take(15).all(|row| (row[1] - 3.0).abs() < 1e-10), "{rows:?}");
+}
+
+#[test]
 fn frequency_response_of_columns_has_amplitude_phase_and_coherence() {
     let place = even();
     let flags = ["--input", "tip_x", "--segment", "100", "--output", "frf"];

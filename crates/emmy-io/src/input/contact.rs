@@ -3,9 +3,9 @@
 use emmy::body::{Body, Contact, ContactSummary, LayerLaw, Obstacle, Opponent, TimeFunction};
 use emmy::time::BodyFeature;
 
+use super::context::Context;
 use super::description::{Described, Kind, POSITIVE, Section, TAKEN, either, exactly, vector, word};
 use super::fault::{Fault, Faults, Place};
-use super::history::Context;
 use super::support;
 use super::table::{Item, Table};
 use super::time::Time;

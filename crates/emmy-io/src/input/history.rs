@@ -1,39 +1,16 @@
 //! `history`: tables of the time, here or in a CSV file, or expressions.
 
-use std::cell::RefCell;
-use std::path::Path;
 
 use emmy::body::TimeFunction;
 use emmy::internals::body::pole;
 use emmy::internals::number::short;
 
+use super::context::Context;
 use super::expression;
 use super::fault::Fault;
 use super::measured;
 use super::table::{Item, Read, Table};
 use super::tree::Value;
-use crate::units::Units;
-
-/// The input around a history.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Context<'a> {
-    /// Folder of the input.
-    pub(super) directory: &'a Path,
-    pub(super) units: Units,
-    /// Start and end of the run, if they are known.
-    pub(super) run: Option<[f64; 2]>,
-    /// Whether the body is undeformed at the start.
-    pub(super) is_undeformed: bool,
-    /// Notes on histories, which are for the user.
-    pub(super) notes: &'a RefCell<Vec<String>>,
-}
-
-impl Context<'_> {
-    /// Adds a note.
-    pub(super) fn note(&self, note: String) {
-        self.notes.borrow_mut().push(note);
-    }
-}
 
 /// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression, which must be
 /// finite throughout the run.
@@ -106,9 +83,13 @@ fn check_finite(
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::cell::RefCell;
+    use std::path::Path;
+
     use super::*;
     use crate::input::fault::Faults;
     use crate::input::{memory, tree};
+    use crate::units::Units;
 
     /// The history of a load in an input of a folder.
     pub(crate) fn read_in(directory: &Path, history: &str) -> Result<TimeFunction, String> {

@@ -3,10 +3,11 @@
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::internals::material::Bounds;
 
+use super::context::Context;
 use super::description::{Described, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector, word};
 use super::expression;
 use super::fault::{Fault, Faults, Place};
-use super::history::{self, Context};
+use super::history;
 use super::measured;
 use super::placed::{self, Members, Placed};
 use super::table::{Item, Read, Table};

@@ -7,9 +7,9 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 use emmy::body::TimeFunction;
 use emmy::internals::number::short;
 
+use super::context::Context;
 use super::description::{Described, Kind, NUMBER, POSITIVE, Section};
 use super::fault::Fault;
-use super::history::Context;
 use super::record;
 use super::shape::neighbour;
 use super::suggest::{did_you_mean, listed};

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use emmy::body::{Field, Region, TimeFunction};
 use emmy::mesh::Mesh;
 
+use super::context::Context;
 use super::fault::{Fault, Faults, InputError, Place};
-use super::history::Context;
 use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};

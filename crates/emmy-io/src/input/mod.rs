@@ -11,6 +11,7 @@ mod canonical;
 mod catalogue;
 mod complete;
 mod contact;
+mod context;
 mod coupling;
 mod deck;
 mod derived;

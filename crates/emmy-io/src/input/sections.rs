@@ -11,10 +11,10 @@ use emmy::time::Scheme;
 
 use super::catalogue::ROOT_KIND;
 use super::contact::{self, PlacedContact};
+use super::context::Context;
 use super::expect::{self, Expected};
 use super::fault::{Fault, Faults, InputError};
 use super::formulation::Formulations;
-use super::history::Context;
 use super::mechanism::Mechanism;
 use super::names::Naming;
 use super::nodal::PlacedNodal;

@@ -5,9 +5,10 @@ use emmy::internals::number::{short, short_vector};
 use emmy::mesh::Mesh;
 use emmy::time::BodyFeature;
 
+use super::context::Context;
 use super::description::{Described, Kind, POSITIVE, Section, either, vector, word};
 use super::fault::{Fault, Faults, Place};
-use super::history::{self, Context};
+use super::history;
 use super::measured::MEASURED;
 use super::placed::{self, Placed};
 use super::table::{Item, Read, Table};

@@ -211,6 +211,14 @@ impl Settings {
             let note = "one segment alone: its coherence is 1 everywhere, and says nothing";
             spectrum.notes.push(note.to_string());
         }
+        let n = values[0].len();
+        let is_whole = segments.length == n && self.window == Window::Boxcar && self.detrend == Detrend::None;
+        if self.kind.has_input() && !is_whole && dies_out(&values[values.len() - 1]) {
+            spectrum.notes.push(format!(
+                "the input dies out: such a transient is distorted, unless one segment of all {n} samples has the window \
+                 `boxcar` and keeps its trend (detrend `none`)"
+            ));
+        }
         Ok(())
     }
 
@@ -253,4 +261,10 @@ impl Settings {
         spectrum.frequencies = frequencies;
         Ok(())
     }
+}
+
+/// Whether the last quarter of a record is as good as zero.
+fn dies_out(record: &[f64]) -> bool {
+    let peak = |part: &[f64]| part.iter().fold(0f64, |peak, x| peak.max(x.abs()));
+    peak(&record[record.len() - record.len() / 4..]) <= 1e-2 * peak(record)
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files and folders of `src/input`; each uses only earlier ones.
-const ORDER: [&str; 58] = [
+const ORDER: [&str; 61] = [
     "fault",
     "excerpt",
     "syntax",
@@ -16,6 +16,8 @@ const ORDER: [&str; 58] = [
     "finite",
     "expression",
     "shape",
+    "context",
+    "record",
     "measured",
     "history",
     "adaptive",
@@ -59,6 +61,7 @@ const ORDER: [&str; 58] = [
     "root",
     "deck",
     "sections",
+    "large_output",
     "reading",
     "memory",
     "schema",

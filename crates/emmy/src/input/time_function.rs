@@ -137,8 +137,9 @@ impl TimeFunction {
         matches!(&self.law, Law::Table(Table { corners: Some(_), .. }))
     }
 
-    /// A smooth time function, or one that is smooth between its kinks ([`TimeFunction::with_kinks`]): `function` returns the factor and its first and second derivatives at a time; the second
-    /// one is not used at present. `text` names it; time functions with equal texts count as equal.
+    /// A smooth time function, or one that is smooth between its kinks ([`TimeFunction::with_kinks`]): `function`
+    /// returns the factor and its first and second derivatives at a time; the second one is not used at present. `text`
+    /// names it; time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
         TimeFunction { law: Law::Smooth(Smooth::of_derivatives(text, function)) }
     }

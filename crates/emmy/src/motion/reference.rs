@@ -71,8 +71,8 @@ impl ReferenceMotion {
     /// sum_A m_A |q_A - c - R (X_A - C)|^2
     /// ```
     ///
-    /// Relative displacements are `R^T (q - c) - (X - C)`, in axes that rotate with the body, and relative velocities are
-    /// their rates.
+    /// Relative displacements are `R^T (q - c) - (X - C)`, in axes that rotate with the body, and relative velocities
+    /// are their rates.
     pub fn of_body() -> Self {
         ReferenceMotion(Kind::Rigid)
     }

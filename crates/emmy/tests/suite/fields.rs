@@ -423,7 +423,8 @@ fn a_body_at_rest_has_no_stress() {
             assert!(values.iter().all(|value| value.is_nan()));
             continue;
         }
-        let is_ratio = matches!(name, FieldName::PrincipalStretches | FieldName::CellVolumeRatio);
+        use FieldName::{CellVolumeRatio, LargestStretch, PrincipalStretches};
+        let is_ratio = matches!(name, PrincipalStretches | LargestStretch | CellVolumeRatio);
         let expected = if is_ratio { 1.0 } else { 0.0 };
         assert!(values.iter().all(|&value| value == expected), "{name}");
         let n = if name.place() == Place::Nodes { body.mesh().n_nodes() } else { body.mesh().n_cells() };

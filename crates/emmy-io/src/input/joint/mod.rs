@@ -4,9 +4,9 @@ mod motion;
 
 use emmy::body::{Joint, JointEnd, JointKind, TimeFunction};
 
+use crate::input::context::Context;
 use crate::input::description::{Described, Kind, NUMBER, POSITIVE, Section, TAKEN, either, exactly, vector};
 use crate::input::fault::{Fault, Faults, Place};
-use crate::input::history::Context;
 use crate::input::measured::MEASURED;
 use crate::input::suggest::listed;
 use crate::input::table::{Item, Read, Table};

@@ -4,9 +4,10 @@ use emmy::body::{JointKind, JointSpring, TimeFunction};
 use emmy::internals::number::short;
 
 use super::{size, with_article};
+use crate::input::context::Context;
 use crate::input::description::Kind;
 use crate::input::fault::Fault;
-use crate::input::history::{self, Context};
+use crate::input::history;
 use crate::input::table::{Item, Read, Table};
 
 /// The forces in the coordinate of a joint.

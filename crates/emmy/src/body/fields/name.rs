@@ -340,8 +340,8 @@ impl FieldName {
         }
     }
 
-    /// Whether it is displacement, velocity or acceleration, which every body has, in any frame of reference; rigid bodies
-    /// have no other fields.
+    /// Whether it is displacement, velocity or acceleration, which every body has, in any frame of reference; rigid
+    /// bodies have no other fields.
     pub const fn is_of_motion(self) -> bool {
         matches!(self, FieldName::Displacement | FieldName::Velocity | FieldName::Acceleration)
     }
