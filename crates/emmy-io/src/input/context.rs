@@ -1,4 +1,4 @@
-//! What the reading of a history knows of the rest of the input.
+//! The rest of the input, as the reading of a history knows it.
 
 use std::cell::RefCell;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! `history`: tables of the time, here or in a CSV file, or expressions.
 
-
 use emmy::body::TimeFunction;
 use emmy::internals::body::pole;
 use emmy::internals::number::short;
