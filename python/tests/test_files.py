@@ -55,6 +55,7 @@ def motion(body, tree):
         probes={probe["name"]: {**probe} for probe in output.get("probes", [])},
         extremes=output.get("extremes"),
         values=output.get("values"),
+        relative_to=output.get("relative_to"),
         reactions=output.get("reactions"),
         joints=output.get("joints"),
         **tree["newton"],

@@ -9,7 +9,6 @@ use emmy::mesh::Mesh;
 
 use super::context::Context;
 use super::fault::{Fault, Faults, InputError, Place};
-use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::{self, Entry, Node, Value};
 use super::{
@@ -99,7 +98,7 @@ fn entry(path: &str, key: &str, tree: &Tree) -> Entry {
 /// # Errors
 /// [`InputError`] with every fault; its places are paths ([`Place::path`]).
 pub fn build(tree: &Tree, overrides: &Overrides, known: Option<&Problem>) -> Result<Problem, InputError> {
-    reading::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
+    reading::of_tree(tree.node(""), Path::new(NAME), overrides, known)
 }
 
 /// The file that an input in memory would have: it gives the default of `output.directory`.

@@ -23,9 +23,7 @@ use crate::shares::MeshSource;
 /// # Errors
 /// [`InputError`] with every fault and its place.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
-    let mut problem = of_tree(tree::read(path), path, overrides, Source::Alone(None))?;
-    problem.files.insert(0, path.to_path_buf());
-    Ok(problem)
+    of_file(path, overrides, Source::Alone(None))
 }
 
 /// Reads the mesh of an input, and what it was made from. No body is built.
@@ -43,18 +41,36 @@ pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, MeshSo
 /// [`InputError`] on all ranks. Rank 0 has every fault and its place, if it has found them.
 pub fn read_on_team(path: &Path, overrides: &Overrides, team: &Arc<dyn Team>) -> Result<Problem, InputError> {
     let source = overrides.parts.as_deref().map_or(Source::Team(team), |folder| Source::Parts(team, folder));
-    let mut problem = of_tree(tree::read(path), path, overrides, source)?;
+    of_file(path, overrides, source)
+}
+
+/// The problem of a file, whose frames may have smaller defaults.
+fn of_file(path: &Path, overrides: &Overrides, source: Source<'_>) -> Result<Problem, InputError> {
+    let (mut problem, mut tree, left_out) = read_tree(tree::read(path), path, overrides, source)?;
+    if !overrides.is_of_body && large_output::reduce(&mut problem, &mut tree, left_out) {
+        problem.resolved = write::toml(&tree);
+    }
     problem.files.insert(0, path.to_path_buf());
     Ok(problem)
 }
 
-/// The problem of a tree. `path`: its file, or the file that it would have.
+/// The problem of a tree in memory. `path`: the file that it would have.
 pub(super) fn of_tree(
+    tree: Node,
+    path: &Path,
+    overrides: &Overrides,
+    known: Option<&Problem>,
+) -> Result<Problem, InputError> {
+    read_tree(Ok(tree), path, overrides, Source::Alone(known)).map(|(problem, ..)| problem)
+}
+
+/// The problem of a tree, the tree with all defaults, and which keys of the output it left out.
+fn read_tree(
     tree: Result<Node, InputError>,
     path: &Path,
     overrides: &Overrides,
     source: Source<'_>,
-) -> Result<Problem, InputError> {
+) -> Result<(Problem, Node, LeftOut), InputError> {
     let advised = |error| set::of_one_run(error, &overrides.set);
     let is_alone = matches!(source, Source::Alone(_));
     let prepared = tree.and_then(|tree| Prepared::new(tree, path, overrides, is_alone)).map_err(advised);
@@ -62,14 +78,10 @@ pub(super) fn of_tree(
     source.check_input(&prepared.resolved)?;
     let problem = prepared.sections.problem(prepared.resolved, source).map_err(advised);
     let mut problem = source.agree(problem)?;
-    let mut tree = prepared.tree;
-    if !overrides.is_of_body && large_output::reduce(&mut problem, &mut tree, prepared.left_out) {
-        problem.resolved = write::toml(&tree);
-    }
     source.check_digest("tables", "other files of histories", &digest_of_tables(&problem))?;
     problem.files.extend(prepared.histories);
     problem.notes.extend(prepared.notes);
-    Ok(problem)
+    Ok((problem, prepared.tree, prepared.left_out))
 }
 
 /// An input before its mesh is read.
