@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use emmy::modes::{HarmonicResponse, Quantity};
+use emmy::motion::ReferenceMotion;
 
 use crate::chart::{Axis, Figure};
 use crate::directory::{self, DirectoryError, Lock, MARK};
@@ -38,7 +39,8 @@ pub struct ProbeResponse {
 }
 
 impl ProbeResponse {
-    /// The response at the probes of a problem, with the motion of the supports or relative to them.
+    /// The response at the probes of a problem, with the motion of the supports or relative to them; a probe that is
+    /// seen from the base is relative to them in any case.
     pub fn new(
         problem: &Problem,
         response: &HarmonicResponse,
@@ -46,7 +48,10 @@ impl ProbeResponse {
         (quantity, is_relative): (Quantity, bool),
     ) -> Self {
         let mut components = Vec::new();
+        let base = ReferenceMotion::of_base(&problem.body).ok();
         for probe in &problem.quantities.probes {
+            let own = problem.quantities.reference_of_probe(probe);
+            let is_relative = is_relative || own.is_some() && own == base.as_ref();
             let at = |f: &f64| {
                 let omega = std::f64::consts::TAU * f;
                 match is_relative {

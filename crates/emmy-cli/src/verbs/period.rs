@@ -108,6 +108,12 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
             "",
             &format!("`size = {size}` makes {wanted} steps a period: a phase error of about 0.1 %"),
         );
+        let shortest = shortest_part(problem);
+        if let Some(part) = shortest.filter(|part| part / 8.0 < accuracy::suggested_size(period, problem.scheme)) {
+            let [size, part] = [number(part / 8.0), units.number(part, "time")];
+            let text = format!("`size = {size}` makes 8 steps in the shortest part of a load, which lasts {part}");
+            report.line("", &text);
+        }
     }
     if accuracy::is_coarse(largest, period, problem.scheme) {
         match n_rigid == 0 || accuracy::may_vibrate(problem) {
@@ -116,6 +122,22 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
                 .line("", "vibrations are not resolved; this is harmless while the body moves as if rigid"),
         }
     }
+}
+
+/// The shortest time between two kinks of a load or of a given motion, if it is no jump; records have none.
+fn shortest_part(problem: &Problem) -> Option<f64> {
+    let loads = problem.loads.iter().map(|load| &load.time_function);
+    let supports = problem.supports.iter().flat_map(|support| support.time_functions());
+    let joints = problem.joints.iter().flat_map(|joint| joint.drive.iter().chain(&joint.motor));
+    let laws = loads.chain(supports).chain(joints);
+    let laws = laws.filter(|law| !law.acceleration().unwrap_or(law).is_measured());
+    let plan = &problem.plan;
+    let parts = laws.flat_map(|law| {
+        let kinks = law.kinks();
+        kinks.windows(2).filter(|pair| pair[0] < plan.end()).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>()
+    });
+    // Shorter parts are jumps that have been given a duration.
+    parts.filter(|part| *part >= 1e-3 * (plan.end() - plan.start())).min_by(f64::total_cmp)
 }
 
 /// The critical step of the explicit scheme, for comparison. For a large body it is a bound from the cells, which needs

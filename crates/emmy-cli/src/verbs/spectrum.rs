@@ -122,14 +122,17 @@ impl Arguments {
     }
 }
 
-/// The largest number of each column with its frequency; phases and coherences have none of interest.
+/// The largest number of each column with its frequency, where the input has power; phases and coherences have none of
+/// interest.
 fn table(spectrum: &Spectrum) -> String {
     let frequency = spectrum.units.label("frequency", "frequency");
     let head = vec!["largest of".to_string(), "value".to_string(), frequency];
     let shown = |name: &str| !["_phase", "_coherence"].iter().any(|ending| name.ends_with(ending));
     let rows = spectrum.columns.iter().filter(|(name, _)| shown(name)).map(|(name, numbers)| {
-        let numbered = numbers.iter().zip(&spectrum.frequencies).filter(|(value, _)| !value.is_nan());
-        let largest = numbered.max_by(|(a, _), (b, _)| a.total_cmp(b));
+        let numbered = numbers.iter().zip(&spectrum.frequencies).enumerate();
+        let has_power = |row: usize| spectrum.has_power.get(row).is_none_or(|has| *has);
+        let numbered = numbered.filter(|(row, (value, _))| has_power(*row) && !value.is_nan());
+        let largest = numbered.map(|(_, pair)| pair).max_by(|(a, _), (b, _)| a.total_cmp(b));
         let cells =
             largest.map_or(["-".to_string(), "-".to_string()], |(value, f)| [number(*value), number(*f)]);
         [name.clone()].into_iter().chain(cells).collect()

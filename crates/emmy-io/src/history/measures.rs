@@ -184,7 +184,14 @@ impl Measures {
                 None => numbers.extend([Missing; 6]),
             }
         }
-        self.quantities.mechanism.add_to(view.record, numbers);
+        let displacement = motion.vectors(FieldName::Displacement);
+        let seen = |node: usize| {
+            let X = view.body.mesh().points()[node];
+            [0, 1, 2].map(|d| X[d] + displacement[3 * node + d])
+        };
+        let seen: Option<&dyn Fn(usize) -> [f64; 3]> =
+            if self.quantities.reference().is_some() { Some(&seen) } else { None };
+        self.quantities.mechanism.add_to(view.record, seen, numbers);
         let extremes = self.extremes(view, &motion);
         let of =
             |name: &FieldName| extremes.iter().find(|own| own.field == name.name() && own.region.is_none());

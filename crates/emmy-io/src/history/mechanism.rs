@@ -39,13 +39,18 @@ struct OfBody {
     name: String,
     /// Whether it turns; a point mass does not.
     has_axes: bool,
+    /// Node of its centre.
+    node: usize,
+    /// Words for the frame of reference of its position.
+    relation: String,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl MechanismColumns {
-    /// The columns of a body, with those of the joints of some names; `None`: of all.
-    pub(crate) fn of(body: &Body, names: Option<&[String]>) -> Self {
+    /// The columns of a body, with those of the joints of some names; `None`: of all. `relation`: words for the frame of
+    /// reference of positions.
+    pub(crate) fn of(body: &Body, names: Option<&[String]>, relation: &str) -> Self {
         let is_asked = |joint: &Joint| names.is_none_or(|names| names.contains(&joint.name));
         let joints = body.joints().iter().enumerate().filter(|(_, joint)| is_asked(joint));
         let joints = joints.map(|(place, joint)| OfJoint {
@@ -56,8 +61,12 @@ impl MechanismColumns {
             has_drive: joint.drive.is_some() || joint.has_force(),
         });
         let joints: Vec<OfJoint> = joints.collect();
-        let bodies =
-            body.rigid_bodies().map(|body| OfBody { name: body.name.clone(), has_axes: body.has_axes() });
+        let bodies = body.rigid_bodies().map(|own| OfBody {
+            name: own.name.clone(),
+            has_axes: own.has_axes(),
+            node: body.nodes_of_rigid_body(&own.name).map_or(0, |nodes| nodes.start as usize),
+            relation: relation.to_string(),
+        });
         let bodies: Vec<OfBody> = bodies.collect();
         let has_constraints = !body.joints().is_empty() || bodies.iter().any(|body| body.has_axes);
         MechanismColumns { joints, has_constraints, bodies }
@@ -79,8 +88,13 @@ impl MechanismColumns {
         all
     }
 
-    /// Appends the numbers of a record.
-    pub(crate) fn add_to(&self, record: &Record, numbers: &mut Vec<Number>) {
+    /// Appends the numbers of a record; `seen`: the positions of a node in another frame of reference.
+    pub(crate) fn add_to(
+        &self,
+        record: &Record,
+        seen: Option<&dyn Fn(usize) -> [f64; 3]>,
+        numbers: &mut Vec<Number>,
+    ) {
         let mean = |force: f64| if record.has_joint_forces { Real(force) } else { Missing };
         for joint in &self.joints {
             let state: JointState = record.joints.get(joint.place).copied().unwrap_or_default();
@@ -94,7 +108,7 @@ impl MechanismColumns {
         }
         for (place, body) in self.bodies.iter().enumerate() {
             let motion: RigidMotion = record.rigid_bodies.get(place).copied().unwrap_or_default();
-            numbers.extend(motion.position.map(Real));
+            numbers.extend(seen.map_or(motion.position, |seen| seen(body.node)).map(Real));
             if body.has_axes {
                 numbers.extend(motion.spin.map(Real));
             }
@@ -146,9 +160,9 @@ impl OfJoint {
 
 impl OfBody {
     fn columns(&self) -> Vec<ColumnInfo> {
-        let OfBody { name, has_axes } = self;
+        let OfBody { name, has_axes, relation, .. } = self;
         let what = if *has_axes { "centre of the rigid body" } else { "point mass" };
-        let mut all = vectors(name, "length", &format!("current position of the {what} {name}"));
+        let mut all = vectors(name, "length", &format!("current position of the {what} {name}{relation}"));
         if *has_axes {
             let meaning = format!("angular velocity of the rigid body {name}, in the axes of space");
             all.extend(vectors(&format!("{name}_spin"), "1/time", &meaning));
@@ -204,7 +218,7 @@ mod tests {
             .joint(link)
             .build()
             .unwrap();
-        let columns = MechanismColumns::of(&body, None);
+        let columns = MechanismColumns::of(&body, None, "");
         let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
         let of_vector = |name: &str| AXES.map(|axis| format!("{name}_{axis}"));
         let expected = [
@@ -222,7 +236,7 @@ mod tests {
         let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2).unwrap()).unwrap();
         let at = |record: &Record, name: &str| {
             let mut numbers = Vec::new();
-            columns.add_to(record, &mut numbers);
+            columns.add_to(record, None, &mut numbers);
             assert_eq!(numbers.len(), names.len());
             numbers[names.iter().position(|own| own == name).unwrap()]
         };
@@ -249,7 +263,7 @@ mod tests {
             .joint(Joint::new("axis", kind, between(), [0.0; 3]))
             .build()
             .unwrap();
-        let columns = MechanismColumns::of(&body, None);
+        let columns = MechanismColumns::of(&body, None, "");
         let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
         assert_eq!(names[6..8], ["axis_angle", "axis_slide"]);
         let flies = InitialVelocity {
@@ -262,9 +276,9 @@ mod tests {
         motion = motion.from(state).unwrap();
         let record = (0..20).map(|_| motion.step(0.05).unwrap().clone()).last().unwrap();
         let mut numbers = Vec::new();
-        columns.add_to(&record, &mut numbers);
+        columns.add_to(&record, None, &mut numbers);
         assert!((numbers[6].value() - 2.0).abs() < 1e-8 && (numbers[7].value() - 0.5).abs() < 1e-13);
-        let others = MechanismColumns::of(&body, Some(&[]));
+        let others = MechanismColumns::of(&body, Some(&[]), "");
         let names: Vec<String> = others.owned().into_iter().map(|(_, column)| column.name).collect();
         assert_eq!(names[..2], [RESIDUAL, HIDDEN]);
     }
@@ -272,7 +286,7 @@ mod tests {
     #[test]
     fn a_point_mass_has_no_constraints() {
         let body = Body::builder(Mesh::without_cells()).rigid(RigidBody::point("ball", 3.0, [2.0, 0.0, 0.0]));
-        let columns = MechanismColumns::of(&body.build().unwrap(), None);
+        let columns = MechanismColumns::of(&body.build().unwrap(), None, "");
         let names: Vec<String> = columns.owned().into_iter().map(|(_, column)| column.name).collect();
         assert_eq!(names, ["ball_x", "ball_y", "ball_z"]);
     }

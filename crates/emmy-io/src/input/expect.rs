@@ -44,8 +44,12 @@ impl Expected {
         }
         if let Some((expected, place)) = &self.mass {
             // A wrong volume explains its part of the mass.
+            // A single mass may outweigh the cells.
+            let heaviest = body.regions().iter().max_by(|a, b| a.mass.total_cmp(&b.mass));
+            let is_single = heaviest.is_some_and(|own| own.n_cells == 0);
+            let what = if is_single { "a mass" } else { "the density" };
             let advice = power_of_1000(mass / expected / by_volume.unwrap_or(1.0)).map(|power| {
-                match of_densities(power) {
+                match of_densities(what, power) {
                     density if by_volume.is_none() && power % 9 == 0 => {
                         format!("{density}; or {}", of_lengths(power))
                     }
@@ -101,11 +105,12 @@ fn of_lengths(power: i32) -> String {
 }
 
 /// Advice where a density is wrong by a power of ten.
-fn of_densities(power: i32) -> String {
-    let units = mistaken(&DENSITIES, power)
+fn of_densities(what: &str, power: i32) -> String {
+    let units = mistaken(&DENSITIES, power).filter(|_| what == "the density");
+    let units = units
         .map_or(String::new(), |[given, meant]| format!(", as if it were in {given} in place of {meant}"));
     format!(
-        "the density is probably in a wrong unit{units}: multiply it by {}",
+        "{what} is probably in a wrong unit{units}: multiply it by {}",
         written(shifted(1.0, -power))
     )
 }

@@ -45,6 +45,9 @@ pub(super) static MEASURED: Described = Described::new(|| {
         .absent("not corrected")
 });
 
+/// Velocity at the end of a record that is no drift, as a part of its largest.
+const LASTING: f64 = 0.7;
+
 /// Largest file in bytes: some 30 million rows.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -63,15 +66,15 @@ pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<TimeFuncti
             item.fault(format!("{}: row {}: {reason}", path.display(), row + 1), "no filter")
         })?;
         let change = record::change(&before, &entries);
-        context.note(format!("{name}: filtered at {}: {change}", context.units.number(frequency, "1/time")));
+        context.note(format!("{name}: filtered at {}: {change}", context.units.number(frequency, "frequency")));
     }
     let failed = |error: emmy::Error| file.fault(error.to_string(), "from here");
     if let Some(item) = table.item("correct_baseline") {
         let before = entries.clone();
         record::correct_baseline(&mut entries)
             .map_err(|reason| item.fault(format!("{}: {reason}", path.display()), "too short"))?;
-        let [v0, u0] = record::drift(&before).map_err(failed)?;
-        let [v1, u1] = record::drift(&entries).map_err(failed)?;
+        let [v0, u0, largest] = record::drift(&before).map_err(failed)?;
+        let [v1, u1, _] = record::drift(&entries).map_err(failed)?;
         let change = record::change(&before, &entries);
         let [velocities, displacements] =
             [([v0, v1], "length/time"), ([u0, u1], "length")].map(|(ends, dimension)| {
@@ -82,6 +85,12 @@ pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<TimeFuncti
             "{name}: corrected baseline: {change}; at the end of the record, the velocity changes from {velocities}, the \
              displacement from {displacements}"
         ));
+        if v0.abs() > LASTING * largest {
+            context.note(format!(
+                "{name}: without correction, the record ends near its largest velocity, as an impact or a fall does: then \
+                 it should not be corrected"
+            ));
+        }
     }
     TimeFunction::measured(entries).map_err(failed)
 }

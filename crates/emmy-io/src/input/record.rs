@@ -167,11 +167,12 @@ pub(super) fn change(before: &[(f64, f64)], after: &[(f64, f64)]) -> String {
     )
 }
 
-/// Velocity and displacement at the end of a record of an acceleration.
-pub(super) fn drift(entries: &[(f64, f64)]) -> emmy::Result<[f64; 2]> {
+/// Velocity and displacement at the end of a record of an acceleration, and the largest velocity at its rows.
+pub(super) fn drift(entries: &[(f64, f64)]) -> emmy::Result<[f64; 3]> {
     let span = [entries[0].0, entries[entries.len() - 1].0];
     let path = TimeFunction::from_acceleration(&TimeFunction::new(entries.to_vec())?, span)?;
-    Ok([path.rate(span[1]), path.value(span[1])])
+    let largest = entries.iter().map(|(time, _)| path.rate(*time).abs()).fold(0.0, f64::max);
+    Ok([path.rate(span[1]), path.value(span[1]), largest])
 }
 
 #[cfg(test)]
@@ -253,7 +254,8 @@ mod tests {
 
     #[test]
     fn drift_is_exact() {
-        let [velocity, displacement] = drift(&record(11, 0.1, |t| 6.0 * t)).unwrap();
+        let [velocity, displacement, largest] = drift(&record(11, 0.1, |t| 6.0 * t)).unwrap();
         assert!((velocity - 3.0).abs() < 1e-14 && (displacement - 1.0).abs() < 1e-14);
+        assert_eq!(largest, velocity);
     }
 }

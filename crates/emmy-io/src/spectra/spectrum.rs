@@ -96,6 +96,8 @@ pub struct Spectrum {
     pub frequencies: Vec<f64>,
     /// Name and numbers of each column beside the frequency; NaN where there is none.
     pub columns: Vec<(String, Vec<f64>)>,
+    /// Whether the input has at least a thousandth of its largest power at each frequency; empty without an input.
+    pub has_power: Vec<bool>,
     /// Remarks.
     pub notes: Vec<String>,
     /// Units of the run.
@@ -152,6 +154,7 @@ impl Settings {
             kind: self.kind,
             frequencies: Vec::new(),
             columns: Vec::new(),
+            has_power: Vec::new(),
             notes,
             units: Units::default(),
         };
@@ -206,6 +209,11 @@ impl Settings {
                     frequencies
                 }
             };
+        }
+        if self.kind.has_input() {
+            let (_, density) = power_spectral_density(&values[values.len() - 1], step, &segments)?;
+            let largest = density.iter().fold(0f64, |largest, own| largest.max(*own));
+            spectrum.has_power = density.iter().map(|own| *own >= POWER * largest).collect();
         }
         if self.kind.has_input() && segments.length == values[0].len() {
             let note = "one segment alone: its coherence is 1 everywhere, and says nothing";
@@ -262,6 +270,9 @@ impl Settings {
         Ok(())
     }
 }
+
+/// Power of an input below which a quotient says little, as a part of the largest.
+const POWER: f64 = 1e-3;
 
 /// Whether the last quarter of a record is as good as zero.
 fn dies_out(record: &[f64]) -> bool {

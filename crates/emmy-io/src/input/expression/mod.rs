@@ -374,6 +374,8 @@ mod tests {
             ("halfsine(t, 1, 2)", 0..8, "`half_sine`"),
             ("heaviside(t)", 0..9, "step(t, 0.1)"),
             ("ramp(t, 1, 2", 12..12, "`)`"),
+            ("half_sine(t, 0, 11ms)", 18..19, "no units"),
+            ("(t < 0.011)", 3..4, "no comparisons"),
             ("1e999", 0..5, "too large"),
             ("\u{3c0}*t", 0..2, "\u{3c0}"),
         ] {

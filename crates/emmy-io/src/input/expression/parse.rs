@@ -152,13 +152,26 @@ impl Reader<'_> {
         }
     }
 
+    /// The mistake where a bracket should be closed.
+    fn unclosed(&mut self) -> Mistake {
+        match self.next() {
+            Some('<' | '>' | '=') => self.mistake_here(
+                "there are no comparisons: step(t, 0.1) is 1 from t = 0.1 on, window(t, 0, 0.1) between two times",
+            ),
+            Some(c) if c.is_alphanumeric() || c == '_' => {
+                self.mistake_here("an operator or a `)` is missing here; numbers have no units")
+            }
+            _ => self.mistake_here("a `)` is missing here"),
+        }
+    }
+
     /// `( sum )`; the next character is the bracket.
     fn bracket(&mut self) -> Result<Expression, Mistake> {
         self.skip('(');
         let inside = self.deeper(Self::sum)?;
         match self.skip(')') {
             true => Ok(inside),
-            false => Err(self.mistake_here("a `)` is missing here")),
+            false => Err(self.unclosed()),
         }
     }
 
@@ -238,7 +251,7 @@ impl Reader<'_> {
             }
         }
         if !self.skip(')') {
-            return Err(self.mistake_here("a `)` is missing here"));
+            return Err(self.unclosed());
         }
         let Expression::Variable(variable) = arguments[0] else {
             return Err(Mistake { reason: CONSTANT.to_string(), place: places[0].clone() });

@@ -4,7 +4,7 @@ use emmy::body::{Body, FieldName, Fields, Place as Members};
 use emmy::internals::number::{short, short_vector};
 use emmy::motion::ReferenceMotion;
 
-use super::{GROUND, GroupValue, Measure, Probe, Quantities, Requested, reaction_columns, value_columns};
+use super::{GROUND, GroupValue, Measure, Probe, Quantities, Requested, reaction_columns, relation, value_columns};
 use crate::history::{ColumnInfo, MechanismColumns, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
@@ -37,7 +37,7 @@ impl Requested {
         let reactions = self.reactions(supported);
         let joints =
             self.joints.as_ref().map(|all| all.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
-        let mechanism = MechanismColumns::of(body, joints.as_deref());
+        let mechanism = MechanismColumns::of(body, joints.as_deref(), &relation(self.relative_to.as_deref()));
         self.check_columns(&reactions, &mechanism, place)?;
         Ok(Quantities {
             reactions,
