@@ -39,7 +39,9 @@ function loadedIntervals(run, end) {
 function giveRoom() {
   const [stage, viewer, viewport, charts, transport] = [".stage", "#viewer", "#viewport", "#charts", "#transport"].map((name) => document.querySelector(name));
   const set = () => {
-    const above = stage.getBoundingClientRect().top, controls = viewer.offsetHeight - viewport.offsetHeight;
+    // On a narrow page the stage has no box of its own.
+    const place = stage.getClientRects().length ? stage : viewer;
+    const above = place.getBoundingClientRect().top, controls = viewer.offsetHeight - viewport.offsetHeight;
     const room = (above) => innerHeight - above - controls - transport.offsetHeight - 10;
     const isBeside = charts.getBoundingClientRect().left >= viewer.getBoundingClientRect().right;
     const most = isBeside ? Math.min(room(Math.max(above, 13)), charts.offsetHeight - controls) : 0;
@@ -69,7 +71,7 @@ async function showRuns(manifest) {
   showCharts(document.getElementById("charts"), runs, clock);
   showTransport(document.getElementById("transport"), clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time,
     runs.length === 1);
-  showDetails(document.getElementById("details"), runs);
+  showDetails(document.getElementById("details"), runs, manifest.differences);
   showFoot(document.getElementById("foot"), runs, manifest.version);
   giveRoom();
   // An address that ends in #t=2.5 shows that time.

@@ -57,6 +57,10 @@ class ModeViewer extends Viewer {
     this.show(this.clock.time);
   }
 
+  caption() {
+    return nameOfMode(this.current, this.mode);
+  }
+
   describe() {
     this.note.textContent = this.frameOfMode < 0 ? "not drawn: the page has no room for it" : "";
     return `${nameOfMode(this.current, this.mode)}. The size of a mode is arbitrary. ${this.current.frames.notes.join(" ")}`;
