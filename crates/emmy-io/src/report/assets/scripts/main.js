@@ -48,7 +48,7 @@ function giveRoom() {
     const height = Math.max(room(above + scrollY), most);
     document.documentElement.style.setProperty("--room", `${Math.floor(height)}px`);
   };
-  [document.getElementById("verdict"), transport, document.getElementById("viewer-foot")].forEach((node) => new ResizeObserver(set).observe(node));
+  ["verdict", "transport", "viewer-tools", "viewer-foot"].map((id) => document.getElementById(id)).forEach((node) => new ResizeObserver(set).observe(node));
   addEventListener("resize", set);
   addEventListener("scroll", set, { passive: true });
   set();
@@ -63,14 +63,15 @@ async function showRuns(manifest) {
   const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
   const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
   showVerdict(document.getElementById("verdict"), runs, clock);
-  const withFrames = runs.filter((run) => run.frames);
+  const withFrames = runs.filter((run) => run.frames), transport = document.getElementById("transport");
+  let viewer = null;
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");
-    new Viewer(document.getElementById("viewer"), runs, clock);
+    viewer = new Viewer(document.getElementById("viewer"), runs, clock);
   }
   showCharts(document.getElementById("charts"), runs, clock);
-  showTransport(document.getElementById("transport"), clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time,
-    runs.length === 1);
+  showTransport(transport, clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time, runs.length === 1);
+  if (viewer) transport.append(viewer.filmButton);
   showDetails(document.getElementById("details"), runs, manifest.differences);
   showFoot(document.getElementById("foot"), runs, manifest.version);
   giveRoom();

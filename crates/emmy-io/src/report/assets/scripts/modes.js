@@ -122,6 +122,7 @@ async function showModes(manifest) {
     document.querySelector(".stage").classList.add("with-viewer");
     viewer = new ModeViewer(id("viewer"), [run], clock);
     showModeControls(id("transport"), clock, output, (count) => choose(chosen + count), choose, run.modes.length - 1);
+    id("transport").append(viewer.filmButton);
   }
   // The first mode that is not rigid.
   const elastic = run.modes.findIndex((mode) => kindOfMode(mode) !== "rigid");

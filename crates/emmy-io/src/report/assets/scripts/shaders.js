@@ -20,6 +20,8 @@ const SURFACE = {
     out vec4 colour;
     void main() {
       if (outside > 0.0) discard;
+      // Where regions meet, a section shows the side of the region that one looks into.
+      gl_FragDepth = gl_FragCoord.z - (gl_FrontFacing ? 0.0 : 2e-6);
       vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
       if (dot(normal, eye) > 0.0) normal = -normal;
       float light = 0.62 + 0.30 * max(dot(normal, normalize(vec3(-0.35, 0.6, 0.8))), 0.0) + 0.10 * max(normal.z, 0.0);

@@ -46,7 +46,7 @@ class Viewer {
     this.cut = element("input", { type: "range", min: 0, max: 1000, value: 500, "aria-label": "Position of the section", oninput: () => this.refresh() });
     this.cutText = element("span");
     const noFilm = whyNoFilm();
-    this.filmButton = element("button", { class: "tool film", type: "button", disabled: noFilm !== null, title: noFilm ?? "plays the motion once and saves it as WebM", onclick: () => this.record() }, "Save film");
+    this.filmButton = element("button", { class: "film", type: "button", disabled: noFilm !== null, title: noFilm ?? "plays the motion once and saves it as WebM", onclick: () => this.record() }, "Save film");
     this.ofRegions = element("div", { class: "regions" });
     this.perRegion = toggle("Own ranges", "perRegion", () => this.refresh());
     this.perRegion.title = "the colours of each region span its own values";
@@ -55,7 +55,7 @@ class Viewer {
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
         element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement,
-        element("label", {}, "Section ", this.axis), this.cut, this.cutText, this.filmButton),
+        element("label", {}, "Section ", this.axis), this.cut, this.cutText),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
         ...ofRun, views),
       this.ofRegions);
