@@ -63,7 +63,7 @@ function showDifferences(place, runs, { inputs, peaks }) {
     place.append(table("Inputs that differ", null, ["key", ...names], inputs.map(({ key, values }) => [key, ...values.map((value) => value ?? "–")])));
   }
   if (peaks.length) {
-    place.append(table("Peaks", `In per cent: the difference from ${names[0]}, as a part of the largest component of the quantity there.`,
+    place.append(table("Peaks", `In percent: the difference from ${names[0]}, as a part of the largest component of the quantity there.`,
       ["column", ...names, ...names.slice(1).map((name) => `${name}, %`)],
       peaks.map(({ column, values, differences }) => [inUnit(column, unitOf(runs[0], column)), ...values.map((value) => number(value)), ...differences.map(percent)])));
   }

@@ -42,7 +42,7 @@ class Viewer {
     const displacement = element("label", {}, `${this.factorName} `, this.factor);
     this.axis = select("Section across", () => this.refresh());
     this.axis.append(...["none", "x", "y", "z"].map((axis) => element("option", { value: axis === "none" ? "" : axis }, axis)));
-    this.axis.title = "all beyond a plane is cut away; its position is that in the body at rest";
+    this.axis.title = "all beyond a plane of the reference configuration is cut away";
     this.cut = element("input", { type: "range", min: 0, max: 1000, value: 500, "aria-label": "Position of the section", oninput: () => this.refresh() });
     this.cutText = element("span");
     const noFilm = whyNoFilm();
@@ -75,7 +75,7 @@ class Viewer {
     const { regions } = this.frames;
     const of = ({ name }) => {
       const box = element("input", { type: "checkbox", onchange: () => {
-        box.checked ? this.hidden.delete(name) : this.hidden.add(name);
+        this.hidden[box.checked ? "delete" : "add"](name);
         this.refresh();
       } });
       box.checked = !this.hidden.has(name);
@@ -271,7 +271,7 @@ class Viewer {
     const ofRun = settings.perFrame ? null : ranges((region) => frames.rangeOf(this.field, region));
     frames.readDisplacement(frame);
     frames.readField(this.field, frame);
-    const automatic = (ofRun ?? ranges((region) => frames.bounds(region))).map((range) => rounded(range, field.signed));
+    const automatic = (ofRun ?? ranges((region) => frames.bounds(region))).map((range) => usable(range, field.signed));
     this.showLegend(field, groups.map(([region]) => (settings.perRegion && region ? region.name : null)));
     const limits = this.shownScales.map((scale, i) => scale.limits(automatic[i]));
     scene.setScales(groups.flatMap((group, i) => group.map((region) => ({ region, low: limits[i][0], high: limits[i][1] }))));
@@ -364,7 +364,7 @@ function mapOf(field) {
 }
 
 // A range that is not empty; around zero for signed quantities.
-function rounded([low, high], isSigned) {
+function usable([low, high], isSigned) {
   const most = Math.max(Math.abs(low), Math.abs(high));
   if (!(low <= high)) return [0, 1];
   if (isSigned && most > 0) return [-most, most];
