@@ -5,8 +5,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::surface::{RegionNodes, Surface};
 
-/// The surface with at most `limit` of its nodes: of the nodes of a region in a box, the one nearest to their mean stays.
-/// `points`: of the mesh.
+/// The surface with at most `limit` of its nodes: of the nodes of a region in a box, the one nearest to their mean
+/// stays. `points`: of the mesh.
 pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> Surface {
     if surface.nodes.len() <= limit {
         return surface;
