@@ -283,13 +283,16 @@ def check_limits(browser, directory):
     for letter in "2.5":
         page.press(letter, text=letter)
     assert time_shown(page) == now and page.value(ENDS)[0][2] == "2.5", page.value(ENDS)
-    choose = lambda field: page.value(f"(s => {{ s.value = '{field}'; s.dispatchEvent(new Event('change')); }})(document.querySelector('[aria-label=\"Colour by\"]'))")
-    choose("speed")
+    colour_by(page, "speed")
     assert page.value(ENDS)[0][2] != "2.5"
-    choose("von_mises_stress")
+    colour_by(page, "von_mises_stress")
     assert page.value(ENDS)[0][2] == "2.5" and page.value(scale) == below
     check_silence(page)
     page.close()
+
+
+def colour_by(page, field):
+    page.value(f"(s => {{ s.value = '{field}'; s.dispatchEvent(new Event('change')); }})(document.querySelector('[aria-label=\"Colour by\"]'))")
 
 
 def coloured(page):
@@ -304,7 +307,7 @@ def bare(browser, directory):
     page = browser.page(f"{directory}/report.html")
     page.value("['triad', 'legend'].forEach(id => { document.getElementById(id).style.visibility = 'hidden'; })")
     page.value("[...document.querySelectorAll('.viewer-tools label')].filter(e => e.textContent === 'Angular momentum').forEach(e => e.click())")
-    page.value("(s => { s.value = 'displacement'; s.dispatchEvent(new Event('change')); })(document.querySelector('[aria-label=\"Colour by\"]'))")
+    colour_by(page, "displacement")
     click(page, ".views button:nth-child(3)")
     return page
 
@@ -393,10 +396,12 @@ def check_film(browser, directory, place):
     page = browser.page(f"{directory}/report.html")
     button = "document.querySelector('.film')"
     assert not page.value(f"{button}.disabled"), page.value(f"{button}.title")
+    # At the start all of the body has one colour.
+    colour_by(page, "displacement")
     page.value("(s => { s.value = '4'; s.dispatchEvent(new Event('change')); })(document.querySelector('[aria-label=Speed]'))")
     click(page, ".film")
     assert page.value(f"{button}.textContent") == "Stop film"
-    page.wait(f"{button}.textContent === 'Save film'", 60)
+    page.wait(f"{button}.textContent === 'Save film'", 180)
     assert page.value("Number(document.querySelector('#transport input').value)") == 10000, "the film ends before the motion"
     film = f"{place}/{os.path.basename(directory)}.webm"
     end = time.time() + 20

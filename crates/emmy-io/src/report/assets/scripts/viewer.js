@@ -102,22 +102,25 @@ class Viewer {
       this.film.stop();
       return;
     }
-    const { clock, filmButton } = this, seconds = clock.seconds / clock.speed, begin = performance.now();
+    const { clock, filmButton } = this, span = clock.end - clock.start;
     this.film = new Film(this.canvas, this.current.name, () => {
       this.film = null;
       filmButton.textContent = "Save film";
     });
     filmButton.textContent = "Stop film";
     clock.pause();
+    let passed = 0, last = performance.now();
     const tick = (now) => {
       if (!this.film) return;
-      const passed = Math.max(now - begin, 0) / 1000;
-      clock.set(clock.start + Math.min(passed / seconds, 1) * (clock.end - clock.start));
+      // A slow machine makes a slower film, not one with few pictures.
+      passed += Math.min(Math.max(now - last, 0) / 1000, 0.25);
+      last = now;
+      clock.set(clock.start + Math.min(passed * clock.rate, span));
       // The last picture stands for a while.
-      if (passed < seconds + 0.5) requestAnimationFrame(tick);
+      if (passed < span / clock.rate + 0.5) requestAnimationFrame(tick);
       else this.film.stop();
     };
-    tick(begin);
+    tick(last);
   }
 
   get factorName() {
