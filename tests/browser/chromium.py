@@ -80,7 +80,7 @@ class Chromium:
 class Page:
     """A page of a file, with what it says on its console and what it asks for."""
 
-    def __init__(self, browser, path, width=1440, height=900, scheme="light", motion="reduce", fragment=""):
+    def __init__(self, browser, path, width=1440, height=900, scheme="light", motion="reduce", fragment="", before=""):
         self.browser = browser
         target = browser.call("Target.createTarget", url="about:blank")["targetId"]
         self.target = target
@@ -89,6 +89,8 @@ class Page:
             self.call(f"{domain}.enable")
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.media(scheme, motion)
+        # A script that runs before those of the page.
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=before)
         self.address = "file://" + os.path.abspath(path)
         self.call("Page.navigate", url=self.address + fragment)
         is_drawn = "document.documentElement.dataset.ready === 'true' || document.getElementById('fault')?.hidden === false"

@@ -220,7 +220,7 @@ def check_range(browser, directory):
     """The colours span the values of the run, and those of the frame after a click at the scale. The second frame is hardly stressed."""
     page = browser.page(f"{directory}/report.html")
     page.press("Home")
-    ends = "[...document.querySelectorAll('#legend .ends span')].map(e => e.textContent)"
+    ends = f"({ENDS})[0]"
     page.press("ArrowRight")
     of_run, picture = page.value(ends), page.picture("#viewport")
     chosen = "document.querySelector('#legend button[aria-pressed=true]').textContent"
@@ -238,6 +238,210 @@ def check_range(browser, directory):
     assert page.value(chosen) == "run" and page.value(ends) == of_run
     check_silence(page)
     page.close()
+
+
+# Ends and middles of the scales of the colours: typed limits, or automatic ones.
+ENDS = "[...document.querySelectorAll('#legend .ends')].map(row => [...row.children].map(e => e.value || e.placeholder || e.textContent))"
+
+
+def check_limits(browser, directory):
+    """Typed limits of the colours are those of the scale; a wrong text is shown as wrong, and the limit is automatic."""
+    page = browser.page(f"{directory}/report.html")
+    page.press("Home")
+    page.press("ArrowRight")
+    automatic, picture = page.value(ENDS), page.picture("#viewport")
+    wrong = "[...document.querySelectorAll('#legend .ends input')].map(e => e.getAttribute('aria-invalid') === 'true')"
+    limits = "document.querySelectorAll('#legend .ends input')"
+    scale = "document.querySelector('#legend .scale').getBoundingClientRect().bottom"
+    below = page.value(scale)
+
+    def type_limit(place, text):
+        page.value(f"(e => {{ e.value = {text!r}; e.dispatchEvent(new Event('input', {{ bubbles: true }})); }})({limits}[{place}])")
+        page.settle()
+
+    body = lambda: page.picture("#viewport")
+    upper = float(automatic[0][2])
+    type_limit(1, str(upper / 100))
+    [[low, middle, high]] = page.value(ENDS)
+    assert (low, float(high)) == (automatic[0][0], upper / 100), (low, high)
+    value, half = shown(middle)
+    assert abs(value - (float(low) + float(high)) / 2) <= half + shown(low)[1], (low, middle, high)
+    # The body is stressed by more than a hundredth of the largest stress of the run: the colours go to the upper end.
+    typed = body()
+    assert differ(typed, picture) and page.value(wrong) == [False, False]
+    for place, text in [(1, "much"), (1, "1,5"), (0, str(2 * upper))]:
+        type_limit(1, "")
+        type_limit(place, text)
+        expected = [place == 0, place == 1]
+        assert page.value(wrong) == expected, (text, page.value(wrong))
+        assert not differ(body(), picture), f"{text}: the limits are not the automatic ones"
+    type_limit(0, "")
+    assert page.value(ENDS) == automatic and page.value(wrong) == [False, False]
+    # Keys in the field are letters of its text, not commands of the page; the limit stays with its field.
+    now = time_shown(page)
+    click(page, "#legend .ends input:last-child")
+    for letter in "2.5":
+        page.press(letter, text=letter)
+    assert time_shown(page) == now and page.value(ENDS)[0][2] == "2.5", page.value(ENDS)
+    colour_by(page, "speed")
+    assert page.value(ENDS)[0][2] != "2.5"
+    colour_by(page, "von_mises_stress")
+    assert page.value(ENDS)[0][2] == "2.5" and page.value(scale) == below
+    check_silence(page)
+    page.close()
+
+
+def colour_by(page, field):
+    page.value(f"(s => {{ s.value = '{field}'; s.dispatchEvent(new Event('change')); }})(document.querySelector('[aria-label=\"Colour by\"]'))")
+
+
+def coloured(page):
+    """Points of the picture with a colour of the scale: background, lines and outlines are grey."""
+    rows, size = pixels(page.picture("#viewport"))
+    at = lambda row, x: row[size * x:size * x + 3]
+    return {(x, y) for y, row in enumerate(rows) for x in range(len(row) // size) if max(at(row, x)) - min(at(row, x)) > 45}
+
+
+def bare(browser, directory):
+    """A page whose picture has nothing but the body, seen along z, coloured by displacement."""
+    page = browser.page(f"{directory}/report.html")
+    page.value("['triad', 'legend'].forEach(id => { document.getElementById(id).style.visibility = 'hidden'; })")
+    page.value("[...document.querySelectorAll('.viewer-tools label')].filter(e => e.textContent === 'Angular momentum').forEach(e => e.click())")
+    colour_by(page, "displacement")
+    click(page, ".views button:nth-child(3)")
+    return page
+
+
+def check_regions(browser, directory, stiff, soft):
+    """Regions are hidden and shown one by one; each has a range of its own."""
+    page = bare(browser, directory)
+    label = lambda name: f".regions [data-region=\"{name}\"]"
+
+    def seen(*regions):
+        for name in [stiff, soft]:
+            if page.value(f"document.querySelector('{label(name)} input').checked") != (name in regions):
+                click(page, label(name))
+        page.settle()
+        return coloured(page)
+
+    page.press("End")
+    both, of_stiff, of_soft, none = seen(stiff, soft), seen(stiff), seen(soft), seen()
+    assert none == set(), f"{len(none)} points of hidden regions"
+    assert min(len(of_stiff), len(of_soft)) > 0.3 * len(both), (len(of_stiff), len(of_soft), len(both))
+    # Each point of the body is of one region, but for the line where they meet.
+    lost, twice = both - of_stiff - of_soft, of_stiff & of_soft
+    assert len(lost) < 0.01 * len(both) and len(twice) < 0.05 * len(both), (len(lost), len(twice), len(both))
+    assert len(seen(stiff, soft) ^ both) < 0.01 * len(both)
+    summary = json.load(open(f"{directory}/summary.json"))
+    [[low, _, high]] = page.value(ENDS)
+    largest = summary["largest_displacement"]
+    assert low == "0" and abs(float(high) - largest) <= shown(high)[1] * (1 + 1e-3), (high, largest)
+    click(page, ".regions > label:last-child")
+    titles = page.value("[...document.querySelectorAll('#legend .scale')].map(e => e.dataset.title)")
+    assert titles == [stiff, soft], titles
+    of_regions = page.value(ENDS)
+    assert of_regions[0][0] == "0" and of_regions[1][2] == high, of_regions
+    assert 0 < float(of_regions[0][2]) < float(high), of_regions
+    # A limit of a region leaves the other one as it is.
+    page.value("(e => { e.value = '7'; e.dispatchEvent(new Event('input')); })(document.querySelectorAll('#legend .ends input')[1])")
+    limited = page.value(ENDS)
+    assert limited[0][2] == "7" and limited[1] == of_regions[1], limited
+    # With one region in sight the common range is that of this region.
+    click(page, ".regions > label:last-child")
+    seen(stiff)
+    assert page.value(ENDS) == [of_regions[0]], (page.value(ENDS), of_regions)
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+
+
+def check_section(browser, directory, axis, middle):
+    """A section cuts the body away beyond its plane, and shows the body from inside."""
+    page = bare(browser, directory)
+    page.press("Home")
+    text = lambda: page.value("[...document.querySelectorAll('.viewer-tools span')].map(e => e.textContent).find(text => text.includes('≤'))")
+
+    def cut(axis, at=None):
+        page.value(f"(s => {{ s.value = '{axis}'; s.dispatchEvent(new Event('change')); }})(document.querySelector('[aria-label=\"Section across\"]'))")
+        if at is not None:
+            page.value(f"(s => {{ s.value = {at}; s.dispatchEvent(new Event('input')); }})(document.querySelector('[aria-label^=\"Position of the section\"]'))")
+        page.settle()
+        return coloured(page)
+
+    assert page.value("document.querySelector('[aria-label^=\"Position of the section\"]').hidden")
+    half = cut(axis)
+    assert text().startswith(f"{axis} ≤ {middle}"), text()
+    whole = cut(axis, 1000)
+    assert text().startswith(f"{axis} ≤ {2 * middle}"), text()
+    # Seen along z half of the length is left: that with the smaller coordinates. The ends of the other half are grey outlines.
+    assert 0.45 < len(half) / len(whole) < 0.55, len(half) / len(whole)
+    assert len(half - whole) < 0.01 * len(half), len(half - whole)
+    assert max(x for x, _ in half) < sum(x for x, _ in whole) / len(whole) + 2
+    assert len(cut(axis, 250)) < 0.6 * len(half)
+    # From the side that is cut away one looks into the body, and sees its sides and its far end from inside: no hole.
+    click(page, ".views button:nth-child(1)")
+    inside = cut(axis, 500)
+    wide, high = [max(own) - min(own) + 1 for own in zip(*inside)]
+    assert len(inside) > 0.9 * wide * high > 5000, (len(inside), wide, high)
+    check_names(page)
+    check_silence(page)
+    page.close()
+
+
+def check_film(browser, directory, place):
+    """The film that the button saves is a WebM that moves; a browser without a recorder says so."""
+    os.makedirs(place)
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=place)
+    page = browser.page(f"{directory}/report.html")
+    button = "document.querySelector('.film')"
+    assert not page.value(f"{button}.disabled"), page.value(f"{button}.title")
+    # At the start all of the body has one colour.
+    colour_by(page, "displacement")
+    page.value("(s => { s.value = '4'; s.dispatchEvent(new Event('change')); })(document.querySelector('[aria-label=Speed]'))")
+    click(page, ".film")
+    assert page.value(f"{button}.textContent") == "Stop film"
+    page.wait(f"{button}.textContent === 'Save film'", 180)
+    assert page.value("Number(document.querySelector('#transport input').value)") == 10000, "the film ends before the motion"
+    film = f"{place}/{os.path.basename(directory)}.webm"
+    end = time.time() + 20
+    while not os.path.exists(film):
+        assert time.time() < end, os.listdir(place)
+        time.sleep(0.1)
+    check_silence(page)
+    page.close()
+    assert open(film, "rb").read(4) == b"\x1aE\xdf\xa3"
+    open(f"{place}/film.html", "w").write(f"<html data-ready=true><video muted src={os.path.basename(film)}></video>")
+    page = browser.page(f"{place}/film.html")
+    video = "document.querySelector('video')"
+    page.wait(f"{video}.readyState >= 2", 20)
+    first = page.picture("video")
+    assert colours(first) > 300, colours(first)
+    page.value(f"{video}.playbackRate = 4, {video}.play()")
+    page.wait(f"{video}.ended", 30)
+    assert differ(page.picture("video"), first), "the film does not move"
+    assert page.value(f"{video}.currentTime") > 1, page.value(f"{video}.currentTime")
+    page.close()
+    page = browser.page(f"{directory}/report.html", before="delete window.MediaRecorder")
+    assert page.value(f"{button}.disabled") and "MediaRecorder" in page.value(f"{button}.title")
+    check_silence(page)
+    page.close()
+
+
+def check_phone(browser, directory):
+    """The first screen of a phone shows the picture, the verdict follows, then the charts."""
+    for width, height in [(360, 740), (390, 844), (414, 896)]:
+        page = browser.page(f"{directory}/report.html", width=width, height=height)
+        order = ["#viewport", "#viewer-tools", "#verdict", "#charts", "#details", "#foot"]
+        tops = [page.box(part)[1] for part in order]
+        assert tops == sorted(tops), list(zip(order, tops))
+        _, top, _, high = page.box("#viewport")
+        bar = page.box("#transport")[1]
+        assert 0 < top and top + high <= bar, f"{width} x {height}: the picture is at {top} to {top + high}, the bar at {bar}"
+        check_head(page)
+        check_layout(page)
+        check_names(page)
+        page.close()
 
 
 def click(page, selector):
@@ -397,6 +601,7 @@ def check_comparison(browser, directory, runs):
     assert len(keys) == len(runs) and all(key.startswith(run) for key, run in zip(keys, runs)), keys
     links = page.value("[...document.querySelectorAll('.runs a')].map(e => e.href)")
     assert len(links) == len(runs) and all(os.path.exists(link.removeprefix("file://")) for link in links), links
+    check_differences(page, summaries)
     first = page.picture("#viewport")
     page.value("(s => { s.value = 1; s.dispatchEvent(new Event('change')); })(document.querySelector('[aria-label=Run]'))")
     page.press("End")
@@ -406,6 +611,26 @@ def check_comparison(browser, directory, runs):
     check_silence(page)
     page.close()
     return n
+
+
+def check_differences(page, summaries):
+    """Tables of the keys in which the inputs differ, and of the peaks of the columns."""
+    tables = page.value(
+        "[...document.querySelectorAll('.differences')].map(e => [e.getAttribute('aria-label'), [...e.rows].map(row => [...row.cells].map(e => e.textContent))])")
+    runs, tables = list(summaries), dict(tables)
+    keys = {key: values for key, *values in tables["Inputs that differ"]}
+    assert keys["key"] == runs and keys["time.scheme"] == ['"DGM"', '"Newmark(0.25,0.5)"'], keys
+    head, *rows = tables["Peaks"]
+    assert head == ["column", *runs, f"{runs[1]}, %"] and [row[0] for row in rows] == ["tip_x", "tip_y", "tip_z"], (head, rows)
+    peak = lambda run, column: max((summaries[run][f"{column}{end}"] for end in ["_min", "_max"]), key=abs)
+    size = max(abs(peak(runs[0], row[0])) for row in rows)
+    for column, *cells, percent in rows:
+        peaks = [peak(run, column) for run in runs]
+        for text, expected in zip(cells, peaks):
+            value, half = shown(text)
+            assert abs(value - expected) <= half * (1 + 1e-9), (column, text, expected)
+        exact = 100 * (peaks[1] - peaks[0]) / size
+        assert abs(float(percent.removesuffix(" %")) - exact) < 0.0051, (column, percent, exact)
 
 
 def check_adaptive(browser, adaptive, planned):
@@ -584,6 +809,12 @@ def main():
         check_windows(browser, f"{place}/l-block")
         check_whole_body(browser, f"{place}/two-materials")
         check_range(browser, f"{place}/l-block")
+        check_limits(browser, f"{place}/l-block")
+        check_regions(browser, f"{place}/two-materials", "stiff", "soft")
+        check_section(browser, f"{place}/two-materials", "x", 6)
+        check_film(browser, f"{place}/two-materials", f"{place}/films")
+        check_phone(browser, f"{place}/l-block")
+        check_phone(browser, f"{place}/two-materials")
         check_probe(browser, f"{place}/two-materials", "tip")
         check_extremes(browser, f"{place}/two-materials")
         check_quantities(browser, emmy, f"{place}/charts-only", f"{place}/quantities")

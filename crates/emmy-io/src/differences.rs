@@ -1,12 +1,13 @@
 //! Differences between runs: keys of their inputs, and peaks of their columns.
 
+use serde::Serialize;
 use toml::Value;
 
 use crate::comparison::Run;
 use crate::history::{Peak, column_of_peak};
 
 /// A key with other values in the inputs of some runs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KeyDifference {
     /// The key, such as `support.0.move.x`.
     pub key: String,
@@ -56,7 +57,7 @@ fn add(key: &str, values: &[Option<&Value>], found: &mut Vec<KeyDifference>) {
 }
 
 /// The peak of a column in some runs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PeakDifference {
     /// The column.
     pub column: String,

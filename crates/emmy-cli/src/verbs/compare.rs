@@ -146,8 +146,7 @@ fn runs(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     comparison::write(&arguments.output, &runs).map_err(|error| {
         Failure::Other(format!("cannot write the charts to {}: {error}", arguments.output.display()))
     })?;
-    let named = runs.iter().map(|run| run.name.clone()).zip(arguments.directories.iter().cloned());
-    let page = report::write_comparison(&arguments.output, &named.collect::<Vec<_>>())?;
+    let page = report::write_comparison(&arguments.output, &runs, &arguments.directories)?;
     let differences = differences::of_inputs(&runs);
     let text = if arguments.json { lines(&runs, &differences) } else { tables(&runs, &differences) };
     print::result(host, &text)?;

@@ -1,5 +1,8 @@
 //! `emmy compare`: charts and table of several runs.
 
+use serde_json::json;
+
+use super::report::manifest;
 use super::{BOX, Place};
 
 fn two_runs() -> Place {
@@ -38,6 +41,14 @@ fn runs_are_drawn_and_listed_side_by_side() {
         let percent: f64 = row[3].parse().unwrap();
         let exact = 100.0 * (peak(1, column) - peak(0, column)) / size;
         assert!((percent - exact).abs() < 0.006, "{column}: {percent} is not {exact}");
+    }
+    let differences = &manifest(&place, "compare/report.html")["differences"];
+    let scheme = json!({ "key": "time.scheme", "values": ["\"AS(2)\"", "\"FE(2)\""] });
+    assert_eq!((&differences["inputs"][0], differences["inputs"].as_array().unwrap().len()), (&scheme, 2));
+    for (row, column) in ["tip_x", "tip_y", "tip_z"].into_iter().enumerate() {
+        let [a, b] = [0, 1].map(|run| peak(run, column));
+        let expected = json!({ "column": column, "values": [a, b], "differences": [(b - a) / size] });
+        assert_eq!(differences["peaks"][row], expected);
     }
     assert_eq!(lines[1][..4], ["conserving", "AS(2)", "1", "8"]);
     assert_eq!(lines[2][..4], ["standard", "FE(2)", "2", "8"]);

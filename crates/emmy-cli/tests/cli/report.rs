@@ -3,7 +3,7 @@
 use super::{BOX, Place};
 
 /// JSON data in the page.
-fn manifest(place: &Place, page: &str) -> serde_json::Value {
+pub(super) fn manifest(place: &Place, page: &str) -> serde_json::Value {
     let page = place.read(page);
     let text = page.split_once("id=\"manifest\">").unwrap().1;
     serde_json::from_str(text.split_once("</script>").unwrap().0).unwrap()
@@ -20,7 +20,7 @@ fn the_page_has_the_summary_digit_for_digit_and_the_loaded_interval() {
         run["loads"],
         serde_json::json!([{ "label": "traction on y-max", "intervals": [[0.0, null]] }])
     );
-    assert_eq!(run["history"]["kept"], 9);
+    assert_eq!((&run["history"]["kept"], &run["frames"]["regions"]), (&9.into(), &serde_json::json!([])));
     assert_eq!((&run["frames"]["kept"], &run["frames"]["n_nodes"]), (&5.into(), &12.into()));
     assert_eq!(run["input"].as_str(), Some(place.read("out/input.toml").as_str()));
 }

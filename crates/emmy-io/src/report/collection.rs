@@ -71,6 +71,7 @@ impl FrameSource {
                 Ok(vtu::Frame {
                     points,
                     cells,
+                    regions: series.regions(),
                     fields: at_nodes.map(|f| (f.name().to_string(), f.components().len())).collect(),
                 })
             }
@@ -213,7 +214,7 @@ mod tests {
         assert_eq!((frames.len(), frames.at(0)), (1, (7, 0.5)));
         let first = frames.first().unwrap();
         let cells: Vec<_> = mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect();
-        assert_eq!(first.points, mesh.points());
+        assert_eq!((first.points, first.regions), (mesh.points().to_vec(), vec![0; 12]));
         assert_eq!(Surface::new(&first.cells), Surface::new(&cells));
         assert_eq!(frames.values(0, &["displacement", "velocity"]).unwrap(), [moved(&mesh), Vec::new()]);
         let piece = fs::read_dir(temp.path().join("frames"))

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use super::coarse::coarsened;
 use super::collection::FrameSource;
 use super::pack::{Pack, quantised};
-use super::surface::Surface;
+use super::run::tables;
+use super::surface::{RegionNodes, Surface};
 use super::{MAX_NODES, ReportError};
 use crate::mesh::{MeshError, vtu};
 
@@ -82,9 +83,10 @@ fn norm(vector: &[f64]) -> f64 {
 const DISPLACEMENT: usize = 6;
 
 /// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a
-/// frame.
+/// frame. `input`: that of the run, with the names of its regions.
 pub(super) fn gather(
     frames: &FrameSource,
+    input: &toml::Table,
     room: usize,
     pack: &mut Pack,
 ) -> Result<Option<Value>, ReportError> {
@@ -92,12 +94,12 @@ pub(super) fn gather(
     if n_frames == 0 {
         return Ok(None);
     }
-    let frame = match frames.first() {
+    let mut frame = match frames.first() {
         // Rigid bodies alone have no surface.
         Err(ReportError::Frame(MeshError::NoCells { .. })) => return Ok(None),
         frame => frame?,
     };
-    let whole = Surface::new(&frame.cells);
+    let whole = Surface::of_regions(std::mem::take(&mut frame.cells), &frame.regions);
     let n_whole = whole.nodes.len();
     // Without displacements there is no motion to show.
     if n_whole == 0 || !frame.fields.contains(&("displacement".to_string(), 3)) {
@@ -116,9 +118,22 @@ pub(super) fn gather(
         "written": n_frames,
         "kept": kept.len(),
         "n_nodes": surface.nodes.len(),
+        "regions": surface.regions.iter().map(|own| region(own, input)).collect::<Vec<_>>(),
         "fields": offered,
         "notes": notes(n_whole, surface.nodes.len(), n_frames, kept.len()),
     })))
+}
+
+/// A region with its nodes.
+fn region(own: &RegionNodes, input: &toml::Table) -> Value {
+    let table =
+        usize::try_from(own.number).ok().and_then(|number| tables(input, "region").get(number).copied());
+    let group = table.and_then(|table| table.get("group")?.as_str());
+    let name = match own.number {
+        ..0 => "rigid bodies".to_string(),
+        number => group.map_or_else(|| format!("region {number}"), str::to_string),
+    };
+    json!({ "name": name, "n": own.n, "inside": own.n_inside })
 }
 
 /// Quantities in the frames with at least one finite value.

@@ -34,7 +34,10 @@ mod thinning;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::comparison::RunError;
+use serde_json::{Value, json};
+
+use crate::comparison::{Run, RunError};
+use crate::differences;
 use crate::directory::MARK;
 use crate::link::relative;
 use crate::mesh::MeshError;
@@ -88,28 +91,33 @@ pub enum ReportError {
 /// [`ReportError`]; an earlier report is then unchanged.
 pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     if modes::are_in(directory) {
-        return written(directory, &[modes::gather(directory)?]);
+        return written(directory, &[modes::gather(directory)?], Value::Null);
     }
     let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
     let run = RunData::gather(directory, RunLink::default(), Room::shared_by(1))?;
-    written(directory, &[run])
+    written(directory, &[run], Value::Null)
 }
 
-/// Writes `report.html` of several runs into a directory, and returns its path. `runs`: names and directories.
+/// Writes `report.html` of several runs into a directory, and returns its path. `directories`: those of the runs.
 ///
 /// # Errors
 /// [`ReportError`].
-pub fn write_comparison(directory: &Path, runs: &[(String, PathBuf)]) -> Result<PathBuf, ReportError> {
+pub fn write_comparison(
+    directory: &Path,
+    runs: &[Run],
+    directories: &[PathBuf],
+) -> Result<PathBuf, ReportError> {
     let room = Room::shared_by(runs.len());
-    let gather = |(name, run): &(String, PathBuf)| {
-        let link = RunLink { name: Some(name.clone()), href: relative(directory, run) };
-        RunData::gather(run, link, room)
+    let gather = |(run, own): (&Run, &PathBuf)| {
+        let link = RunLink { name: Some(run.name.clone()), href: relative(directory, own) };
+        RunData::gather(own, link, room)
     };
-    let runs = runs.iter().map(gather).collect::<Result<Vec<_>, _>>()?;
-    written(directory, &runs)
+    let gathered = runs.iter().zip(directories).map(gather).collect::<Result<Vec<_>, _>>()?;
+    let differences = json!({ "inputs": differences::of_inputs(runs), "peaks": differences::of_peaks(runs) });
+    written(directory, &gathered, differences)
 }
 
 /// The share of a run in a page.
@@ -128,9 +136,9 @@ impl Room {
     }
 }
 
-fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
+fn written(directory: &Path, runs: &[RunData], differences: Value) -> Result<PathBuf, ReportError> {
     let path = directory.join("report.html");
-    let page = page::page(runs);
+    let page = page::page(runs, &differences);
     replace(&path, page.as_bytes()).map_err(ReportError::Page)?;
     Ok(path)
 }

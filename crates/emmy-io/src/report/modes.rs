@@ -34,7 +34,8 @@ pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
     }
     let (collection, source) = source.unzip();
     let mut pack = Pack::default();
-    let frames = source.map(|frames| frames::gather(&frames, MAX_FRAME_BYTES, &mut pack)).transpose()?;
+    let frames =
+        source.map(|frames| frames::gather(&frames, &tree, MAX_FRAME_BYTES, &mut pack)).transpose()?;
     let (places, arrays) = pack.finish();
     let name = name_of(directory);
     let files = [TABLE, WITNESS].map(String::from).into_iter().chain(collection);

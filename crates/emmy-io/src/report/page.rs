@@ -18,7 +18,7 @@ const PARTS: [(&str, &str); 6] = [
 ];
 
 /// The scripts of the page; each uses only earlier ones.
-const SCRIPTS: [&str; 16] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/scripts/format.js"),
     include_str!("assets/scripts/data.js"),
     include_str!("assets/scripts/colours.js"),
@@ -32,6 +32,8 @@ const SCRIPTS: [&str; 16] = [
     include_str!("assets/scripts/orbit.js"),
     include_str!("assets/scripts/shaders.js"),
     include_str!("assets/scripts/scene.js"),
+    include_str!("assets/scripts/scale.js"),
+    include_str!("assets/scripts/film.js"),
     include_str!("assets/scripts/viewer.js"),
     include_str!("assets/scripts/transport.js"),
     include_str!("assets/scripts/details.js"),
@@ -43,12 +45,13 @@ const MODES: &str = include_str!("assets/scripts/modes.js");
 /// The last script, which puts the page together.
 const MAIN: &str = include_str!("assets/scripts/main.js");
 
-/// The page of some runs.
-pub(super) fn page(runs: &[RunData]) -> String {
+/// The page of some runs, with their differences.
+pub(super) fn page(runs: &[RunData], differences: &Value) -> String {
     let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
     let manifest = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "runs": runs.iter().map(|run| &run.manifest).collect::<Vec<_>>(),
+        "differences": differences,
     });
     let arrays = |(index, run): (usize, &RunData)| {
         format!("<script type=\"text/plain\" id=\"run-{index}\">{}</script>\n", run.arrays)
@@ -104,7 +107,7 @@ mod tests {
 
     #[test]
     fn every_place_of_the_template_is_filled() {
-        let page = page(&[run("a", ""), run("b", "")]);
+        let page = page(&[run("a", ""), run("b", "")], &Value::Null);
         assert!(!page.contains("{{title}}") && page.contains("<title>a, b</title>"));
         assert!(page.contains("id=\"run-1\">abc=</script>"));
         let mut places = TEMPLATE.split("{{").skip(1).filter_map(|piece| Some(piece.split_once("}}")?.0));
@@ -115,7 +118,7 @@ mod tests {
     /// The MIT licence requires its notice in every copy of the libraries, which a page contains.
     #[test]
     fn every_library_in_the_page_has_its_licence_there() {
-        let page = page(&[run("a", "")]);
+        let page = page(&[run("a", "")], &Value::Null);
         let comment = page.split_once("<!--").and_then(|(_, rest)| rest.split_once("-->")).unwrap().0;
         let libraries = PARTS.iter().filter_map(|(name, _)| name.strip_prefix("vendor/")?.split('/').next());
         for library in libraries {
@@ -129,7 +132,7 @@ mod tests {
 
     #[test]
     fn names_and_inputs_cannot_end_the_page() {
-        let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")]);
+        let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")], &Value::Null);
         assert!(
             page.contains("<title>&lt;b&gt;</title>")
                 && !page.contains("alert(1)\"</")

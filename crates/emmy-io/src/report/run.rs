@@ -52,8 +52,10 @@ impl RunData {
         let columns = history.pack(&mut pack);
         history.pack_newton(&directory.join("newton.csv"), &mut pack);
         let (collection, frames) = frames.unzip();
-        let frames =
-            frames.map(|frames| frames::gather(&frames, room.frame_bytes, &mut pack)).transpose()?.flatten();
+        let frames = frames
+            .map(|frames| frames::gather(&frames, &tree, room.frame_bytes, &mut pack))
+            .transpose()?
+            .flatten();
         let (places, arrays) = pack.finish();
         let (events, more_events) = events::read(&directory.join("events.csv"));
         let files = FILES.iter().chain(&["input.toml"]).map(|file| file.to_string()).chain(collection);
@@ -169,7 +171,7 @@ fn rigid_bodies(input: &toml::Table) -> Vec<(String, Option<&toml::Value>)> {
 }
 
 /// The tables of a section: a list, or one alone.
-fn tables<'a>(input: &'a toml::Table, section: &str) -> Vec<&'a toml::Table> {
+pub(super) fn tables<'a>(input: &'a toml::Table, section: &str) -> Vec<&'a toml::Table> {
     match input.get(section) {
         Some(toml::Value::Array(all)) => all.iter().filter_map(toml::Value::as_table).collect(),
         Some(toml::Value::Table(table)) => vec![table],

@@ -1,6 +1,6 @@
 //! The visible surface of a mesh: facets of one solid cell only, plane cells, and links.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use emmy::mesh::CellKind;
 
@@ -12,6 +12,19 @@ pub(super) struct Surface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) edges: Vec<[u32; 2]>,
     pub(super) links: Vec<[u32; 2]>,
+    /// The regions, if there are several: the nodes of the first come first.
+    pub(super) regions: Vec<RegionNodes>,
+}
+
+/// Nodes of a region; each region has nodes of its own where it meets others.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RegionNodes {
+    /// Number of the region, negative for rigid bodies.
+    pub(super) number: i32,
+    /// Number of its nodes.
+    pub(super) n: usize,
+    /// Number of those where it meets no other region, which come first.
+    pub(super) n_inside: usize,
 }
 
 impl Surface {
@@ -36,6 +49,45 @@ impl Surface {
         surface.edges = edges.into_iter().collect();
         surface.renumber();
         surface
+    }
+
+    /// The surfaces of all regions, if there are several; otherwise that of all cells. `regions`: of each cell.
+    pub(super) fn of_regions(cells: Vec<(CellKind, Vec<u32>)>, regions: &[i32]) -> Self {
+        let several: BTreeSet<i32> = regions.iter().copied().filter(|&region| region >= 0).collect();
+        if several.len() < 2 || regions.len() != cells.len() {
+            return Surface::new(&cells);
+        }
+        let mut cells_of = BTreeMap::<i32, Vec<_>>::new();
+        for (cell, &region) in cells.into_iter().zip(regions) {
+            cells_of.entry(region).or_default().push(cell);
+        }
+        let surfaces: Vec<(i32, Surface)> =
+            cells_of.into_iter().map(|(number, cells)| (number, Surface::new(&cells))).collect();
+        let mut times = HashMap::new();
+        let nodes = surfaces.iter().flat_map(|(_, surface)| &surface.nodes);
+        nodes.for_each(|&node| *times.entry(node).or_insert(0u32) += 1);
+        let mut joined = Surface::default();
+        for (number, surface) in surfaces {
+            joined.append(number, surface, |node| times[&node] == 1);
+        }
+        joined
+    }
+
+    /// Adds the surface of a region. `is_inside`: whether no other region has a node of the mesh.
+    fn append(&mut self, number: i32, region: Surface, is_inside: impl Fn(u32) -> bool) {
+        let (n, before) = (region.nodes.len(), self.nodes.len() as u32);
+        let (inside, border): (Vec<usize>, Vec<usize>) =
+            (0..n).partition(|&node| is_inside(region.nodes[node]));
+        self.regions.push(RegionNodes { number, n, n_inside: inside.len() });
+        let mut new = vec![0; n];
+        for (&node, number) in inside.iter().chain(&border).zip(before..) {
+            new[node] = number;
+            self.nodes.push(region.nodes[node]);
+        }
+        let new = |node: u32| new[node as usize];
+        self.triangles.extend(region.triangles.into_iter().map(|triangle| triangle.map(new)));
+        self.edges.extend(region.edges.into_iter().map(|edge| edge.map(new)));
+        self.links.extend(region.links.into_iter().map(|link| link.map(new)));
     }
 
     /// Adds a facet, subdivided at the nodes on its edges. `nodes`: corners, then midside nodes, then the central one.
@@ -102,7 +154,7 @@ fn sorted(corners: &[u32; 4]) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use emmy::internals::element::element;
-    use emmy::mesh::l_block;
+    use emmy::mesh::{block, l_block};
 
     use super::*;
 
@@ -167,6 +219,25 @@ mod tests {
                 Surface::new(&[(CellKind::Tet4, vec![0, 1, 2, 3]), (CellKind::Tet4, second.to_vec())]);
             assert_eq!((surface.triangles.len(), surface.edges.len()), (6, 9), "{second:?}");
         }
+    }
+
+    #[test]
+    fn regions_have_their_own_closed_surfaces() {
+        let mesh = block([2.0, 1.0, 1.0], [2, 1, 1]).unwrap();
+        let cells: Vec<_> = mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect();
+        assert_eq!(Surface::of_regions(cells.clone(), &[3, 3]), Surface::new(&cells));
+        let centre = (CellKind::Line2, vec![0; 2]);
+        let all = [cells, vec![centre]].concat();
+        let surface = Surface::of_regions(all, &[1, 0, -1]);
+        let region = |number: i32, n: usize, n_inside: usize| RegionNodes { number, n, n_inside };
+        // Four nodes are of both cubes; the centre is a corner of one.
+        assert_eq!(surface.regions, [region(-1, 1, 0), region(0, 8, 4), region(1, 8, 3)]);
+        assert_eq!((surface.nodes.len(), surface.links.as_slice()), (17, &[[0, 0]][..]));
+        assert_eq!((surface.triangles.len(), area(mesh.points(), &surface)), (24, 12.0));
+        assert!(surface.triangles[..12].iter().flatten().all(|node| (1..9).contains(node)));
+        let is_in_the_middle = |&node: &u32| mesh.points()[node as usize][0] == 1.0;
+        assert!(surface.nodes[5..9].iter().all(is_in_the_middle));
+        assert!(!surface.nodes[1..5].iter().any(is_in_the_middle));
     }
 
     #[test]

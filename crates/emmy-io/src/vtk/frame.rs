@@ -7,7 +7,7 @@ use emmy::mesh::Mesh;
 use rayon::prelude::*;
 
 use super::array::{data_array, named_components};
-use super::grid::{Grid, on_grid};
+use super::grid::{Grid, REGION, on_grid};
 use super::{Precision, escaped};
 
 /// The parts that are the same in every frame, as XML.
@@ -40,7 +40,7 @@ impl Frame {
             point_data: groups(Place::Nodes),
             cell_data: match grid.regions() {
                 None => groups(Place::Cells),
-                Some(regions) => data_array("region", 1, regions.into_iter()) + &groups(Place::Cells),
+                Some(regions) => data_array(REGION, 1, regions.into_iter()) + &groups(Place::Cells),
             },
         }
     }

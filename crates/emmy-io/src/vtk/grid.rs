@@ -14,6 +14,9 @@ pub(crate) const VERTEX: u8 = 1;
 /// Number of a line in VTK.
 const LINE: u8 = 3;
 
+/// Name of the array with the region of each cell.
+pub(crate) const REGION: &str = "region";
+
 /// Region of the cells of rigid bodies.
 const NONE: i32 = -1;
 

@@ -24,7 +24,7 @@ pub(crate) use frame_files::COLLECTION_MARK;
 pub use frame_files::FrameFiles;
 pub(crate) use frame_names::{is_of_frame, remove_frames};
 use grid::Grid;
-pub(crate) use grid::VERTEX;
+pub(crate) use grid::{REGION, VERTEX};
 pub use series::{Series, SeriesReader};
 pub(crate) use series::{is_series, series_fields};
 

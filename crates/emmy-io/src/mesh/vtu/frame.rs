@@ -8,7 +8,7 @@ use emmy::mesh::CellKind;
 use super::super::{MeshError, Result, without_mark};
 use super::cell::Type;
 use super::file::{Parts, Piece, document, no_cells};
-use crate::vtk::VERTEX;
+use crate::vtk::{REGION, VERTEX};
 
 /// Contents of a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub(crate) struct Frame {
     pub(crate) points: Vec<[f64; 3]>,
     /// Cells with their nodes; axes of rigid bodies are lines, their centres lines without length.
     pub(crate) cells: Vec<(CellKind, Vec<u32>)>,
+    /// Region of each cell, negative for those of rigid bodies; empty if the frame does not have it.
+    pub(crate) regions: Vec<i32>,
     /// Names of the arrays at the nodes, with their numbers of components.
     pub(crate) fields: Vec<(String, usize)>,
 }
@@ -47,8 +49,15 @@ pub(crate) fn frame(file: &Path, bytes: &[u8]) -> Result<Frame> {
             cells.push(cell.filter(|(kind, nodes)| kind.n_nodes() == nodes.len()).ok_or_else(wrong)?);
         }
         let fields = piece.arrays("PointData").into_iter().map(|a| (a.name.to_string(), a.components));
-        Ok(Frame { cells, fields: fields.collect(), points })
+        let regions = of_cells(piece, REGION)?.into_iter().map(|region| region as i32).collect();
+        Ok(Frame { cells, regions, fields: fields.collect(), points })
     })
+}
+
+/// A number of each cell; empty if there is no such array.
+fn of_cells(piece: &Piece<'_, '_>, name: &str) -> Result<Vec<f64>> {
+    let array = piece.arrays("CellData").into_iter().find(|array| array.name == name);
+    array.map_or(Ok(Vec::new()), |array| Ok(piece.numbers(&array, Some(piece.n_cells))?.into_reals()))
 }
 
 /// Arrays of a frame at its nodes or in its cells, in the order of their names; a missing array is empty.

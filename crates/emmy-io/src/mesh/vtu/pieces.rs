@@ -31,7 +31,8 @@ pub(crate) fn joined_frame(list: &Path) -> Result<Frame> {
         let whole = |of_piece: Vec<u32>| -> Vec<u32> {
             of_piece.into_iter().map(|node| nodes[node as usize]).collect()
         };
-        let of_piece = piece.cells.into_iter().map(|(kind, nodes)| (kind, whole(nodes)));
+        let regions = piece.regions.into_iter().map(Some).chain(std::iter::repeat(None));
+        let of_piece = piece.cells.into_iter().map(|(kind, nodes)| (kind, whole(nodes))).zip(regions);
         cells.extend(of_cells.into_iter().zip(of_piece));
         points.extend(nodes.iter().copied().zip(piece.points));
         names = piece.fields;
@@ -40,7 +41,8 @@ pub(crate) fn joined_frame(list: &Path) -> Result<Frame> {
     let joined = |of_cell: Vec<u32>| of_cell.into_iter().map(|node| index[&node]).collect();
     Ok(Frame {
         points: points.into_values().collect(),
-        cells: cells.into_values().map(|(kind, nodes)| (kind, joined(nodes))).collect(),
+        regions: cells.values().filter_map(|(_, region)| *region).collect(),
+        cells: cells.into_values().map(|((kind, nodes), _)| (kind, joined(nodes))).collect(),
         fields: names,
     })
 }

@@ -8,7 +8,7 @@ use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 
 use super::{groups, rejected};
-use crate::vtk::{FACETS, GROUP, Precision, VERTEX, cell_type};
+use crate::vtk::{FACETS, GROUP, Precision, REGION, VERTEX, cell_type};
 use crate::whole_file;
 
 /// Reads a `.vtkhdf` that Emmy wrote.
@@ -136,6 +136,11 @@ impl SeriesReader {
             cells.push((kind, nodes.iter().map(|&node| node as u32).collect()));
         }
         Ok((points.as_chunks().0.to_vec(), cells))
+    }
+
+    /// Region of each cell, negative for those of rigid bodies; empty if the file does not have it.
+    pub(crate) fn regions(&self) -> Vec<i32> {
+        read(&self.file, &format!("VTKHDF/CellData/{REGION}")).unwrap_or_default()
     }
 
     /// The mesh with its groups.

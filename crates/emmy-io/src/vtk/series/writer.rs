@@ -14,7 +14,7 @@ use super::chunks::Chunks;
 use super::journal::{self, Entries, Journal};
 use super::{CREATOR, SeriesReader, groups, rejected, without_slash};
 use crate::vtk::array::LEVEL;
-use crate::vtk::grid::{Grid, on_grid};
+use crate::vtk::grid::{Grid, REGION, on_grid};
 use crate::vtk::{FrameTime, Place, Precision, name_of};
 use crate::whole_file::{PART, named, with_ending};
 
@@ -318,7 +318,7 @@ fn write_static(file: &H5File, grid: &Grid<'_>) -> rust_hdf5::Result<()> {
     for name in ["PointData", "CellData", "Steps"] {
         root.create_group(name)?;
     }
-    once(file, "VTKHDF/CellData/region", grid.regions().unwrap_or_default())?;
+    once(file, &format!("VTKHDF/CellData/{REGION}"), grid.regions().unwrap_or_default())?;
     for marks in grid.marks() {
         let [group, _] = groups(marks.place);
         once(file, &format!("{group}/{}", without_slash(&marks.name)), marks.bits)?;

@@ -23,7 +23,7 @@ function statusText(summary) {
   }
 }
 
-function showDetails(place, runs) {
+function showDetails(place, runs, differences) {
   if (runs.length === 1) {
     const [run] = runs;
     if (run.events.length) place.append(eventTable(run));
@@ -31,6 +31,7 @@ function showDetails(place, runs) {
     place.append(inputText(run, "Input, with all defaults"));
     return;
   }
+  showDifferences(place, runs, differences);
   runs.forEach((run) => place.append(inputText(run, `Input of ${run.name}`)));
 }
 
@@ -48,6 +49,24 @@ function fileList(run) {
 
 function linkTo(href, file) {
   return (href.startsWith("file:") ? encodeURI(href) : href.split("/").map(encodeURIComponent).join("/")) + encodeURIComponent(file);
+}
+
+// Keys in which the inputs differ, and peaks of columns with their differences from the first run.
+function showDifferences(place, runs, { inputs, peaks }) {
+  const names = runs.map((run) => run.name);
+  const table = (title, note, heads, rows) => element("section", { class: "card" }, element("h2", {}, title), note ? element("p", { class: "note" }, note) : null,
+    element("div", { class: "table-wrap" }, element("table", { class: "runs differences", "aria-label": title },
+      element("thead", {}, element("tr", {}, ...heads.map((head) => element("th", { scope: "col" }, head)))),
+      element("tbody", {}, ...rows.map(([head, ...cells]) => element("tr", {}, element("th", { scope: "row" }, head), ...cells.map((cell) => element("td", {}, cell))))))));
+  const percent = (part) => (part === null ? "–" : `${part < 0 ? "" : "+"}${(100 * part).toFixed(2)} %`);
+  if (inputs.length) {
+    place.append(table("Inputs that differ", null, ["key", ...names], inputs.map(({ key, values }) => [key, ...values.map((value) => value ?? "–")])));
+  }
+  if (peaks.length) {
+    place.append(table("Peaks", `In percent: the difference from ${names[0]}, as a part of the largest component of the quantity there.`,
+      ["column", ...names, ...names.slice(1).map((name) => `${name}, %`)],
+      peaks.map(({ column, values, differences }) => [inUnit(column, unitOf(runs[0], column)), ...values.map((value) => number(value)), ...differences.map(percent)])));
+  }
 }
 
 function inputText(run, title) {

@@ -13,6 +13,8 @@ class Frames {
     [this.low, this.high] = [run.array("frames/displacement_min"), run.array("frames/displacement_max")];
     this.displacement = new Float32Array(3 * this.n);
     this.values = new Float32Array(this.n);
+    let start = 0;
+    this.regions = run.frames.regions.map((region) => ({ ...region, start: (start += region.n) - region.n }));
     this.ranges = new Map();
     this.boxes = new Map();
   }
@@ -31,17 +33,14 @@ class Frames {
     return displacement;
   }
 
-  // Sets the values of a field in a frame, `[n]`, and returns their bounds. The displacement of the frame must have been read.
+  // Sets the values of a field in a frame, `[n]`. The displacement of the frame must have been read.
   readField(name, frame) {
     const { n, values, displacement } = this;
     if (name === "displacement") {
-      let low = Infinity, high = 0;
       for (let node = 0; node < n; node++) {
         values[node] = Math.hypot(displacement[3 * node], displacement[3 * node + 1], displacement[3 * node + 2]);
-        low = Math.min(low, values[node]);
-        high = Math.max(high, values[node]);
       }
-      return [low, high];
+      return;
     }
     const whole = this.run.array(`frames/${name}`);
     const low = this.run.array(`frames/${name}_min`)[frame], high = this.run.array(`frames/${name}_max`)[frame];
@@ -50,22 +49,37 @@ class Frames {
       sum = (sum + whole[from + node]) & 0xff;
       values[node] = low + unit * sum;
     }
+  }
+
+  // Bounds of the values of the frame: of all nodes, or of a region. Where regions meet, the value is a mean of them,
+  // which counts for none if the region has other nodes.
+  bounds(region) {
+    const { start, n, inside } = region ?? { start: 0, n: this.n, inside: this.n };
+    let low = Infinity, high = -Infinity;
+    for (const value of this.values.subarray(start, start + (inside || n))) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
     return [low, high];
   }
 
-  // Bounds of a field over all frames.
-  rangeOf(name) {
-    if (!this.ranges.has(name)) {
-      let low = Infinity, high = -Infinity;
+  // Bounds of a field over all frames, of all nodes or of a region.
+  rangeOf(name, region) {
+    const key = `${name} ${region?.start}`;
+    if (!this.ranges.has(key)) {
+      let range = [Infinity, -Infinity];
       for (let frame = 0; frame < this.times.length; frame++) {
-        if (name === "displacement") this.readDisplacement(frame);
-        const [a, b] = name === "displacement" ? this.readField(name, frame)
-          : [this.run.array(`frames/${name}_min`)[frame], this.run.array(`frames/${name}_max`)[frame]];
-        [low, high] = [Math.min(low, a), Math.max(high, b)];
+        if (!region && name !== "displacement") {
+          range = union(range, [this.run.array(`frames/${name}_min`)[frame], this.run.array(`frames/${name}_max`)[frame]]);
+          continue;
+        }
+        this.readDisplacement(frame);
+        this.readField(name, frame);
+        range = union(range, this.bounds(region));
       }
-      this.ranges.set(name, [low, high]);
+      this.ranges.set(key, range);
     }
-    return this.ranges.get(name);
+    return this.ranges.get(key);
   }
 
   // Box around the reference, or around the whole motion with displacements magnified; modes go both ways. `points`: of
@@ -104,6 +118,10 @@ class Frames {
     }
     return { low, high, points, centre: low.map((a, i) => (a + high[i]) / 2), size: Math.hypot(...low.map((a, i) => high[i] - a)) };
   }
+}
+
+function union([a, b], [c, d]) {
+  return [Math.min(a, c), Math.max(b, d)];
 }
 
 // To the faces, edges and corners of a cube.

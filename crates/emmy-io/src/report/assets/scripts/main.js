@@ -39,14 +39,16 @@ function loadedIntervals(run, end) {
 function giveRoom() {
   const [stage, viewer, viewport, charts, transport] = [".stage", "#viewer", "#viewport", "#charts", "#transport"].map((name) => document.querySelector(name));
   const set = () => {
-    const above = stage.getBoundingClientRect().top, controls = viewer.offsetHeight - viewport.offsetHeight;
+    // On a narrow page the stage has no box of its own.
+    const place = stage.getClientRects().length ? stage : viewer;
+    const above = place.getBoundingClientRect().top, controls = viewer.offsetHeight - viewport.offsetHeight;
     const room = (above) => innerHeight - above - controls - transport.offsetHeight - 10;
     const isBeside = charts.getBoundingClientRect().left >= viewer.getBoundingClientRect().right;
     const most = isBeside ? Math.min(room(Math.max(above, 13)), charts.offsetHeight - controls) : 0;
     const height = Math.max(room(above + scrollY), most);
     document.documentElement.style.setProperty("--room", `${Math.floor(height)}px`);
   };
-  [document.getElementById("verdict"), transport, document.getElementById("viewer-foot")].forEach((node) => new ResizeObserver(set).observe(node));
+  ["verdict", "transport", "viewer-tools", "viewer-foot"].map((id) => document.getElementById(id)).forEach((node) => new ResizeObserver(set).observe(node));
   addEventListener("resize", set);
   addEventListener("scroll", set, { passive: true });
   set();
@@ -61,15 +63,16 @@ async function showRuns(manifest) {
   const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
   const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
   showVerdict(document.getElementById("verdict"), runs, clock);
-  const withFrames = runs.filter((run) => run.frames);
+  const withFrames = runs.filter((run) => run.frames), transport = document.getElementById("transport");
+  let viewer = null;
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");
-    new Viewer(document.getElementById("viewer"), runs, clock);
+    viewer = new Viewer(document.getElementById("viewer"), runs, clock);
   }
   showCharts(document.getElementById("charts"), runs, clock);
-  showTransport(document.getElementById("transport"), clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time,
-    runs.length === 1);
-  showDetails(document.getElementById("details"), runs);
+  showTransport(transport, clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time, runs.length === 1);
+  if (viewer) transport.append(viewer.filmButton);
+  showDetails(document.getElementById("details"), runs, manifest.differences);
   showFoot(document.getElementById("foot"), runs, manifest.version);
   giveRoom();
   // An address that ends in #t=2.5 shows that time.

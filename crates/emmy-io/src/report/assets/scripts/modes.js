@@ -57,6 +57,10 @@ class ModeViewer extends Viewer {
     this.show(this.clock.time);
   }
 
+  caption() {
+    return nameOfMode(this.current, this.mode);
+  }
+
   describe() {
     this.note.textContent = this.frameOfMode < 0 ? "not drawn: the page has no room for it" : "";
     return `${nameOfMode(this.current, this.mode)}. The size of a mode is arbitrary. ${this.current.frames.notes.join(" ")}`;
@@ -118,6 +122,7 @@ async function showModes(manifest) {
     document.querySelector(".stage").classList.add("with-viewer");
     viewer = new ModeViewer(id("viewer"), [run], clock);
     showModeControls(id("transport"), clock, output, (count) => choose(chosen + count), choose, run.modes.length - 1);
+    id("transport").append(viewer.filmButton);
   }
   // The first mode that is not rigid.
   const elastic = run.modes.findIndex((mode) => kindOfMode(mode) !== "rigid");

@@ -15,12 +15,12 @@ class Scene {
     const reference = frames.points;
     this.position = { size: 3, data: new Float32Array(reference), usage: gl.DYNAMIC_DRAW };
     this.value = { size: 1, data: new Float32Array(frames.n), usage: gl.DYNAMIC_DRAW };
-    this.range = { value: [0, 1] };
+    this.beyond = { size: 1, data: new Float32Array(frames.n).fill(-1), usage: gl.DYNAMIC_DRAW };
     const sharp = outline(frames);
-    this.surface = this.mesh(SURFACE, { position: this.position, value: this.value }, frames.triangles, gl.TRIANGLES);
-    this.cellEdges = this.lines({ position: this.position }, frames.edges);
-    this.outline = this.lines({ position: this.position }, sharp);
-    this.ghost = this.lines({ position: { size: 3, data: new Float32Array(reference) } }, frames.links.length ? this.joined(sharp, frames.links) : sharp);
+    this.surface = this.mesh(SURFACE, { position: this.position, value: this.value, beyond: this.beyond }, frames.triangles, gl.TRIANGLES);
+    this.cellEdges = this.lines(this.position, frames.edges);
+    this.outline = this.lines(this.position, sharp);
+    this.ghost = this.lines({ size: 3, data: new Float32Array(reference) }, frames.links.length ? this.joined(sharp, frames.links) : sharp);
     this.addLinks();
     this.addJoints(frames.run?.joints ?? []);
     this.addArrow();
@@ -36,16 +36,16 @@ class Scene {
   mesh(shader, attributes, index, mode, uniforms = {}, options = {}) {
     if (index && !index.length) return null;
     const { gl } = this;
-    const program = new OGL.Program(gl, { ...shader, cullFace: false, uniforms: { map: { value: this.map }, range: this.range, ...uniforms }, ...options });
+    const program = new OGL.Program(gl, { ...shader, cullFace: false, uniforms: { map: { value: this.map }, ...uniforms }, ...options });
     const geometry = new OGL.Geometry(gl, index ? { ...attributes, index: { data: index } } : attributes);
     const mesh = new OGL.Mesh(gl, { mode, geometry, program, frustumCulled: false });
     mesh.setParent(this.root);
     return mesh;
   }
 
-  lines(attributes, index) {
+  lines(position, index) {
     const options = { transparent: true, depthWrite: false };
-    return this.mesh(LINES, attributes, index, this.gl.LINES, { ink: { value: [0, 0, 0, 1] } }, options);
+    return this.mesh(LINES, { position, beyond: this.beyond }, index, this.gl.LINES, { ink: { value: [0, 0, 0, 1] } }, options);
   }
 
   // Links are ribbons of a width on the screen, with discs at their nodes.
@@ -63,11 +63,12 @@ class Scene {
     this.ends = { size: 3, data: new Float32Array(12 * n), usage: gl.DYNAMIC_DRAW };
     this.others = { size: 3, data: new Float32Array(12 * n), usage: gl.DYNAMIC_DRAW };
     this.endValues = { size: 1, data: new Float32Array(4 * n), usage: gl.DYNAMIC_DRAW };
+    this.endBeyond = { size: 1, data: new Float32Array(4 * n), usage: gl.DYNAMIC_DRAW };
     this.screen = { value: [1, 1] };
-    const attributes = { position: this.ends, other: this.others, side: { size: 1, data: side }, value: this.endValues };
+    const attributes = { position: this.ends, other: this.others, side: { size: 1, data: side }, value: this.endValues, beyond: this.endBeyond };
     this.mesh(LINKS, attributes, index, gl.TRIANGLES, { size: this.screen, width: { value: 4 * this.renderer.dpr } });
     const nodes = new Uint32Array(new Set(links));
-    this.mesh(NODES, { position: this.position, value: this.value }, nodes, gl.POINTS, { width: { value: 15 * this.renderer.dpr } });
+    this.mesh(NODES, { position: this.position, value: this.value, beyond: this.beyond }, nodes, gl.POINTS, { width: { value: 15 * this.renderer.dpr } });
   }
 
   setLinks() {
@@ -81,9 +82,10 @@ class Scene {
           this.others.data[3 * corner + axis] = at[3 * other + axis];
         }
         this.endValues.data[corner] = this.value.data[node];
+        this.endBeyond.data[corner] = this.beyond.data[node];
       }
     }
-    [this.ends, this.others, this.endValues].forEach((attribute) => { attribute.needsUpdate = true; });
+    [this.ends, this.others, this.endValues, this.endBeyond].forEach((attribute) => { attribute.needsUpdate = true; });
   }
 
   // Rings at the joints. A place of a rigid body is linear in its centre and the ends of its axes, which links join.
@@ -156,9 +158,27 @@ class Scene {
     this.map.needsUpdate = true;
   }
 
-  // Shows displacement and values of the frames, displacements magnified. Returns the middle of the body.
+  // Hides regions, and all that is beyond a section of the reference configuration.
+  setShown(hidden, section) {
+    const { points, regions, n } = this.frames, beyond = this.beyond.data;
+    for (let node = 0; node < n; node++) beyond[node] = section ? points[3 * node + section.axis] - section.at : -1;
+    regions.filter(({ name }) => hidden.has(name)).forEach(({ start, n }) => beyond.fill(1, start, start + n));
+    this.beyond.needsUpdate = true;
+  }
+
+  // Gives values their places in the scales, each that of a region or of all nodes.
+  setScales(scales) {
+    const { values, n } = this.frames;
+    for (const { region, low, high } of scales) {
+      const from = region?.start ?? 0, to = from + (region?.n ?? n);
+      for (let node = from; node < to; node++) this.value.data[node] = (values[node] - low) / (high - low);
+    }
+    this.value.needsUpdate = true;
+  }
+
+  // Shows the displacement of the frames, magnified. Returns the middle of the body.
   setFrame(factor) {
-    const { points, displacement, values, n } = this.frames, at = this.position.data;
+    const { points, displacement, n } = this.frames, at = this.position.data;
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < 3 * n; i++) {
       at[i] = points[i] + factor * displacement[i];
@@ -166,8 +186,7 @@ class Scene {
       if (at[i] < low[axis]) low[axis] = at[i];
       if (at[i] > high[axis]) high[axis] = at[i];
     }
-    this.value.data.set(values);
-    this.position.needsUpdate = this.value.needsUpdate = true;
+    this.position.needsUpdate = true;
     this.setLinks();
     this.setJoints();
     return low.map((a, i) => (a + high[i]) / 2);

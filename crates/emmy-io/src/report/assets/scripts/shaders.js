@@ -1,24 +1,27 @@
-// Programs of the scene.
+// Programs of the scene. `value`: place of a value in its scale, from 0 to 1; `beyond`: positive where nothing is drawn.
 
 const SURFACE = {
   vertex: `#version 300 es
-    in vec3 position; in float value;
+    in vec3 position; in float value, beyond;
     uniform mat4 modelViewMatrix, projectionMatrix;
-    uniform vec2 range;
-    out vec3 eye; out float part;
+    out vec3 eye; out float part, outside;
     void main() {
       vec4 at = modelViewMatrix * vec4(position, 1.0);
       eye = at.xyz;
-      part = (value - range.x) / (range.y - range.x);
+      part = value;
+      outside = beyond;
       gl_Position = projectionMatrix * at;
     }`,
   // Flat shading: the normal of the triangle on the screen, lit on both sides.
   fragment: `#version 300 es
     precision highp float;
-    in vec3 eye; in float part;
+    in vec3 eye; in float part, outside;
     uniform sampler2D map;
     out vec4 colour;
     void main() {
+      if (outside > 0.0) discard;
+      // Where regions meet, a section shows the side of the region that one looks into.
+      gl_FragDepth = gl_FragCoord.z - (gl_FrontFacing ? 0.0 : 2e-6);
       vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
       if (dot(normal, eye) > 0.0) normal = -normal;
       float light = 0.62 + 0.30 * max(dot(normal, normalize(vec3(-0.35, 0.6, 0.8))), 0.0) + 0.10 * max(normal.z, 0.0);
@@ -28,27 +31,33 @@ const SURFACE = {
 
 const LINES = {
   vertex: `#version 300 es
-    in vec3 position;
+    in vec3 position; in float beyond;
     uniform mat4 modelViewMatrix, projectionMatrix;
+    out float outside;
     void main() {
+      outside = beyond;
       gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
       // In front of the surface that they lie on.
       gl_Position.z -= 3e-4 * gl_Position.w;
     }`,
   fragment: `#version 300 es
     precision highp float;
+    in float outside;
     uniform vec4 ink;
     out vec4 colour;
-    void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`,
+    void main() {
+      if (outside > 0.0) discard;
+      colour = vec4(ink.rgb * ink.a, ink.a);
+    }`,
 };
 
 // Lines of a width on the screen: both ends at each of four corners, which are moved across the line.
 const LINKS = {
   vertex: `#version 300 es
-    in vec3 position; in vec3 other; in float side; in float value;
+    in vec3 position; in vec3 other; in float side; in float value, beyond;
     uniform mat4 modelViewMatrix, projectionMatrix;
-    uniform vec2 size; uniform float width; uniform vec2 range;
-    out float part;
+    uniform vec2 size; uniform float width;
+    out float part, outside;
     void main() {
       vec4 a = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
       vec4 b = projectionMatrix * modelViewMatrix * vec4(other, 1.0);
@@ -56,34 +65,40 @@ const LINKS = {
       float reach = length(along);
       vec2 across = reach > 0.0 ? vec2(-along.y, along.x) / reach : vec2(0.0);
       a.xy += side * across * width / size * a.w;
-      part = (value - range.x) / (range.y - range.x);
+      part = value;
+      outside = beyond;
       gl_Position = a;
     }`,
   fragment: `#version 300 es
     precision highp float;
-    in float part;
+    in float part, outside;
     uniform sampler2D map;
     out vec4 colour;
-    void main() { colour = vec4(texture(map, vec2(clamp(part, 0.0, 1.0) * 0.99609 + 0.00195, 0.5)).rgb, 1.0); }`,
+    void main() {
+      if (outside > 0.0) discard;
+      colour = vec4(texture(map, vec2(clamp(part, 0.0, 1.0) * 0.99609 + 0.00195, 0.5)).rgb, 1.0);
+    }`,
 };
 
 const NODES = {
   vertex: `#version 300 es
-    in vec3 position; in float value;
+    in vec3 position; in float value, beyond;
     uniform mat4 modelViewMatrix, projectionMatrix;
-    uniform float width; uniform vec2 range;
-    out float part;
+    uniform float width;
+    out float part, outside;
     void main() {
-      part = (value - range.x) / (range.y - range.x);
+      part = value;
+      outside = beyond;
       gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
       gl_PointSize = width;
     }`,
   fragment: `#version 300 es
     precision highp float;
-    in float part;
+    in float part, outside;
     uniform sampler2D map;
     out vec4 colour;
     void main() {
+      if (outside > 0.0) discard;
       vec2 at = 2.0 * gl_PointCoord - 1.0;
       float r = dot(at, at);
       if (r > 1.0) discard;

@@ -73,7 +73,7 @@ function onKeys(actions) {
     if (event.ctrlKey || event.metaKey || event.altKey || (event.shiftKey && event.key !== "+")) return;
     const on = event.target.tagName;
     // Elements that use the key themselves keep it.
-    if (on === "SELECT" || on === "TEXTAREA" || on === "PRE" || (event.target.type === "range" && !event.target.closest(".transport"))) return;
+    if (on === "SELECT" || on === "TEXTAREA" || on === "PRE" || event.target.type === "text" || (event.target.type === "range" && !event.target.closest(".transport"))) return;
     if (event.key === " " && (on === "BUTTON" || on === "SUMMARY" || on === "A" || (on === "INPUT" && event.target.type === "checkbox"))) return;
     if (event.key.startsWith("Page") && !(on === "INPUT" || on === "CANVAS")) return;
     const action = actions[event.key];

@@ -6,7 +6,8 @@ class Viewer {
     const id = (name) => document.getElementById(name);
     [this.canvas, this.legend, this.note, this.foot, this.triad] = ["scene", "legend", "scene-note", "viewer-foot", "triad"].map(id);
     place.hidden = false;
-    this.settings = { edges: true, ghost: true, arrow: true, follow: false, perFrame: false };
+    this.settings = { edges: true, ghost: true, arrow: true, follow: false, perFrame: false, perRegion: false };
+    [this.hidden, this.scales, this.shownScales] = [new Set(), new Map(), []];
     this.factor = this.magnifier();
     this.addTools(id("viewer-tools"));
     this.choose(this.runs[0]);
@@ -39,13 +40,25 @@ class Viewer {
     const view = (label, name) => element("button", { class: "tool", type: "button", title: `look ${name}`, "aria-label": `look ${name}`, onclick: () => this.look(label) }, label);
     const views = element("span", { class: "views" }, view("x", "along x"), view("y", "along y"), view("z", "along z"), view("Reset", "from the side, at all of the motion"));
     const displacement = element("label", {}, `${this.factorName} `, this.factor);
+    this.axis = select("Section across", () => this.refresh());
+    this.axis.append(...["none", "x", "y", "z"].map((axis) => element("option", { value: axis === "none" ? "" : axis }, axis)));
+    this.axis.title = "all beyond a plane of the reference configuration is cut away";
+    this.cut = element("input", { type: "range", min: 0, max: 1000, value: 500, "aria-label": "Position of the section", oninput: () => this.refresh() });
+    this.cutText = element("span");
+    const noFilm = whyNoFilm();
+    this.filmButton = element("button", { class: "film", type: "button", disabled: noFilm !== null, title: noFilm ?? "plays the motion once and saves it as WebM", onclick: () => this.record() }, "Save film");
+    this.ofRegions = element("div", { class: "regions" });
+    this.perRegion = toggle("Own ranges", "perRegion", () => this.refresh());
+    this.perRegion.title = "the colours of each region span its own values";
     const isAtRest = this.showsModes || this.runs.every(isStatic);
     const ofRun = isAtRest ? [] : [toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame())];
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
-        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement),
+        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement,
+        element("label", {}, "Section ", this.axis), this.cut, this.cutText),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
-        ...ofRun, views));
+        ...ofRun, views),
+      this.ofRegions);
     this.range = choiceOf(["run", "frame"], (index) => {
       this.settings.perFrame = index === 1;
       this.refresh();
@@ -55,6 +68,59 @@ class Viewer {
     [this.shownField, this.scale] = [element("span"), element("div")];
     this.legend.append(element("div", { class: "head" }, this.shownField, this.showsModes ? null : element("span", {}, "range of ", this.range.node)), this.scale);
     if (this.toggles.follow) this.toggles.follow.parentNode.title = "keep the body in the middle";
+  }
+
+  // Controls that show and hide regions, if there are several.
+  addRegions() {
+    const { regions } = this.frames;
+    const of = ({ name }) => {
+      const box = element("input", { type: "checkbox", onchange: () => {
+        this.hidden[box.checked ? "delete" : "add"](name);
+        this.refresh();
+      } });
+      box.checked = !this.hidden.has(name);
+      return element("label", { "data-region": name }, box, name);
+    };
+    this.ofRegions.hidden = !regions.length;
+    this.ofRegions.replaceChildren("Regions", ...regions.map(of), this.perRegion);
+  }
+
+  // The plane of the section; none if there is no section.
+  section() {
+    const axis = "xyz".indexOf(this.axis.value || "-");
+    this.cut.hidden = this.cutText.hidden = axis < 0;
+    if (axis < 0) return null;
+    const low = this.reference.low[axis], high = this.reference.high[axis];
+    const at = low + ((high - low) * this.cut.value) / 1000;
+    this.cutText.textContent = [`${this.axis.value} ≤ ${number(at, 3)}`, unitOf(this.current, "displacement")].filter(Boolean).join(" ");
+    return { axis, at };
+  }
+
+  // Plays the motion once, at the speed that is chosen, and saves it; or ends that.
+  record() {
+    if (this.film) {
+      this.film.stop();
+      return;
+    }
+    const { clock, filmButton } = this, span = clock.end - clock.start;
+    this.film = new Film(this.canvas, this.current.name, () => {
+      this.film = null;
+      filmButton.textContent = "Save film";
+    });
+    filmButton.textContent = "Stop film";
+    clock.pause();
+    let passed = 0, last = performance.now();
+    const tick = (now) => {
+      if (!this.film) return;
+      // A slow machine makes a slower film, not one with few pictures.
+      passed += Math.min(Math.max(now - last, 0) / 1000, 0.25);
+      last = now;
+      clock.set(clock.start + Math.min(passed * clock.rate, span));
+      // The last picture stands for a while.
+      if (passed < span / clock.rate + 0.5) requestAnimationFrame(tick);
+      else this.film.stop();
+    };
+    tick(last);
   }
 
   get factorName() {
@@ -106,6 +172,7 @@ class Viewer {
     // Otherwise there is only round-off to show.
     this.turns = !this.showsModes && !isStatic(run) && !isRounding(run, "angular_momentum");
     this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
+    this.addRegions();
     this.start();
   }
 
@@ -199,33 +266,40 @@ class Viewer {
   showFrame(frame) {
     const { frames, scene, settings } = this;
     const field = frames.fields.find((field) => field.name === this.field);
-    const whole = frames.rangeOf(this.field);
+    const shown = frames.regions.filter(({ name }) => !this.hidden.has(name));
+    const isWhole = shown.length === frames.regions.length;
+    // Regions that share a scale; none stands for all nodes.
+    const groups = settings.perRegion && frames.regions.length ? shown.map((region) => [region]) : [isWhole ? [null] : shown];
+    const ranges = (of) => groups.map((group) => group.map(of).reduce(union, [Infinity, -Infinity]));
+    const ofRun = settings.perFrame ? null : ranges((region) => frames.rangeOf(this.field, region));
     frames.readDisplacement(frame);
-    const own = frames.readField(this.field, frame);
-    let [low, high] = settings.perFrame ? own : whole;
-    if (field.signed) [low, high] = [-Math.max(Math.abs(low), Math.abs(high)), Math.max(Math.abs(low), Math.abs(high))];
-    if (!(high > low)) high = low + (Math.abs(low) || 1);
-    scene.range.value = [low, high];
-    scene.setMap(field.signed ? "diverging" : "viridis");
+    frames.readField(this.field, frame);
+    const automatic = (ofRun ?? ranges((region) => frames.bounds(region))).map((range) => usable(range, field.signed));
+    this.showLegend(field, groups.map(([region]) => (settings.perRegion && region ? region.name : null)));
+    const limits = this.shownScales.map((scale, i) => scale.limits(automatic[i]));
+    scene.setScales(groups.flatMap((group, i) => group.map((region) => ({ region, low: limits[i][0], high: limits[i][1] }))));
+    scene.setShown(this.hidden, this.section());
+    scene.setMap(mapOf(field));
     this.shownScale = this.scaleAt(this.clock.time);
     this.middle = scene.setFrame(this.shownScale);
     if (scene.cellEdges) scene.cellEdges.visible = settings.edges;
     if (scene.ghost) scene.ghost.visible = settings.ghost;
     this.orbit.target = settings.follow ? this.middle : this.motion.centre;
-    this.showLegend(field, low, high);
     this.canvas.dataset.frame = frame;
   }
 
-  showLegend(field, low, high) {
-    const key = [field.name, low, high, this.settings.perFrame].join();
-    if (this.legend.dataset.shown === key) return;
-    this.legend.dataset.shown = key;
-    const map = element("canvas");
-    drawMap(map, field.signed ? "diverging" : "viridis");
+  // Shows a scale for each title. Scales keep the limits that were typed.
+  showLegend(field, titles) {
     this.shownField.textContent = inUnit(field.label, unitOf(this.current, field.array));
     this.range.show(this.settings.perFrame ? 1 : 0);
-    this.scale.replaceChildren(map,
-      element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
+    const keys = titles.map((title) => `${field.name} ${title}`);
+    if (this.legend.dataset.shown === keys.join()) return;
+    this.legend.dataset.shown = keys.join();
+    this.shownScales = keys.map((key, i) => {
+      if (!this.scales.has(key)) this.scales.set(key, new Scale(titles[i], mapOf(field), () => this.refresh()));
+      return this.scales.get(key);
+    });
+    this.scale.replaceChildren(...this.shownScales.map(({ node }) => node));
   }
 
   // The arrow of angular momentum starts in the middle of the body; its length is proportional to |L|.
@@ -258,9 +332,16 @@ class Viewer {
   drawNow() {
     this.orbit.apply();
     this.scene.draw();
+    // Later the canvas of the scene is empty.
+    this.film?.add(this.canvas, this.caption(), this.shownField.textContent, this.shownScales);
     this.drawTriad();
     const text = this.describe();
     if (this.foot.textContent !== text) this.foot.textContent = text;
+  }
+
+  // What stands in a film.
+  caption() {
+    return timeText(this.current, this.frames.times[this.shown], 4);
   }
 
   describe() {
@@ -279,6 +360,18 @@ class Viewer {
       element("line", { x1: 0, y1: 0, x2: 18 * x, y2: 18 * y, style: `stroke:${colours[name]}`, "stroke-width": 2, "stroke-linecap": "round" }),
       ...(Math.hypot(x, y) > 0.15 ? [element("text", { x: 25 * x, y: 25 * y, style: `fill:${colours[name]}`, "text-anchor": "middle", "dominant-baseline": "central" }, name)] : [])]));
   }
+}
+
+function mapOf(field) {
+  return field.signed ? "diverging" : "viridis";
+}
+
+// A range that is not empty; around zero for signed quantities.
+function usable([low, high], isSigned) {
+  const most = Math.max(Math.abs(low), Math.abs(high));
+  if (!(low <= high)) return [0, 1];
+  if (isSigned && most > 0) return [-most, most];
+  return high > low ? [low, high] : [low, low + (Math.abs(low) || 1)];
 }
 
 // A factor that makes motions below a hundredth of the body visible: 1, 2 or 5 times a power of ten.
