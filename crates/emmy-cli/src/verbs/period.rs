@@ -109,9 +109,12 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
             &format!("`size = {size}` makes {wanted} steps a period: a phase error of about 0.1 %"),
         );
         let shortest = shortest_part(problem);
-        if let Some(part) = shortest.filter(|part| part / 8.0 < accuracy::suggested_size(period, problem.scheme)) {
+        if let Some(part) =
+            shortest.filter(|part| part / 8.0 < accuracy::suggested_size(period, problem.scheme))
+        {
             let [size, part] = [number(part / 8.0), units.number(part, "time")];
-            let text = format!("`size = {size}` makes 8 steps in the shortest part of a load, which lasts {part}");
+            let text =
+                format!("`size = {size}` makes 8 steps in the shortest part of a load, which lasts {part}");
             report.line("", &text);
         }
     }
@@ -134,7 +137,11 @@ fn shortest_part(problem: &Problem) -> Option<f64> {
     let plan = &problem.plan;
     let parts = laws.flat_map(|law| {
         let kinks = law.kinks();
-        kinks.windows(2).filter(|pair| pair[0] < plan.end()).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>()
+        kinks
+            .windows(2)
+            .filter(|pair| pair[0] < plan.end())
+            .map(|pair| pair[1] - pair[0])
+            .collect::<Vec<f64>>()
     });
     // Shorter parts are jumps that have been given a duration.
     parts.filter(|part| *part >= 1e-3 * (plan.end() - plan.start())).min_by(f64::total_cmp)

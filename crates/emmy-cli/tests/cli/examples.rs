@@ -745,6 +745,9 @@ fn shock_mount() {
     let weak = place.history("weak");
     let peak = |name: &str| weak[name].iter().fold(0f64, |peak, own| peak.max(own.abs()));
     close(peak("stroke_displacement_z"), stroke, 0.01);
+    // The device moves with its plate, and is seen from the base, too.
+    let device = weak["device_z"].iter().fold(0f64, |peak, own| peak.max((own - 50.0).abs()));
+    close(device, peak("stroke_displacement_z"), 1e-9);
     close(peak("plate_acceleration_z"), felt, 0.01);
 }
 

@@ -186,8 +186,8 @@ impl Measures {
         }
         let displacement = motion.vectors(FieldName::Displacement);
         let seen = |node: usize| {
-            let X = view.body.mesh().points()[node];
-            [0, 1, 2].map(|d| X[d] + displacement[3 * node + d])
+            let rest = view.body.mesh().points()[node];
+            [0, 1, 2].map(|d| rest[d] + displacement[3 * node + d])
         };
         let seen: Option<&dyn Fn(usize) -> [f64; 3]> =
             if self.quantities.reference().is_some() { Some(&seen) } else { None };

@@ -64,7 +64,9 @@ fn of_releases<'a>(
 /// Remarks on pulses that lie outside of the run or end after it.
 fn of_pulses(name: &str, law: &TimeFunction, plan: &StepPlan) -> Vec<String> {
     let kinks = law.kinks();
-    let ([first, ..], [.., last], Some(text)) = (&kinks[..], &kinks[..], law.text()) else { return Vec::new() };
+    let ([first, ..], [.., last], Some(text)) = (&kinks[..], &kinks[..], law.text()) else {
+        return Vec::new();
+    };
     let [start, end, last_time] = [plan.start(), plan.end(), *last].map(short);
     if *last <= plan.start() {
         return vec![format!("{name}: no pulse of `{text}` lies in the run, which begins at t = {start}")];
@@ -73,7 +75,10 @@ fn of_pulses(name: &str, law: &TimeFunction, plan: &StepPlan) -> Vec<String> {
         return vec![format!("{name}: no pulse of `{text}` lies in the run; {END_OF_RUN}{end}")];
     }
     let ends_early = *last > plan.end() * (1.0 + 1e-9);
-    ends_early.then(|| format!("{name}: {END_OF_RUN}{end}, before the end of `{text}` at t = {last_time}")).into_iter().collect()
+    ends_early
+        .then(|| format!("{name}: {END_OF_RUN}{end}, before the end of `{text}` at t = {last_time}"))
+        .into_iter()
+        .collect()
 }
 
 /// Remarks on pulses, on a table that begins after the run, and on a measured one that the run does not use as a whole,

@@ -109,10 +109,7 @@ fn of_densities(what: &str, power: i32) -> String {
     let units = mistaken(&DENSITIES, power).filter(|_| what == "the density");
     let units = units
         .map_or(String::new(), |[given, meant]| format!(", as if it were in {given} in place of {meant}"));
-    format!(
-        "{what} is probably in a wrong unit{units}: multiply it by {}",
-        written(shifted(1.0, -power))
-    )
+    format!("{what} is probably in a wrong unit{units}: multiply it by {}", written(shifted(1.0, -power)))
 }
 
 /// The first unit in which a number is larger by a power of ten than in another one, and this one.

@@ -66,7 +66,8 @@ pub(super) fn read(table: &Table<'_>, context: Context<'_>) -> Result<TimeFuncti
             item.fault(format!("{}: row {}: {reason}", path.display(), row + 1), "no filter")
         })?;
         let change = record::change(&before, &entries);
-        context.note(format!("{name}: filtered at {}: {change}", context.units.number(frequency, "frequency")));
+        context
+            .note(format!("{name}: filtered at {}: {change}", context.units.number(frequency, "frequency")));
     }
     let failed = |error: emmy::Error| file.fault(error.to_string(), "from here");
     if let Some(item) = table.item("correct_baseline") {

@@ -4,7 +4,9 @@ use emmy::body::{Body, FieldName, Fields, Place as Members};
 use emmy::internals::number::{short, short_vector};
 use emmy::motion::ReferenceMotion;
 
-use super::{GROUND, GroupValue, Measure, Probe, Quantities, Requested, reaction_columns, relation, value_columns};
+use super::{
+    GROUND, GroupValue, Measure, Probe, Quantities, Requested, reaction_columns, relation, value_columns,
+};
 use crate::history::{ColumnInfo, MechanismColumns, column_of_peak, fixed_names, nodes_of};
 use crate::input::fault::{Fault, Faults, InputError, Place};
 use crate::input::groups;
