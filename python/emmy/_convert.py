@@ -284,7 +284,10 @@ def part(mesh: _emmy.Mesh, grid: Any, name: str) -> Any:
 
     kinds = mesh.group_names[name]
     if "cells" in kinds:
-        return grid.extract_cells(mesh.cell_group(name))
+        members = grid.extract_cells(mesh.cell_group(name))
+        # A selection of all cells keeps nodes without cells, such as those of rigid bodies.
+        used = np.unique(members.cell_connectivity)
+        return members if len(used) == members.n_points else members.extract_points(used, adjacent_cells=False)
     if "facets" in kinds:
         is_plane = all(dimension(kind) < 3 for kind in mesh.cells)
         rows = mesh.facet_nodes(name)

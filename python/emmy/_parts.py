@@ -395,7 +395,7 @@ class Load(Table):
         >>> emmy.Load.gravity("-z", units="mm-t-s")
         Load(acceleration=(0.0, 0.0, -9806.65))
         """
-        size, found = _emmy.standard_gravity(units), re.fullmatch("([+-]?)([xyz])", direction)
+        size, found = _emmy.standard_gravity(units), re.fullmatch("([+-]?)([xyz])", str(direction))
         if found is None:
             raise fault("direction", f'{direction!r} is not a direction along an axis, such as "-z"')
         own = -size if found[1] == "-" else size

@@ -42,7 +42,7 @@ def spectrum(
     time : array (n,)
         Times, which grow. If their distances differ by more than 1e-6, values are interpolated, with a warning.
     values : array (n,)
-        Values at these times.
+        Values at these times. Leading ones that are not finite, such as an acceleration at the start, are left out.
     kind : str, optional
         ``"psd"``, ``"amplitude"``, ``"frf"``, ``"transmissibility"`` or ``"srs"``.
     input : array (n,), optional
@@ -84,11 +84,15 @@ def spectrum(
     (5.0, 3.0)
     """
     t = words.finite(time, (None,), "time")
-    series = [words.finite(values, (len(t),), "values")]
+    series = [words.array(values, (len(t),), "values")]
     if (kind in ("frf", "transmissibility")) != (input is not None):
         raise fault("input", "belongs to the kinds frf and transmissibility, which need it")
     if input is not None:
-        series.append(words.finite(input, (len(t),), "input"))
+        series.append(words.array(input, (len(t),), "input"))
+    # Some columns have no number at the start, such as accelerations.
+    first = int(np.argmax(np.isfinite(series).all(axis=0)))
+    t = t[first:]
+    series = [words.finite(own[first:], (len(t),), place) for own, place in zip(series, ("values", "input"), strict=False)]
     table, notes = _emmy.spectrum(
         t,
         series[0],

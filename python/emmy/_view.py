@@ -60,12 +60,12 @@ class MotionView:
 
     @property
     def displacement(self) -> NDArray[np.float64]:
-        """Displacement of the nodes, array (n, 3), a copy."""
+        """Displacement of the nodes relative to the ground, array (n, 3), a copy; `field` has that of `relative_to`."""
         return self._native.displacement
 
     @property
     def velocity(self) -> NDArray[np.float64]:
-        """Velocity of the nodes, array (n, 3), a copy."""
+        """Velocity of the nodes relative to the ground, array (n, 3), a copy; `field` has that of `relative_to`."""
         return self._native.velocity
 
     @property
@@ -332,6 +332,8 @@ class MotionView:
     def to_pyvista(self, *names: str, group: str | None = None, region: int | None = None) -> Any:
         """Reference points, displacement, groups and the fields asked for, as a grid of PyVista.
 
+        The displacement is that of `field`, relative to the frame of reference of the motion.
+
         Parameters
         ----------
         *names : str
@@ -374,7 +376,8 @@ class MotionView:
                 raise fault("region", f"there is no region {region}; the body has {len(regions)}, counted from 0")
             group = regions[region].group
         mesh, fields_at = Mesh._of(self._body._native.mesh), self._native.fields_at
-        fields = {"displacement": self.displacement} | {name: self._native.field(name) for name in names}
+        # In the frame of reference of the motion, as in frames.
+        fields = {"displacement": self._native.field("displacement")} | {name: self._native.field(name) for name in names}
         if group is not None and "cells" in mesh.groups.get(group, ()):
             for name in names:
                 if fields_at[name] == "nodes":

@@ -39,3 +39,23 @@ def test_a_body_at_rest_has_no_base():
     body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), rubber(), supports=[emmy.Support("x-min", fix="xyz")])
     with pytest.raises(emmy.InputError, match="no support moves"):
         emmy.Motion(body, steps=(0.1, 0.01), relative_to="base")
+
+
+def test_pictures_are_seen_from_the_base():
+    pytest.importorskip("pyvista")
+    supports = [emmy.Support("x-min", move={"x": "2*t^2"}, fix="yz")]
+    body = emmy.Body(
+        emmy.Mesh.box((2, 1, 1), (2, 1, 1)), rubber(), supports=supports,
+        masses=emmy.Mass("x-max", mass=1.0, at=(3, 0.5, 0.5), inertia=(1, 1, 1), name="head"),
+    )  # fmt: skip
+    motion = emmy.Motion(body, steps=(0.1, 0.01), relative_to="base")
+    motion.run()
+    grid = motion.to_pyvista(group="body")
+    # Without the nodes of the mass.
+    assert grid.n_points == 12
+    held = grid.points[:, 0] == 0.0
+    np.testing.assert_allclose(grid.point_data["displacement"][held], 0.0, atol=1e-15)
+    np.testing.assert_allclose(motion.displacement[:12][held], np.tile([0.02, 0, 0], (4, 1)), atol=1e-15)
+    # The head is seen from there, too.
+    path = motion.field("displacement")[body.mesh.group_nodes("x-max")].mean(axis=0)
+    assert abs(motion.history["head_x"][-1] - 3.0 - path[0]) < 1e-3

@@ -26,6 +26,14 @@ def test_averages_are_those_of_scipy():
     assert np.allclose(found["coherence"], signal.coherence(X, Y, 50.0, nperseg=64)[1], rtol=1e-11)
 
 
+def test_leading_gaps_are_left_out():
+    gap = np.concatenate([[np.nan, np.nan], Y[2:]])
+    whole = emmy.spectrum(TIME[2:], Y[2:], input=X[2:], kind="frf", segment=64)
+    np.testing.assert_array_equal(emmy.spectrum(TIME, gap, input=X, kind="frf", segment=64), whole)
+    with pytest.raises(emmy.InputError, match="values: must be finite"):
+        emmy.spectrum(TIME, np.concatenate([Y[:5], [np.nan], Y[6:]]))
+
+
 def test_shock_responses_and_uneven_times():
     # A step: an oscillator without damping overshoots to twice the acceleration.
     found = emmy.spectrum(1e-3 * np.arange(1000), np.ones(1000), kind="srs", frequencies=[2.0, 5.0], q=1e12)

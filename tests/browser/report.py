@@ -629,7 +629,7 @@ def check_differences(page, summaries):
         for text, expected in zip(cells, peaks):
             value, half = shown(text)
             assert abs(value - expected) <= half * (1 + 1e-9), (column, text, expected)
-        exact = 100 * (peaks[1] - peaks[0]) / size
+        exact = 100 * (abs(peaks[1]) - abs(peaks[0])) / size
         assert abs(float(percent.removesuffix(" %")) - exact) < 0.0051, (column, percent, exact)
 
 

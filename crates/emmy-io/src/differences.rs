@@ -63,8 +63,8 @@ pub struct PeakDifference {
     pub column: String,
     /// The number of the largest size in each run.
     pub values: Vec<f64>,
-    /// Its difference from that of the first run, over the largest size of all components of the quantity in the first
-    /// run.
+    /// The difference of its magnitude from that of the first run, over the largest magnitude of all components of the
+    /// quantity in the first run.
     pub differences: Vec<f64>,
 }
 
@@ -90,7 +90,7 @@ pub fn of_peaks(runs: &[Run]) -> Vec<PeakDifference> {
         let size = size(column);
         PeakDifference {
             column: column.to_string(),
-            differences: values[1..].iter().map(|own| (own - values[0]) / size).collect(),
+            differences: values[1..].iter().map(|own| (own.abs() - values[0].abs()) / size).collect(),
             values: values.clone(),
         }
     };
@@ -146,7 +146,7 @@ mod tests {
         let found = of_peaks(&[run("", of(2.0, 1e-15)), run("", of(2.2, 3e-15))]);
         assert_eq!((found.len(), found[0].column.as_str()), (2, "tip_x"));
         assert_eq!(found[0].values, [-2.0, -2.2]);
-        assert!((found[0].differences[0] + 0.1).abs() < 1e-14);
+        assert!((found[0].differences[0] - 0.1).abs() < 1e-14);
         // Rounding beside a large component is no difference.
         assert!(found[1].differences[0].abs() < 1e-14);
     }

@@ -39,7 +39,7 @@ fn runs_are_drawn_and_listed_side_by_side() {
     for column in ["tip_x", "tip_y", "tip_z"] {
         let row = lines.iter().find(|line| line.first() == Some(&column)).unwrap();
         let percent: f64 = row[3].parse().unwrap();
-        let exact = 100.0 * (peak(1, column) - peak(0, column)) / size;
+        let exact = 100.0 * (peak(1, column).abs() - peak(0, column).abs()) / size;
         assert!((percent - exact).abs() < 0.006, "{column}: {percent} is not {exact}");
     }
     let differences = &manifest(&place, "compare/report.html")["differences"];
@@ -47,7 +47,7 @@ fn runs_are_drawn_and_listed_side_by_side() {
     assert_eq!((&differences["inputs"][0], differences["inputs"].as_array().unwrap().len()), (&scheme, 2));
     for (row, column) in ["tip_x", "tip_y", "tip_z"].into_iter().enumerate() {
         let [a, b] = [0, 1].map(|run| peak(run, column));
-        let expected = json!({ "column": column, "values": [a, b], "differences": [(b - a) / size] });
+        let expected = json!({ "column": column, "values": [a, b], "differences": [(b.abs() - a.abs()) / size] });
         assert_eq!(differences["peaks"][row], expected);
     }
     assert_eq!(lines[1][..4], ["conserving", "AS(2)", "1", "8"]);

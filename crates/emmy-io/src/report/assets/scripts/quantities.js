@@ -37,7 +37,7 @@ function meaning(run, stem, [{ component }]) {
   if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
   const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
   if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
-  if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}${relation(run, stem.slice(4))}`, name: stem, unit: "over the body" };
+  if (stem.startsWith("max_")) return { title: `${stem.startsWith("max_largest") ? "" : "Largest "}${words(stem.slice(4))}${relation(run, stem.slice(4))}`, name: stem, unit: "over the body" };
   return { title: stem, name: stem };
 }
 
