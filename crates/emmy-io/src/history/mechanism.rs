@@ -48,8 +48,8 @@ struct OfBody {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl MechanismColumns {
-    /// The columns of a body, with those of the joints of some names; `None`: of all. `relation`: words for the frame of
-    /// reference of positions.
+    /// The columns of a body, with those of the joints of some names; `None`: of all. `relation`: words for the frame
+    /// of reference of positions.
     pub(crate) fn of(body: &Body, names: Option<&[String]>, relation: &str) -> Self {
         let is_asked = |joint: &Joint| names.is_none_or(|names| names.contains(&joint.name));
         let joints = body.joints().iter().enumerate().filter(|(_, joint)| is_asked(joint));
