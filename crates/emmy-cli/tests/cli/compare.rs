@@ -47,7 +47,8 @@ fn runs_are_drawn_and_listed_side_by_side() {
     assert_eq!((&differences["inputs"][0], differences["inputs"].as_array().unwrap().len()), (&scheme, 2));
     for (row, column) in ["tip_x", "tip_y", "tip_z"].into_iter().enumerate() {
         let [a, b] = [0, 1].map(|run| peak(run, column));
-        let expected = json!({ "column": column, "values": [a, b], "differences": [(b.abs() - a.abs()) / size] });
+        let expected =
+            json!({ "column": column, "values": [a, b], "differences": [(b.abs() - a.abs()) / size] });
         assert_eq!(differences["peaks"][row], expected);
     }
     assert_eq!(lines[1][..4], ["conserving", "AS(2)", "1", "8"]);

@@ -22,7 +22,7 @@ fn interval(entries: &[(f64, f64)]) -> Result<f64, (usize, String)> {
     let interval = (end - start) / (entries.len() - 1) as f64;
     let is_uneven = |(row, (time, _)): (usize, &(f64, f64))| {
         let distance = (time - (start + row as f64 * interval)).abs();
-        !(distance <= UNEVEN * interval)
+        distance.is_nan() || distance > UNEVEN * interval
     };
     match entries.iter().enumerate().position(is_uneven) {
         None => Ok(interval),

@@ -315,7 +315,10 @@ impl TimeFunction {
     pub(crate) fn segments(&self, time: f64, h: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         let ends = self.kinks_after(time).map(move |kink| (kink - time) / h).take_while(|&alpha| alpha < 1.0);
         let mut from = 0.0;
-        ends.chain([1.0]).filter_map(move |to| (to > from).then(|| [std::mem::replace(&mut from, to), to]))
+        ends.chain([1.0]).filter_map(move |to| match to > from {
+            true => Some([std::mem::replace(&mut from, to), to]),
+            false => None,
+        })
     }
 
     /// The first time after another at which adaptive steps end: a kink, but of a measured table only a corner.

@@ -79,8 +79,9 @@ impl Smooth {
             let sides = [kink.next_down(), kink];
             let change = (self.value(sides[1]) - self.value(sides[0])).abs();
             let size = |time: f64| self.value(time).abs() + (span + time.abs()) * self.rate(time).abs();
+            let scale: f64 = sides.map(size).into_iter().sum();
             // The size of a function without a rate is NaN: then only equal values are no jump.
-            change != 0.0 && !(change <= JUMP * sides.map(size).into_iter().sum::<f64>())
+            change != 0.0 && (scale.is_nan() || change > JUMP * scale)
         })
     }
 
