@@ -284,10 +284,7 @@ def part(mesh: _emmy.Mesh, grid: Any, name: str) -> Any:
 
     kinds = mesh.group_names[name]
     if "cells" in kinds:
-        members = grid.extract_cells(mesh.cell_group(name))
-        # A selection of all cells keeps nodes without cells, such as those of rigid bodies.
-        used = np.unique(members.cell_connectivity)
-        return members if len(used) == members.n_points else members.extract_points(used, adjacent_cells=False)
+        return _without_loose_points(grid.extract_cells(mesh.cell_group(name)))
     if "facets" in kinds:
         is_plane = all(dimension(kind) < 3 for kind in mesh.cells)
         rows = mesh.facet_nodes(name)
@@ -305,6 +302,23 @@ def part(mesh: _emmy.Mesh, grid: Any, name: str) -> Any:
         for key in grid.cell_data.keys():
             members.cell_data[key] = grid.cell_data[key][mesh.facet_group(name)[:, 0]]
     return members
+
+
+def _without_loose_points(grid: Any) -> Any:
+    """The grid without points of no cell, such as those of rigid bodies, which a selection of all cells keeps."""
+    import pyvista
+
+    used = np.unique(grid.cell_connectivity)
+    if len(used) == grid.n_points:
+        return grid
+    offset = pyvista.convert_array(grid.GetCells().GetOffsetsArray())
+    cells = np.insert(np.searchsorted(used, grid.cell_connectivity), offset[:-1], np.diff(offset))
+    found = pyvista.UnstructuredGrid(cells, grid.celltypes, grid.points[used])
+    for key in grid.point_data.keys():
+        found.point_data[key] = grid.point_data[key][used]
+    for key in grid.cell_data.keys():
+        found.cell_data[key] = grid.cell_data[key]
+    return found
 
 
 def to_pyvista(mesh: _emmy.Mesh) -> Any:

@@ -92,7 +92,8 @@ def spectrum(
     # Some columns have no number at the start, such as accelerations.
     first = int(np.argmax(np.isfinite(series).all(axis=0)))
     t = t[first:]
-    series = [words.finite(own[first:], (len(t),), place) for own, place in zip(series, ("values", "input"), strict=False)]
+    places = zip(series, ("values", "input"), strict=False)
+    series = [words.finite(own[first:], (len(t),), place) for own, place in places]
     table, notes = _emmy.spectrum(
         t,
         series[0],

@@ -377,7 +377,7 @@ class MotionView:
             group = regions[region].group
         mesh, fields_at = Mesh._of(self._body._native.mesh), self._native.fields_at
         # In the frame of reference of the motion, as in frames.
-        fields = {"displacement": self._native.field("displacement")} | {name: self._native.field(name) for name in names}
+        fields = {name: self._native.field(name) for name in dict.fromkeys(("displacement", *names))}
         if group is not None and "cells" in mesh.groups.get(group, ()):
             for name in names:
                 if fields_at[name] == "nodes":
