@@ -38,6 +38,8 @@ mesh.box = { size = [1, 1, 1], cells = [4, 4, 4] }
 region = [{ density = 1, material.neo-hooke = { lambda = 10, mu = 5 } }]
 initial = { angular_velocity = [0, 0, 1] }
 time = { scheme = "DGM", steps = [{ until = 1e4, size = 0.01 }] }
+# A frame in each step, although all of them would be large.
+output = { every = 1, precision = "double", fields = ["displacement", "cauchy_stress"] }
 """
 
 DOOR = """
