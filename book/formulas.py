@@ -4,26 +4,29 @@ Formulas in the pages have GitHub's syntax: in blocks ```math and, within a line
 A command that is not known here ends the build.
 
     python3 -m doctest book/formulas.py
+    python3 book/formulas.py --check    reads the formulas of all pages, without mdBook
 """
 
 import json
 import re
 import sys
 from html import escape
+from pathlib import Path
 
 GREEK = dict(zip(
-    "alpha beta gamma delta epsilon lambda mu nu pi rho sigma tau phi psi omega xi eta theta kappa chi Delta Gamma Lambda Pi Omega Phi".split(),
-    "αβγδελμνπρστφψωξηθκχΔΓΛΠΩΦ"))
+    "alpha beta gamma delta epsilon zeta lambda mu nu pi rho sigma tau phi psi omega xi eta theta kappa chi Delta Gamma Lambda Pi Omega Phi".split(),
+    "αβγδεζλμνπρστφψωξηθκχΔΓΛΠΩΦ"))
 SYMBOLS = {
     "cdot": "⋅", "times": "×", "otimes": "⊗", "nabla": "∇", "partial": "∂", "le": "≤", "ge": "≥", "ne": "≠", "to": "→", "approx": "≈",
     "sim": "∼", "ldots": "…", "cdots": "⋯", "infty": "∞", "in": "∈", "pm": "±", "colon": ":", "quad": "\u2003", "qquad": "\u2003\u2003",
     ",": "\u2009", ";": "\u2005", " ": "\u2005", "{": "{", "}": "}", "|": "‖", "Vert": "‖", "ll": "≪", "gg": "≫", "perp": "⊥", "equiv": "≡",
 }
 LARGE = {"sum": "∑", "int": "∫"}
+FENCES = {"lvert": "|", "rvert": "|", "langle": "⟨", "rangle": "⟩"}
 SUM = '<mo largeop="true">∑</mo>'
 # Combining characters: browsers without a font for formulas set them better than accents of MathML.
 ACCENTS = {"tilde": "\u0303", "bar": "\u0304", "hat": "\u0302", "dot": "\u0307", "ddot": "\u0308", "dddot": "\u20db"}
-NAMES = ["sin", "cos", "tan", "exp", "ln", "log", "det", "max", "min", "lim"]
+NAMES = ["sin", "cos", "tan", "arg", "exp", "ln", "log", "det", "max", "min", "lim"]
 TEXT = {"text": "normal", "mathrm": "normal", "operatorname": "normal"}
 
 
@@ -112,6 +115,9 @@ class Reader:
             return f'<mo largeop="true">{LARGE[name]}</mo>'
         if name in SYMBOLS:
             return f"<mo>{SYMBOLS[name]}</mo>" if name not in (",", ";", " ", "quad", "qquad") else f"<mtext>{SYMBOLS[name]}</mtext>"
+        if name in FENCES:
+            form = "prefix" if name[0] == "l" else "postfix"
+            return f'<mo stretchy="false" form="{form}">{FENCES[name]}</mo>'
         if name in NAMES:
             return f"<mi>{name}</mi><mo>\u2061</mo>"
         if name in ("frac", "tfrac"):
@@ -183,6 +189,8 @@ def mathml(text, display=False):
     '<math><msubsup><mi>x</mi><mn>1</mn><mn>2</mn></msubsup></math>'
     >>> mathml(r"\frac{1}{b_i}")
     '<math><mfrac><mrow><mn>1</mn></mrow><mrow><msub><mi>b</mi><mi>i</mi></msub></mrow></mfrac></math>'
+    >>> mathml(r"\lvert x\rvert")
+    '<math><mo stretchy="false" form="prefix">&#124;</mo><mi>x</mi><mo stretchy="false" form="postfix">&#124;</mo></math>'
     >>> mathml("F'_j")
     '<math><msub><mrow><mi>F</mi><mo lspace="0" rspace="0">′</mo></mrow><mi>j</mi></msub></math>'
     >>> mathml(r"\oops")
@@ -224,7 +232,20 @@ def visit(items):
             visit(chapter["sub_items"])
 
 
+def check(pages):
+    """Reads the formulas of all pages, and exits with those that cannot be written."""
+    faults = []
+    for page in sorted(pages.rglob("*.md")):
+        try:
+            with_formulas(page.read_text(encoding="utf-8"))
+        except SyntaxError as error:
+            faults.append(f"{page.name}: {error}")
+    sys.exit("\n".join(faults) or 0)
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["--check"]:
+        check(Path(__file__).parent / "src")
     if sys.argv[1:2] == ["supports"]:
         sys.exit(0 if sys.argv[2] == "html" else 1)
     _, book = json.load(sys.stdin)

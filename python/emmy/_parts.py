@@ -424,10 +424,10 @@ class Mass(Table):
     mass : float, optional
         Mass at each of its nodes; several entries add up.
     total : float, optional
-        Mass of the whole group in place of `mass`, spread evenly over the area of its facets, else over the volume of
-        its cells (the length of links), else over its nodes.
+        Mass of the whole group in place of `mass`, without `at`, spread evenly over the area of its facets, else over
+        the volume of its cells (the length of links), else over its nodes.
     at : vector, optional
-        Place of one mass that is coupled to the group, as an engine to its plate.
+        Place of one mass, `mass`, that is coupled to the group, as an engine to its plate.
     inertia : vector or array (3, 3), optional
         Inertia about `at`, or about the centre of a rigid body that `group` names: principal moments along x, y and z,
         or a symmetric matrix; needs a rigid coupling.
@@ -440,7 +440,7 @@ class Mass(Table):
     Raises
     ------
     InputError
-        If not exactly one of `mass` and `total` is given, or it is not positive.
+        If not exactly one of `mass` and `total` is given, it is not positive, or `total` has a place `at`.
 
     Examples
     --------

@@ -28,7 +28,7 @@ RESIDUALS = {
 
 
 def energies(results: Motion | Run | History, *, ax: Any = None) -> Any:
-    """Draws the energies over time: total, kinetic, strain and contact energy, and the work of loads if there is any.
+    """Draws the energies over time: total, kinetic, strain and contact energy; work of loads and dissipated energy, D.
 
     Parameters
     ----------
@@ -62,6 +62,8 @@ def energies(results: Motion | Run | History, *, ax: Any = None) -> Any:
     lines = energies_of(history)
     if np.any(history["external_work"] != 0.0):
         lines["W"] = history["external_work"]
+    if "dissipated_energy" in (history.dtype.names or ()):
+        lines["D"] = history["dissipated_energy"]
     for label, values in lines.items():
         axes.plot(history["time"], values, label=label)
     axes.set(xlabel="time", ylabel="energy")

@@ -49,6 +49,15 @@ def test_a_free_flight_has_no_work():
     assert list(lines(emmy.plot.energies(flight.run()))) == ["T + V", "T", "V"]
 
 
+def test_dissipation_closes_the_energies():
+    rubber = emmy.Region(emmy.NeoHooke(lambda_=1000.0, mu=500.0), density=2.0, viscosity=emmy.Viscosity(time=0.01))
+    body = emmy.Body(emmy.Mesh.box((1, 1, 1), (2, 2, 2)), rubber)
+    start = emmy.Initial(gradient=((2, 0, 0), (0, 0, 0), (0, 0, 0)))
+    drawn = lines(emmy.plot.energies(emmy.Motion(body, steps=(0.2, 0.02), initial=start).run()))
+    assert drawn["D"][-1] > 0.1 * drawn["T"][0]
+    assert drawn["T + V"] + drawn["D"] == pytest.approx(drawn["T"][0], rel=1e-12)
+
+
 def test_residuals():
     motion = thrown()
     axes = emmy.plot.residuals(motion)

@@ -37,7 +37,7 @@ struct Arguments {
     /// Interpreter of Python with EXUDYN, beside which `mechanisms` then stands (benches/peers/README.md)
     #[arg(long, value_name = "PATH")]
     exudyn: Option<PathBuf>,
-    /// The program ccx of CalculiX, beside which `contact` then stands
+    /// The program ccx of CalculiX, beside which `contact` and `harmonic-response` then stand
     #[arg(long, value_name = "PATH")]
     ccx: Option<PathBuf>,
     /// Python with MuJoCo (`pip install mujoco`), beside which `contact` then stands

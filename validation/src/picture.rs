@@ -21,6 +21,11 @@ impl Series {
         Series { label: label.into(), points, style: Style::Line }
     }
 
+    /// Points without a line.
+    pub(crate) fn points(label: &str, points: Vec<(f64, f64)>) -> Self {
+        Series { label: label.into(), points, style: Style::Points }
+    }
+
     /// A line with its points marked.
     pub(crate) fn marked(label: &str, points: Vec<(f64, f64)>) -> Self {
         Series { label: label.into(), points, style: Style::LineAndPoints }
@@ -102,12 +107,50 @@ impl Pictures {
 }
 
 fn chart(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Chart {
-    let drawn = series.into_iter().enumerate();
-    let drawn = drawn.map(|(colour, series)| Drawn {
+    let colours = colours(&series);
+    let drawn = series.into_iter().zip(colours).enumerate().map(|(place, (series, colour))| Drawn {
+        colour,
         label: series.label,
         points: series.points,
-        style: series.style,
-        colour,
+        style: if series.style == Style::Line { Style::of_line(place, y.scale) } else { series.style },
     });
-    Chart { title: title.into(), x, y, series: drawn.collect(), guides: Vec::new() }
+    Chart { title: title.into(), series: drawn.collect(), x, y, guides: Vec::new() }
+}
+
+/// Families of schemes, in the order of their colours.
+const SCHEMES: [&str; 8] =
+    ["DGM", "AS(", "Newmark", "FE(", "HHT", "generalized-alpha", "Bathe", "central-differences"];
+
+/// Colours of curves: a scheme has the same one in all pictures, but for further ones of its family in the same picture,
+/// which take colours that are left.
+fn colours(series: &[Series]) -> Vec<usize> {
+    let family = |series: &Series| {
+        let label = series.label.strip_prefix("Emmy, ").unwrap_or(&series.label);
+        SCHEMES.iter().position(|name| label.starts_with(name))
+    };
+    let families: Vec<Option<usize>> = series.iter().map(family).collect();
+    if families.iter().all(Option::is_none) {
+        return (0..series.len()).collect();
+    }
+    let mut left = (0..SCHEMES.len()).rev().filter(|colour| !families.contains(&Some(*colour))).cycle();
+    let own = |(place, family): (usize, &Option<usize>)| match family {
+        Some(colour) if !families[..place].contains(family) => *colour,
+        _ => left.next().unwrap_or(place),
+    };
+    families.iter().enumerate().map(own).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemes_keep_their_colours() {
+        let of = |labels: &[&str]| {
+            colours(&labels.iter().map(|label| Series::line(label, vec![])).collect::<Vec<_>>())
+        };
+        assert_eq!(of(&["Bathe", "AS(5)", "Emmy, DGM"]), [6, 1, 0]);
+        assert_eq!(of(&["FE(1)", "DGM", "FE(5)", "DGM, k = 2"]), [3, 0, 7, 6]);
+        assert_eq!(of(&["x", "y"]), [0, 1]);
+    }
 }

@@ -190,7 +190,7 @@ fn chart(runs: &[Run], y: Axis, values: impl Fn(&Run) -> Vec<f64>) -> Chart {
     let series = |(colour, run): (usize, &Run)| Series {
         label: run.label(),
         points: run.column("time").into_iter().zip(values(run)).collect(),
-        style: Style::Line,
+        style: Style::of_line(colour, y.scale),
         colour,
     };
     let series = runs.iter().enumerate().map(series).collect();

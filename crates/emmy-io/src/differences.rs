@@ -15,8 +15,23 @@ pub struct KeyDifference {
     pub values: Vec<Option<String>>,
 }
 
-/// Every key in which the inputs of some runs differ, but their folders.
-pub fn of_inputs(runs: &[Run]) -> Vec<KeyDifference> {
+/// Differences between some runs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Differences {
+    /// Every key in which their inputs differ, but their folders.
+    pub inputs: Vec<KeyDifference>,
+    /// The peaks of all columns that the inputs ask for and all runs have.
+    pub peaks: Vec<PeakDifference>,
+}
+
+impl Differences {
+    /// The differences between some runs.
+    pub fn between(runs: &[Run]) -> Self {
+        Differences { inputs: of_inputs(runs), peaks: of_peaks(runs) }
+    }
+}
+
+fn of_inputs(runs: &[Run]) -> Vec<KeyDifference> {
     let inputs: Vec<Value> = runs.iter().map(|run| Value::Table(run.input.clone())).collect();
     let mut found = Vec::new();
     add("", &inputs.iter().map(Some).collect::<Vec<_>>(), &mut found);
@@ -68,8 +83,7 @@ pub struct PeakDifference {
     pub differences: Vec<f64>,
 }
 
-/// The peaks of all columns that the inputs ask for and all runs have.
-pub fn of_peaks(runs: &[Run]) -> Vec<PeakDifference> {
+fn of_peaks(runs: &[Run]) -> Vec<PeakDifference> {
     let Some(first) = runs.first() else { return Vec::new() };
     let number = |run: &Run, name: &str| run.summary[name].as_f64();
     let peak = |run: &Run, column: &str| -> Option<f64> {

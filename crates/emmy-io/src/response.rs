@@ -1,15 +1,19 @@
 //! Files of harmonic responses: `response.toml`, `response.csv`, `response_modes.csv` and a plot.
 
+use std::cell::LazyCell;
 use std::io;
 use std::path::Path;
 
+use emmy::body::{FieldName, Fields};
 use emmy::modes::{HarmonicResponse, Quantity};
 use emmy::motion::ReferenceMotion;
 
 use crate::chart::{Axis, Figure};
 use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::input::Problem;
+use crate::report::{Curves, write_curves};
 use crate::spectra::{over_frequency, table};
+use crate::units::Units;
 use crate::whole_file::replace;
 
 /// Kind of the directory, in messages.
@@ -32,84 +36,145 @@ const SMALLEST: f64 = 1e-9;
 pub struct ProbeResponse {
     /// Frequencies \[1/time\].
     pub frequencies: Vec<f64>,
-    /// The quantity.
+    /// The quantity of the motion.
     pub quantity: Quantity,
-    /// Name of each component, such as `tip_x`, with its amplitudes and its phases \[rad\].
-    pub components: Vec<(String, Vec<f64>, Vec<f64>)>,
+    /// The motion of each probe.
+    pub motion: Vec<Component>,
+    /// The stresses that probes ask for.
+    pub stresses: Vec<Component>,
+}
+
+/// A component over the frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Component {
+    /// Name, such as `tip_x` or `tip_cauchy_stress_xx`.
+    pub name: String,
+    /// Amplitudes.
+    pub amplitudes: Vec<f64>,
+    /// Phases before the excitation \[rad\].
+    pub phases: Vec<f64>,
+}
+
+impl Component {
+    fn new(name: String, numbers: impl Iterator<Item = [f64; 2]> + Clone) -> Self {
+        let amplitudes = numbers.clone().map(|[re, im]| re.hypot(im)).collect();
+        // The phase of 0 is 0, not pi or -pi by the signs of its zeros.
+        let phases = numbers.map(|[re, im]| (im + 0.0).atan2(re + 0.0)).collect();
+        Component { name, amplitudes, phases }
+    }
+
+    fn largest(&self) -> f64 {
+        self.amplitudes.iter().fold(0.0, |largest, x| largest.max(*x))
+    }
 }
 
 impl ProbeResponse {
     /// The response at the probes of a problem, with the motion of the supports or relative to them; a probe that is
-    /// seen from the base is relative to them in any case.
+    /// seen from the base is relative to them in any case. Stresses are those that probes ask for.
+    ///
+    /// # Errors
+    /// As [`HarmonicResponse::stress`].
     pub fn new(
         problem: &Problem,
         response: &HarmonicResponse,
         frequencies: Vec<f64>,
         (quantity, is_relative): (Quantity, bool),
-    ) -> Self {
-        let mut components = Vec::new();
+    ) -> emmy::Result<Self> {
+        let (mut motion, mut stresses) = (Vec::new(), Vec::new());
+        let omegas: Vec<f64> = frequencies.iter().map(|f| std::f64::consts::TAU * f).collect();
         let base = ReferenceMotion::of_base(&problem.body).ok();
+        let fields = LazyCell::new(|| Fields::new(&problem.body));
         for probe in &problem.quantities.probes {
             let own = problem.quantities.reference_of_probe(probe);
             let is_relative = is_relative || own.is_some() && own == base.as_ref();
-            let at = |f: &f64| {
-                let omega = std::f64::consts::TAU * f;
-                match is_relative {
-                    true => response.relative(omega, probe.node, quantity),
-                    false => response.absolute(omega, probe.node, quantity),
-                }
+            let at = |omega: &f64| match is_relative {
+                true => response.relative(*omega, probe.node, quantity),
+                false => response.absolute(*omega, probe.node, quantity),
             };
-            let found: Vec<[[f64; 2]; 3]> = frequencies.iter().map(at).collect();
+            let found: Vec<[[f64; 2]; 3]> = omegas.iter().map(at).collect();
             for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
-                let amplitudes = found.iter().map(|u| u[axis][0].hypot(u[axis][1])).collect();
-                // The phase of 0 is 0, not pi or -pi by the signs of its zeros.
-                let phases = found.iter().map(|u| (u[axis][1] + 0.0).atan2(u[axis][0] + 0.0)).collect();
-                components.push((format!("{}_{letter}", probe.name), amplitudes, phases));
+                let name = format!("{}_{letter}", probe.name);
+                motion.push(Component::new(name, found.iter().map(|numbers| numbers[axis])));
+            }
+            for field in probe.fields().filter(|field| is_harmonic(*field)) {
+                let node = probe.selection(&problem.body, &fields, probe.node);
+                let change = response.stress(&fields, &node, field)?;
+                let found: Vec<_> =
+                    omegas.iter().map(|omega| response.stress_amplitudes(*omega, &change)).collect();
+                for (place, letters) in field.components().iter().enumerate() {
+                    let name = format!("{}_{field}_{letters}", probe.name);
+                    stresses.push(Component::new(name, found.iter().map(|numbers| numbers[place])));
+                }
             }
         }
-        ProbeResponse { frequencies, quantity, components }
+        Ok(ProbeResponse { frequencies, quantity, motion, stresses })
+    }
+
+    /// All components.
+    pub fn components(&self) -> impl Iterator<Item = &Component> {
+        self.motion.iter().chain(&self.stresses)
     }
 
     /// The frequency at which the amplitude of a component is infinite, and the component.
     pub fn infinite(&self) -> Option<(f64, &str)> {
-        self.components.iter().find_map(|(name, amplitudes, _)| {
-            let at = amplitudes.iter().position(|amplitude| !amplitude.is_finite())?;
-            Some((self.frequencies[at], name.as_str()))
+        self.components().find_map(|own| {
+            let at = own.amplitudes.iter().position(|amplitude| !amplitude.is_finite())?;
+            Some((self.frequencies[at], own.name.as_str()))
         })
     }
 
     fn csv(&self) -> String {
-        let names: Vec<[String; 2]> = self
-            .components
-            .iter()
-            .map(|(name, ..)| [format!("{name}_amplitude"), format!("{name}_phase")])
-            .collect();
+        let name = |own: &Component| [format!("{}_amplitude", own.name), format!("{}_phase", own.name)];
+        let names: Vec<[String; 2]> = self.components().map(name).collect();
         let mut columns: Vec<(&str, &[f64])> = vec![("frequency", &self.frequencies)];
-        for ([amplitude, phase], (_, amplitudes, phases)) in names.iter().zip(&self.components) {
-            columns.extend([(amplitude.as_str(), &amplitudes[..]), (phase.as_str(), &phases[..])]);
+        for ([amplitude, phase], own) in names.iter().zip(self.components()) {
+            columns.extend([(amplitude.as_str(), &own.amplitudes[..]), (phase.as_str(), &own.phases[..])]);
         }
         table(&columns)
     }
 
-    fn figure(&self, problem: &Problem) -> Figure {
-        let units = problem.units;
+    /// The charts: amplitudes of the motion and of stresses, and their phases.
+    pub fn figure(&self, units: Units) -> Figure {
         let label = match self.quantity {
             Quantity::Displacement => units.label("amplitude of the displacement", "length"),
             Quantity::Velocity => units.label("amplitude of the velocity", "length/time"),
             Quantity::Acceleration => units.label("amplitude of the acceleration", "length/time²"),
         };
-        let largest = |(_, amplitudes, _): &&(String, Vec<f64>, Vec<f64>)| {
-            amplitudes.iter().fold(0.0f64, |largest, x| largest.max(*x))
-        };
-        let least = SMALLEST * self.components.iter().map(|own| largest(&own)).fold(0.0, f64::max);
-        let shown = || self.components.iter().filter(|own| largest(own) > least);
-        let amplitudes = shown().map(|(name, amplitudes, _)| (name.clone(), &amplitudes[..]));
-        let phases = shown().map(|(name, _, phases)| (name.clone(), &phases[..]));
         let chart = over_frequency(&self.frequencies, units, false);
-        let amplitudes = chart(Axis::log(label), &amplitudes.collect::<Vec<_>>());
-        let phases = chart(Axis::linear("phase [rad]"), &phases.collect::<Vec<_>>());
-        Figure { charts: vec![amplitudes, phases], columns: 1 }
+        let of_stress = units.label("amplitude of the stress", "stress");
+        let charts =
+            [(label, "phase [rad]", &self.motion), (of_stress, "phase of the stress [rad]", &self.stresses)]
+                .into_iter()
+                .filter(|(.., components)| !components.is_empty())
+                .flat_map(|(label, of_phase, components)| {
+                    let least = SMALLEST * components.iter().map(Component::largest).fold(0.0, f64::max);
+                    let shown = || components.iter().filter(|own| own.largest() > least);
+                    let amplitudes = shown().map(|own| (own.name.clone(), &own.amplitudes[..]));
+                    let phases = shown().map(|own| (own.name.clone(), &own.phases[..]));
+                    [
+                        chart(Axis::log(label), &amplitudes.collect::<Vec<_>>()),
+                        chart(Axis::linear(of_phase), &phases.collect::<Vec<_>>()),
+                    ]
+                });
+        Figure { charts: charts.collect(), columns: 1 }
     }
+}
+
+/// Whether a field is linear in the motion, so that it has an amplitude and a phase.
+fn is_harmonic(field: FieldName) -> bool {
+    matches!(field, FieldName::CauchyStress | FieldName::SecondPiolaKirchhoffStress)
+}
+
+/// Remarks on fields of probes that a harmonic response does not have.
+pub fn notes(problem: &Problem) -> Vec<String> {
+    let probes = problem.quantities.probes.iter();
+    let all = probes.flat_map(|probe| probe.fields().map(move |field| (probe, field)));
+    let left_out = all.filter(|(_, field)| !field.is_of_motion() && !is_harmonic(*field));
+    left_out
+        .map(|(probe, field)| {
+            format!("{field} of the probe {} is not harmonic, and is left out: cauchy_stress is", probe.name)
+        })
+        .collect()
 }
 
 /// Checks that a response may be written into a directory. Nothing is changed.
@@ -138,7 +203,16 @@ pub fn write(
         let version = env!("CARGO_PKG_VERSION");
         let input = format!("{MARK} {version}: the input of this harmonic response.\n\n{}", problem.resolved);
         replace(&directory.join(WITNESS), input.as_bytes())?;
-        probes.figure(problem).write(&directory.join("response"))?;
+        let figure = probes.figure(problem.units);
+        figure.write(&directory.join("response"))?;
+        let name = problem.title.as_deref().unwrap_or("Harmonic response");
+        let curves = Curves {
+            heading: name,
+            figure: &figure,
+            input: Some(&input),
+            files: &[TABLE, MODES, "response.svg", WITNESS],
+        };
+        write_curves(directory, &curves)?;
         replace(&directory.join(MODES), modes(response).as_bytes())?;
         replace(&directory.join(TABLE), probes.csv().as_bytes())
     };

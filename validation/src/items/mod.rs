@@ -4,6 +4,7 @@ mod classic;
 mod contact;
 mod degrees;
 mod free_flight;
+mod harmonic_response;
 mod inner_points;
 mod large_strain;
 mod locking;
@@ -67,7 +68,7 @@ const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<It
 }
 
 /// All items, in the order of the page.
-pub(crate) const ALL: [Entry; 28] = [
+pub(crate) const ALL: [Entry; 29] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -92,6 +93,7 @@ pub(crate) const ALL: [Entry; 28] = [
     entry("cook", locking::cook),
     entry("cantilever", locking::cantilever),
     entry("silicone", locking::silicone),
+    entry("harmonic-response", harmonic_response::harmonic_response),
     timed("mechanisms", mechanisms::mechanisms),
     Entry { long: true, ..timed("mechanisms-long", mechanisms::long) },
     entry("contact", contact::contact),

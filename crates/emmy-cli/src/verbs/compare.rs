@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy_io::comparison::{self, Run, RunError};
-use emmy_io::differences::{self, KeyDifference};
+use emmy_io::differences::Differences;
 use emmy_io::directory;
 use emmy_io::report;
 use emmy_io::sweep::table::{self, is_sweep};
@@ -146,8 +146,8 @@ fn runs(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     comparison::write(&arguments.output, &runs).map_err(|error| {
         Failure::Other(format!("cannot write the charts to {}: {error}", arguments.output.display()))
     })?;
-    let page = report::write_comparison(&arguments.output, &runs, &arguments.directories)?;
-    let differences = differences::of_inputs(&runs);
+    let differences = Differences::between(&runs);
+    let page = report::write_comparison(&arguments.output, &runs, &arguments.directories, &differences)?;
     let text = if arguments.json { lines(&runs, &differences) } else { tables(&runs, &differences) };
     print::result(host, &text)?;
     if !arguments.quiet {
@@ -190,7 +190,7 @@ fn table(runs: &[Run]) -> String {
 }
 
 /// The runs, the keys in which their inputs differ, and the peaks of their columns.
-fn tables(runs: &[Run], differences: &[KeyDifference]) -> String {
+fn tables(runs: &[Run], Differences { inputs, peaks }: &Differences) -> String {
     let mut text = table(runs);
     if runs.len() < 2 {
         return text;
@@ -198,15 +198,14 @@ fn tables(runs: &[Run], differences: &[KeyDifference]) -> String {
     let names = || runs.iter().map(|run| run.name.clone());
     let head = |title: &str| std::iter::once(title.to_string()).chain(names()).collect::<Vec<_>>();
     let missing = || "-".to_string();
-    let keys = differences.iter().map(|own| {
+    let keys = inputs.iter().map(|own| {
         let values = own.values.iter().map(|value| value.clone().unwrap_or_else(missing));
         std::iter::once(own.key.clone()).chain(values).collect()
     });
-    if !differences.is_empty() {
+    if !inputs.is_empty() {
         let rows = std::iter::once(head("input")).chain(keys).collect();
         text += &format!("\n{}", print::columns(rows));
     }
-    let peaks = differences::of_peaks(runs);
     if !peaks.is_empty() {
         let others = names().skip(1).map(|name| format!("{name}, %"));
         let head = head("peak").into_iter().chain(others).collect::<Vec<_>>();
@@ -233,9 +232,9 @@ fn cell(key: &str, value: &Value) -> String {
     }
 }
 
-fn lines(runs: &[Run], differences: &[KeyDifference]) -> String {
+fn lines(runs: &[Run], differences: &Differences) -> String {
     let input = |place: usize| -> Map<String, Value> {
-        differences.iter().map(|own| (own.key.clone(), own.values[place].clone().into())).collect()
+        differences.inputs.iter().map(|own| (own.key.clone(), own.values[place].clone().into())).collect()
     };
     let line = |(place, run): (usize, &Run)| {
         let object = json!({ "run": run.name, "summary": run.summary, "input": input(place) });

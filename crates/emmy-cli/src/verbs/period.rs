@@ -129,11 +129,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, (n_rigid, about):
 
 /// The shortest time between two kinks of a load or of a given motion, if it is no jump; records have none.
 fn shortest_part(problem: &Problem) -> Option<f64> {
-    let loads = problem.loads.iter().map(|load| &load.time_function);
-    let supports = problem.supports.iter().flat_map(|support| support.time_functions());
-    let joints = problem.joints.iter().flat_map(|joint| joint.drive.iter().chain(&joint.motor));
-    let laws = loads.chain(supports).chain(joints);
-    let laws = laws.filter(|law| !law.acceleration().unwrap_or(law).is_measured());
+    let laws = problem.time_functions().filter(|law| !law.acceleration().unwrap_or(law).is_measured());
     let plan = &problem.plan;
     let parts = laws.flat_map(|law| {
         let kinks = law.kinks();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
 use emmy_io::input::{self, Overrides, Problem};
-use emmy_io::response::{self, ProbeResponse};
+use emmy_io::response::{self, Component, ProbeResponse};
 use emmy_io::spectra::Frequencies;
 
 use super::{modes, named, with_ending, with_threads};
@@ -84,6 +84,7 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let found = found.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
     let frequencies = arguments.frequencies.values(false);
     let probes = ProbeResponse::new(&problem, &found, frequencies, (arguments.quantity, arguments.relative));
+    let probes = probes.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
     if let Some((f, name)) = probes.infinite() {
         let message = format!("the amplitude of `{name}` is infinite at the frequency {}", number(f));
         let help =
@@ -93,7 +94,8 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     response::write(&output, &problem, &found, &probes)?;
     print::result(host, &table(&problem, &probes))?;
     if !arguments.quiet {
-        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
+        let notes = response::notes(&problem);
+        problem.notes.iter().chain(&notes).for_each(|note| message!(host, "note: {note}"));
         remarks(&problem, &found, &probes, host);
         message!(host, "written: {}", output.join(response::TABLE).display());
     }
@@ -128,12 +130,13 @@ impl Arguments {
 fn table(problem: &Problem, probes: &ProbeResponse) -> String {
     let head = ["largest amplitude of".to_string(), "value".to_string()];
     let head = head.into_iter().chain([problem.units.label("frequency", "frequency")]).collect();
-    let row = |(name, amplitudes, _): &(String, Vec<f64>, Vec<f64>)| {
-        let largest = amplitudes.iter().zip(&probes.frequencies).max_by(|(a, _), (b, _)| a.total_cmp(b));
+    let row = |own: &Component| {
+        let numbers = own.amplitudes.iter().zip(&probes.frequencies);
+        let largest = numbers.max_by(|(a, _), (b, _)| a.total_cmp(b));
         let cells = largest.map(|(value, f)| [number(*value), number(*f)]).into_iter().flatten();
-        std::iter::once(name.clone()).chain(cells).collect()
+        std::iter::once(own.name.clone()).chain(cells).collect()
     };
-    columns(std::iter::once(head).chain(probes.components.iter().map(row)).collect())
+    columns(std::iter::once(head).chain(probes.components().map(row)).collect())
 }
 
 /// Remarks on the modes.

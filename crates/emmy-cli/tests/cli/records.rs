@@ -39,6 +39,23 @@ fn a_pulse_within_a_step_gives_its_momentum() {
     assert_eq!(place.summary("out")["unresolved_loads"], 0);
 }
 
+/// Fields are integrated up to the kinks of their history, of a record up to its corners.
+#[test]
+fn histories_of_fields_are_integrated_to_their_kinks() {
+    let load = "acceleration = [1.0, 0.0, 0.0]\nhistory = \"294.2*half_sine(t, 0.002, 0.013)\"";
+    // The mean of 1 + y is 3/2, and that of the hat over 10 ms is 1/2.
+    let hat = "[[0.002, 0.0], [0.007, 100.0], [0.012, 0.0]]";
+    let record = "{ file = \"hat.csv\", time = \"t\", value = \"f\" }";
+    for history in [hat, record] {
+        let field = format!("body_force = [\"1 + y\", 0, 0]\nhistory = {history}");
+        let place = Place::with(&CUBE.replace(load, &field));
+        place.write("hat.csv", "t,f\n0,0\n0.002,0\n0.007,100\n0.012,0\n0.03,0\n");
+        place.succeed(&["run", "box.toml", "--quiet"]);
+        let ratio = place.history("out")["linear_momentum_x"].last().unwrap() / (1.5 * 0.5 * 100.0 * 0.01);
+        assert!((ratio - 1.0).abs() < 1e-12, "{history}: {ratio}");
+    }
+}
+
 #[test]
 fn adaptive_steps_end_at_the_kinks_of_a_pulse() {
     let place =
@@ -97,6 +114,7 @@ fn corrections_of_a_record_say_what_they_change() {
     let own = notes(", correct_baseline = true");
     assert!(own.contains("floor.csv: corrected baseline: values change by up to 1."), "{own}");
     assert!(own.contains("the velocity changes from 0.1 to"), "{own}");
+    assert!(own.contains("then it should not be corrected"), "{own}");
     // At 200 Hz the filter leaves 1/(1 + (tan(0.2 pi)/tan(0.05 pi))^4) = 0.22 %.
     let own = notes(", low_pass = 50");
     assert!(own.contains("floor.csv: filtered at 50"), "{own}");

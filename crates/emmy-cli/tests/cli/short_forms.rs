@@ -109,6 +109,19 @@ fn mass_and_volume_are_compared() {
 }
 
 #[test]
+fn a_single_mass_is_suspected_before_the_density() {
+    // 4000 of 4004 are in the point mass.
+    let heavy = format!("{BOX}\n[[mass]]\ngroup = \"y-max\"\ntotal = 4000.0\n");
+    let place = Place::with(&heavy.replace("[mesh]", "[expect]\nmass = 4.0\n\n[mesh]"));
+    let outcome = place.emmy(&["check", "box.toml"]);
+    let text = outcome.stderr.replace("\n  │ ", " ");
+    assert!(
+        outcome.code == 2 && text.contains("a mass is probably in a wrong unit: multiply it by 0.001"),
+        "{text}"
+    );
+}
+
+#[test]
 fn flags_for_steps_and_degree_are_short_forms() {
     let place = Place::with(&even_box(0.4, 0.1));
     let long = ["--set", "time.steps.size=0.02", "--set", "time.degree=2"];

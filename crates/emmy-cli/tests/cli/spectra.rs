@@ -59,7 +59,10 @@ fn spectra_of_columns_are_printed_and_written() {
     assert_eq!((head.as_str(), rows.len()), ("frequency,tip_x_amplitude,tip_y_amplitude", 201));
     let row = at(&rows, 5.0);
     assert!((row[1] - 3.0).abs() < 1e-12 && (row[2] - 6.0).abs() < 1e-12, "{row:?}");
-    assert_eq!(place.names("own-spectrum"), [".lock", "spectrum.csv", "spectrum.png", "spectrum.svg"]);
+    assert_eq!(
+        place.names("own-spectrum"),
+        [".lock", "report.html", "spectrum.csv", "spectrum.png", "spectrum.svg"]
+    );
 
     // The mean square 9/2 is spread over the band 1/(n h) of the transform.
     let flags = ["--window", "boxcar", "--segment", "200", "--detrend", "none", "--quiet"];
@@ -83,6 +86,25 @@ fn a_transient_is_taken_as_a_whole() {
     assert!(!of(&["--window", "boxcar", "--segment", "400", "--detrend", "none"]).contains("dies out"));
     let (_, rows) = table(&place, "own-spectrum/spectrum.csv");
     assert!(rows.iter().take(15).all(|row| (row[1] - 3.0).abs() < 1e-10), "{rows:?}");
+}
+
+/// Half a sine of 0.2 has its first zero at 7.5: at 7.25, a vibration of the response looks like a resonance.
+#[test]
+fn the_largest_quotient_is_where_the_input_has_power() {
+    let rows = (0..400).map(|i| {
+        let t = 0.01 * f64::from(i);
+        let pulse = if i < 20 { (2.5 * TAU * t).sin() } else { 0.0 };
+        [t, pulse, 3.0 * pulse + 0.1 * (7.25 * TAU * t).sin()]
+    });
+    let place = run_with(&rows.collect::<Vec<_>>());
+    let own = ["spectrum", "own", "--column", "tip_y", "--input", "tip_x", "--kind", "transmissibility"];
+    let whole = ["--window", "boxcar", "--segment", "400", "--detrend", "none"];
+    let outcome = place.succeed(&[&own[..], &whole].concat());
+    let (_, rows) = table(&place, "own-spectrum/spectrum.csv");
+    assert!(at(&rows, 7.25)[1] > 10.0, "{:?}", at(&rows, 7.25));
+    let largest: f64 =
+        outcome.stdout.lines().nth(1).unwrap().split_whitespace().nth(1).unwrap().parse().unwrap();
+    assert!((largest - 3.0).abs() < 1e-3, "{}", outcome.stdout);
 }
 
 #[test]
@@ -221,10 +243,9 @@ fn harmonic_response_is_printed_and_written() {
     assert!((rows[1][1] / (3.0 / (0.1 * 18.0)) - 1.0).abs() < 1e-9, "{rows:?}");
     assert!((rows[1][2] + 0.25 * TAU).abs() < 1e-9 && rows[1][3..] == [0.0; 4]);
     assert!((rows[0][1] / (3.0 / 18.0 / 0.75f64.hypot(0.05)) - 1.0).abs() < 1e-9);
-    assert_eq!(
-        place.names("out-response"),
-        [".lock", "response.csv", "response.png", "response.svg", "response.toml", "response_modes.csv"]
-    );
+    let plots = ["report.html", "response.csv", "response.png", "response.svg"];
+    let names = [&[".lock"], &plots[..], &["response.toml", "response_modes.csv"]].concat();
+    assert_eq!(place.names("out-response"), names);
     let (head, modes) = table(&place, "out-response/response_modes.csv");
     assert_eq!(head, "mode,angular_frequency,damping_ratio,modal_force");
     assert!((modes[0][1] - 6.0).abs() < 1e-9 && (modes[0][2] - 0.05).abs() < 1e-12);
@@ -235,6 +256,65 @@ fn harmonic_response_is_printed_and_written() {
     assert_eq!(place.succeed(&[&verb[..], &flags].concat()).stderr, "");
     let (_, rows) = table(&place, "out-response/response.csv");
     assert!((rows[1][1] / (1.01f64.sqrt() / 0.1) - 1.0).abs() < 1e-9, "{rows:?}");
+}
+
+/// A pillar under a slow tension of 3, with its first frequency sqrt(E/rho)/(4 L) = 12.5 and mu = E/2.
+const PILLAR: &str = r#"
+[units]
+system = "m, kg, s"
+
+[mesh]
+box = { size = [1, 1, 2], cells = [1, 1, 8] }
+
+[[region]]
+density = 0.1
+material.neo-hooke = { lambda = 0.0, mu = 500.0 }
+
+[[support]]
+group = "z-min"
+fix = "z"
+
+[[support]]
+group = "x-min"
+fix = "x"
+
+[[support]]
+group = "y-min"
+fix = "y"
+
+[[load]]
+group = "z-max"
+traction = [0, 0, 3]
+
+[time]
+steps = [{ until = 1, size = 0.1 }]
+
+[output]
+directory = "out"
+probes = [{ name = "foot", point = [0, 0, 0], quantities = ["von_mises_stress", "cauchy_stress"] }]
+"#;
+
+/// sigma(z) = p cos(k (L - z))/cos(k L) + ..: a bar with a free end under p sin(omega t) has p/cos(k L) at its foot,
+/// k = omega (rho/E)^(1/2).
+#[test]
+fn stresses_of_probes_have_amplitudes() {
+    let place = Place::with(PILLAR);
+    let flags = ["--frequencies", "2:8:2", "--damping", "0.0001", "--count", "40"];
+    let outcome = place.succeed(&[&["response", "box.toml"][..], &flags].concat());
+    assert!(
+        outcome.stderr.contains("von_mises_stress of the probe foot is not harmonic"),
+        "{}",
+        outcome.stderr
+    );
+    let (head, rows) = table(&place, "out-response/response.csv");
+    let at = head.split(',').position(|name| name == "foot_cauchy_stress_zz_amplitude").unwrap();
+    for row in &rows {
+        let expected = 3.0 / (0.25 * TAU * row[0] / 12.5).cos();
+        assert!((row[at] / expected - 1.0).abs() < 0.01, "{row:?} {expected}");
+    }
+    // The stress drawn, and the page.
+    let page = place.read("out-response/report.html");
+    assert!(page.contains("amplitude of the stress [Pa]") && page.contains("foot_cauchy_stress_zz"));
 }
 
 #[test]

@@ -66,6 +66,23 @@ pub enum Style {
     LineAndPoints,
 }
 
+impl Style {
+    /// The style of one line among others, which shows those below it where they coincide: solid, dashed, dotted, in
+    /// turns. On a logarithmic axis all are solid, because curves are rarely smooth there.
+    ///
+    /// ```
+    /// use emmy_io::chart::{Scale, Style};
+    /// assert_eq!([0, 1, 3].map(|i| Style::of_line(i, Scale::Linear)), [Style::Line, Style::Dashed, Style::Line]);
+    /// ```
+    pub fn of_line(index: usize, scale: Scale) -> Style {
+        match (scale, index % 3) {
+            (Scale::Log, _) | (_, 0) => Style::Line,
+            (_, 1) => Style::Dashed,
+            _ => Style::Dotted,
+        }
+    }
+}
+
 /// A curve or a set of points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {

@@ -8,8 +8,8 @@ use super::axis::{Ruler, superscript};
 use super::{Axis, Chart, Guide, Scale, Series, Style};
 use crate::picture::{Area, Drawn, INK, stroke, text, units, width, writing};
 
-/// Okabe and Ito (2008), dark colours first; without yellow, which is too pale for a line on white.
-const PALETTE: [RGBColor; 7] = [
+/// Okabe and Ito (2008), dark colours first; without yellow, which is too pale for a line on white, and with a grey.
+const PALETTE: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
     RGBColor(0x00, 0x9E, 0x73),
@@ -17,6 +17,7 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(0xE6, 0x9F, 0x00),
     RGBColor(0x56, 0xB4, 0xE9),
     RGBColor(0x00, 0x00, 0x00),
+    RGBColor(0x8C, 0x8C, 0x8C),
 ];
 const GRID: RGBColor = RGBColor(0xE0, 0xE0, 0xE0);
 const FAINT: RGBColor = RGBColor(0xF2, 0xF2, 0xF2);
@@ -29,6 +30,8 @@ const SMALL_TEXT: f64 = 10.5;
 const ROW: f64 = 18.0;
 /// Length of the line before a name in the legend.
 const SAMPLE: f64 = 26.0;
+/// Width of every line.
+const LINE: f64 = 1.8;
 /// A series with more points is thinned.
 const MAX_POINTS: usize = 4000;
 
@@ -71,7 +74,7 @@ impl<'a> Legend<'a> {
             let mut x = ((area.dim_in_pixel().0 as i32 - whole) / 2).max(gap);
             let y = units(8.0 + ROW * (i as f64 + 0.5));
             for (series, own) in row {
-                draw_series(area, series, 2.0, &[vec![(x, y), (x + sample, y)]], &[(x + sample / 2, y)])?;
+                draw_series(area, series, &[vec![(x, y), (x + sample, y)]], &[(x + sample / 2, y)])?;
                 text(area, &series.label, &writing(SMALL_TEXT), HPos::Left, (x + sample + gap, y))?;
                 x += own;
             }
@@ -84,11 +87,10 @@ impl<'a> Legend<'a> {
 fn draw_series(
     area: &Area<'_>,
     series: &Series,
-    width: f64,
     lines: &[Vec<CanvasPoint>],
     points: &[CanvasPoint],
 ) -> Drawn {
-    let pen = stroke(PALETTE[series.colour % PALETTE.len()], width);
+    let pen = stroke(PALETTE[series.colour % PALETTE.len()], LINE);
     // When the palette repeats, lines are dashed.
     let style = match series.style {
         Style::Line | Style::Stairs | Style::LineAndPoints if series.colour >= PALETTE.len() => Style::Dashed,
@@ -115,7 +117,8 @@ fn point(at: CanvasPoint, colour: usize) -> Polygon<CanvasPoint> {
         3 => (4, 0.0, 4.6),
         4 => (3, 0.75, 4.8),
         5 => (6, 0.0, 4.0),
-        _ => (5, 0.25, 4.4),
+        6 => (5, 0.25, 4.4),
+        _ => (4, 0.125, 3.2),
     };
     let corner = |i: i32| {
         let angle = std::f64::consts::TAU * (f64::from(i) / f64::from(n_corners) + turn);
@@ -149,10 +152,10 @@ pub(super) fn draw(area: &Area<'_>, chart: &Chart) -> Drawn {
         .guides
         .iter()
         .try_for_each(|guide| draw_guide(&canvas, guide, guide_ends(chart, guide).map(place)))?;
-    for (i, series) in chart.series.iter().enumerate() {
+    for series in &chart.series {
         let lines: Vec<_> = lines(series, place).iter().map(|line| thinned(line)).collect();
         let points: Vec<CanvasPoint> = lines.iter().flatten().copied().collect();
-        draw_series(&canvas, series, line_width(chart, i), &lines, &points)?;
+        draw_series(&canvas, series, &lines, &points)?;
     }
     let corners = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high), (x.low, y.low)];
     context.draw_series([PathElement::new(corners, stroke(INK, 1.0))])?;
@@ -192,16 +195,6 @@ fn draw_guide(area: &Area<'_>, guide: &Guide, ends: [Option<CanvasPoint>; 2]) ->
 
 fn with_power(axis: &Axis, power: i32) -> String {
     if power == 0 { axis.label.clone() } else { format!("{} (×10{})", axis.label, superscript(power)) }
-}
-
-/// Width of a line; earlier lines are wider, so that coinciding curves can all be seen.
-fn line_width(chart: &Chart, index: usize) -> f64 {
-    let style = chart.series[index].style;
-    let is_bare = !matches!(style, Style::Points | Style::LineAndPoints);
-    let above = chart.series[index + 1..].iter().filter(|series| is_bare && series.style == style).count();
-    // Less on a logarithmic axis, where curves are rarely smooth.
-    let more = if chart.y.scale == Scale::Linear { 1.1 } else { 0.6 };
-    1.4 + more * above.min(3) as f64
 }
 
 /// Sequences of points without a gap.

@@ -147,13 +147,8 @@ impl Measures {
             return Measures { quantities, probes, ..Measures::default() };
         }
         let fields = Fields::new(body);
-        let selection = |(probe, node): (&Probe, &Option<usize>)| {
-            let node = [(*node)? as u32];
-            Some(match group_cells(body.mesh(), probe.group.as_deref()) {
-                Some(cells) => fields.select_nodes_in(&node, cells.to_vec()),
-                None => fields.select_nodes(&node),
-            })
-        };
+        let selection =
+            |(probe, node): (&Probe, &Option<usize>)| Some(probe.selection(body, &fields, (*node)?));
         let needs_regions = quantities.extremes.iter().any(|name| !name.is_of_motion());
         Measures {
             selections: quantities.probes.iter().zip(&probes).map(selection).collect(),
@@ -302,11 +297,6 @@ fn needs_fields(quantities: &Quantities) -> bool {
     !quantities.values.is_empty() || all.any(|name| !name.is_of_motion())
 }
 
-/// Cells of a group that has cells.
-fn group_cells<'a>(mesh: &'a Mesh, group: Option<&str>) -> Option<&'a [u32]> {
-    mesh.groups().cells(group?).ok()
-}
-
 /// The members of a value that count on this rank, with their weights. Fields at the nodes of a group of cells come
 /// from these cells alone; for a largest value each region has its own members, so that no value is a mean of two
 /// materials.
@@ -314,7 +304,7 @@ fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Vec<Selection>,
     let mesh = body.mesh();
     let ranks = body.ranks();
     let all_cells = || (0..mesh.n_cells() as u32).collect();
-    let of_group = group_cells(mesh, value.group.as_deref());
+    let of_group = value.group.as_deref().and_then(|group| mesh.groups().cells(group).ok());
     if value.quantity.place() == Place::Cells {
         let mut cells = of_group.map_or_else(all_cells, <[u32]>::to_vec);
         cells.retain(|&cell| counts(ranks, true, cell as usize));

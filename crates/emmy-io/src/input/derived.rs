@@ -74,12 +74,14 @@ fn of_pulses(name: &str, law: &TimeFunction, plan: &StepPlan) -> Vec<String> {
     if *first >= plan.end() {
         return vec![format!("{name}: no pulse of `{text}` lies in the run; {END_OF_RUN}{end}")];
     }
-    let ends_early = *last > plan.end() * (1.0 + 1e-9);
-    ends_early
-        .then(|| format!("{name}: {END_OF_RUN}{end}, before the end of `{text}` at t = {last_time}"))
-        .into_iter()
-        .collect()
+    if *last > plan.end() + ROUNDING * (plan.end() - plan.start()) {
+        return vec![format!("{name}: {END_OF_RUN}{end}, before the end of `{text}` at t = {last_time}")];
+    }
+    Vec::new()
 }
+
+/// Distance from the end of a run that is rounding, as a part of its duration.
+const ROUNDING: f64 = 1e-9;
 
 /// Remarks on pulses, on a table that begins after the run, and on a measured one that the run does not use as a whole,
 /// or that does not end at zero.
@@ -245,6 +247,19 @@ mod tests {
             assert_eq!(of_table("load 0", &table.unwrap(), &plan), [note]);
         }
         assert!(of_table("load 0", &TimeFunction::constant(), &plan).is_empty());
+    }
+
+    #[test]
+    fn pulses_outside_of_the_run_are_noted() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
+        let notes = |kinks: [f64; 2]| {
+            let law = TimeFunction::smooth("pulse", |t| [t, 1.0, 0.0]).with_kinks(kinks);
+            of_table("load 0", &law, &plan).join("")
+        };
+        assert_eq!(notes([-0.1, 2.0]), "");
+        assert_eq!(notes([-2.0, -1.0]), "load 0: no pulse of `pulse` lies in the run, which begins at t = 0");
+        assert_eq!(notes([2.0, 3.0]), "load 0: no pulse of `pulse` lies in the run; the run ends at t = 2");
+        assert_eq!(notes([1.0, 3.0]), "load 0: the run ends at t = 2, before the end of `pulse` at t = 3");
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use emmy::body::{Body, Coupling, InitialVelocity, Joint, Load, PointTerms, RigidBody, Support};
+use emmy::body::{
+    Body, Coupling, InitialVelocity, Joint, Load, PointTerms, RigidBody, Support, TimeFunction,
+};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
@@ -101,4 +103,14 @@ pub struct Problem {
     pub resolved: String,
     /// On a team, the digest of the whole mesh.
     pub(crate) digest: Option<String>,
+}
+
+impl Problem {
+    /// The functions of time that loads, supports and joints follow.
+    pub fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> {
+        let loads = self.loads.iter().map(|load| &load.time_function);
+        let supports = self.supports.iter().flat_map(|support| support.time_functions());
+        let joints = self.joints.iter().flat_map(|joint| joint.drive.iter().chain(&joint.motor));
+        loads.chain(supports).chain(joints)
+    }
 }

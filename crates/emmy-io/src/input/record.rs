@@ -6,6 +6,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use emmy::body::TimeFunction;
 use emmy::internals::number::short;
+use emmy::internals::quadrature::gauss;
 
 /// Entries of a record: (time, value).
 type Entries = Vec<(f64, f64)>;
@@ -113,17 +114,18 @@ pub(super) fn correct_baseline(entries: &mut Entries) -> Result<(), String> {
     };
     // Velocities of the record and of the three powers are parabolas between two rows; Gauss points integrate their
     // products exactly.
-    let root = 0.6f64.sqrt();
-    let points =
-        [(-root, 5.0 / 18.0), (0.0, 8.0 / 18.0), (root, 5.0 / 18.0)].map(|(x, w)| (0.5 * (1.0 + x), w));
+    let points = gauss(3);
     let (mut matrix, mut side) = ([[0.0; 3]; 3], [0.0; 3]);
     let mut velocities = [0.0; 4];
     for pair in entries.windows(2) {
         let [(t0, a0), (t1, a1)] = [pair[0], pair[1]];
-        let (h, [from, to]) =
-            (t1 - t0, [(t0, a0), (t1, a1)].map(|(t, a)| [[a].as_slice(), &powers(t)].concat()));
+        let h = t1 - t0;
+        let [from, to] = [(t0, a0), (t1, a1)].map(|(t, a)| {
+            let [one, s, square] = powers(t);
+            [a, one, s, square]
+        });
         let after = |i: usize, s: f64| velocities[i] + h * s * (from[i] + 0.5 * s * (to[i] - from[i]));
-        for (s, w) in points {
+        for (&[s], w) in points.iter() {
             let v: [f64; 4] = std::array::from_fn(|i| after(i, s));
             for i in 0..3 {
                 side[i] -= w * h * v[1 + i] * v[0];

@@ -1,4 +1,4 @@
-//! `report.html`: one run, several side by side, or natural modes, as a page that opens from disk and loads nothing.
+//! `report.html`: one run, several side by side, natural modes, spectra or responses, as a page that opens from disk and loads nothing.
 //!
 //! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
 //! `input.toml` and the frames. The page is replaced as a whole, also during a run.
@@ -8,7 +8,7 @@
 //! | `run` | gathers a directory: a manifest in JSON, numbers in packed arrays |
 //! | `history` | histories, reduced to a limited number of rows |
 //! | `thinning` | chooses the rows of a long history, with every peak |
-//! | `modes` | natural modes in place of a run |
+//! | `modes`, `curves` | natural modes, or charts over the frequency, in place of a run |
 //! | `loads` | time intervals in which loads act |
 //! | `events` | `events.csv` |
 //! | `collection`, `frames` | frames, and the selection of frames |
@@ -20,6 +20,7 @@
 
 mod coarse;
 mod collection;
+mod curves;
 mod events;
 mod frames;
 mod history;
@@ -34,14 +35,13 @@ mod thinning;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
-
 use crate::comparison::{Run, RunError};
-use crate::differences;
+use crate::differences::Differences;
 use crate::directory::MARK;
 use crate::link::relative;
 use crate::mesh::MeshError;
 use crate::whole_file::{self, replace};
+pub(crate) use curves::Curves;
 use run::{RunData, RunLink};
 
 /// Largest number of rows in a page; longer histories keep the rows with the extremes of every column.
@@ -55,6 +55,9 @@ const MIN_ROWS: usize = 2_000;
 
 /// Largest number of nodes of a surface; a larger one is coarsened.
 pub const MAX_NODES: usize = 20_000;
+
+/// Name of the page.
+const PAGE: &str = "report.html";
 
 /// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -91,14 +94,14 @@ pub enum ReportError {
 /// [`ReportError`]; an earlier report is then unchanged.
 pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     if modes::are_in(directory) {
-        return written(directory, &[modes::gather(directory)?], Value::Null);
+        return written(directory, &[modes::gather(directory)?], None);
     }
     let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
     let run = RunData::gather(directory, RunLink::default(), Room::shared_by(1))?;
-    written(directory, &[run], Value::Null)
+    written(directory, &[run], None)
 }
 
 /// Writes `report.html` of several runs into a directory, and returns its path. `directories`: those of the runs.
@@ -109,6 +112,7 @@ pub fn write_comparison(
     directory: &Path,
     runs: &[Run],
     directories: &[PathBuf],
+    differences: &Differences,
 ) -> Result<PathBuf, ReportError> {
     let room = Room::shared_by(runs.len());
     let gather = |(run, own): (&Run, &PathBuf)| {
@@ -116,8 +120,12 @@ pub fn write_comparison(
         RunData::gather(own, link, room)
     };
     let gathered = runs.iter().zip(directories).map(gather).collect::<Result<Vec<_>, _>>()?;
-    let differences = json!({ "inputs": differences::of_inputs(runs), "peaks": differences::of_peaks(runs) });
-    written(directory, &gathered, differences)
+    written(directory, &gathered, Some(differences))
+}
+
+/// Writes `report.html` of charts over the frequency into a directory.
+pub(crate) fn write_curves(directory: &Path, curves: &Curves<'_>) -> io::Result<()> {
+    replace(&directory.join(PAGE), page::page(&[curves::gather(directory, curves)], None).as_bytes())
 }
 
 /// The share of a run in a page.
@@ -136,9 +144,13 @@ impl Room {
     }
 }
 
-fn written(directory: &Path, runs: &[RunData], differences: Value) -> Result<PathBuf, ReportError> {
-    let path = directory.join("report.html");
-    let page = page::page(runs, &differences);
+fn written(
+    directory: &Path,
+    runs: &[RunData],
+    differences: Option<&Differences>,
+) -> Result<PathBuf, ReportError> {
+    let path = directory.join(PAGE);
+    let page = page::page(runs, differences);
     replace(&path, page.as_bytes()).map_err(ReportError::Page)?;
     Ok(path)
 }

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::run::RunData;
+use crate::differences::Differences;
 
 /// The template, with placeholders such as `{{title}}`.
 const TEMPLATE: &str = include_str!("assets/report.html");
@@ -42,11 +43,14 @@ const SCRIPTS: [&str; 18] = [
 /// The script of natural modes, in their pages only.
 const MODES: &str = include_str!("assets/scripts/modes.js");
 
+/// The script of charts over the frequency, in their pages only.
+const CURVES: &str = include_str!("assets/scripts/curves.js");
+
 /// The last script, which puts the page together.
 const MAIN: &str = include_str!("assets/scripts/main.js");
 
 /// The page of some runs, with their differences.
-pub(super) fn page(runs: &[RunData], differences: &Value) -> String {
+pub(super) fn page(runs: &[RunData], differences: Option<&Differences>) -> String {
     let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
     let manifest = json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -56,15 +60,19 @@ pub(super) fn page(runs: &[RunData], differences: &Value) -> String {
     let arrays = |(index, run): (usize, &RunData)| {
         format!("<script type=\"text/plain\" id=\"run-{index}\">{}</script>\n", run.arrays)
     };
-    let has_modes = runs.iter().any(|run| run.manifest.get("modes").is_some());
-    let modes = if has_modes { MODES } else { "" };
+    let has = |key: &str| runs.iter().any(|run| run.manifest.get(key).is_some());
+    // Charts are not drawn beside modes, nor bodies beside charts over the frequency.
+    let (own, left_out) = match () {
+        () if has("modes") => (MODES, "vendor/uplot/uPlot.iife.min.js"),
+        () if has("curves") => (CURVES, "vendor/ogl/ogl.iife.min.js"),
+        () => ("", ""),
+    };
     filled(TEMPLATE, |place| match place {
         "title" => escaped(&names.join(", ")),
         "manifest" => inside_script(&manifest),
         "data" => runs.iter().enumerate().map(arrays).collect(),
-        "scripts" => format!("{}\n{modes}\n{MAIN}", SCRIPTS.join("\n")),
-        // Charts are not drawn beside modes.
-        "vendor/uplot/uPlot.iife.min.js" if has_modes => String::new(),
+        "scripts" => format!("{}\n{own}\n{MAIN}", SCRIPTS.join("\n")),
+        place if place == left_out => String::new(),
         place => {
             PARTS.iter().find(|(name, _)| *name == place).map_or(String::new(), |(_, text)| text.to_string())
         }
@@ -107,7 +115,7 @@ mod tests {
 
     #[test]
     fn every_place_of_the_template_is_filled() {
-        let page = page(&[run("a", ""), run("b", "")], &Value::Null);
+        let page = page(&[run("a", ""), run("b", "")], None);
         assert!(!page.contains("{{title}}") && page.contains("<title>a, b</title>"));
         assert!(page.contains("id=\"run-1\">abc=</script>"));
         let mut places = TEMPLATE.split("{{").skip(1).filter_map(|piece| Some(piece.split_once("}}")?.0));
@@ -118,7 +126,7 @@ mod tests {
     /// The MIT licence requires its notice in every copy of the libraries, which a page contains.
     #[test]
     fn every_library_in_the_page_has_its_licence_there() {
-        let page = page(&[run("a", "")], &Value::Null);
+        let page = page(&[run("a", "")], None);
         let comment = page.split_once("<!--").and_then(|(_, rest)| rest.split_once("-->")).unwrap().0;
         let libraries = PARTS.iter().filter_map(|(name, _)| name.strip_prefix("vendor/")?.split('/').next());
         for library in libraries {
@@ -132,7 +140,7 @@ mod tests {
 
     #[test]
     fn names_and_inputs_cannot_end_the_page() {
-        let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")], &Value::Null);
+        let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")], None);
         assert!(
             page.contains("<title>&lt;b&gt;</title>")
                 && !page.contains("alert(1)\"</")

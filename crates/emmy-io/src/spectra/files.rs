@@ -6,6 +6,7 @@ use super::{Kind, Spectrum};
 use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::directory::{self, DirectoryError, Lock};
 use crate::message::shown;
+use crate::report::{Curves, write_curves};
 use crate::units::Units;
 use crate::whole_file::replace;
 
@@ -34,7 +35,11 @@ pub fn write(directory: &Path, spectrum: &Spectrum) -> Result<(), DirectoryError
     directory::prepare_kind(directory, KIND, WITNESS)?;
     let _lock = Lock::take(directory)?;
     let system = |error| DirectoryError::System { path: directory.to_path_buf(), error };
-    figure(spectrum).write(&directory.join("spectrum")).map_err(system)?;
+    let figure = figure(spectrum);
+    figure.write(&directory.join("spectrum")).map_err(system)?;
+    let curves =
+        Curves { heading: spectrum.kind.title(), figure: &figure, input: None, files: &[TABLE, WITNESS] };
+    write_curves(directory, &curves).map_err(system)?;
     let columns = spectrum.columns.iter().map(|(name, numbers)| (name.as_str(), &numbers[..]));
     let columns = std::iter::once(("frequency", &spectrum.frequencies[..])).chain(columns);
     replace(&directory.join(TABLE), table(&columns.collect::<Vec<_>>()).as_bytes()).map_err(system)
@@ -74,22 +79,33 @@ pub(crate) fn over_frequency<'a>(
 
 /// Charts of a spectrum: endings of the columns of each, and its ordinate.
 fn figure(spectrum: &Spectrum) -> Figure {
-    let log = |label: &str| Axis::log(label);
+    let units = spectrum.units;
     let linear = |label: &str| Axis::linear(label);
+    let of_columns = |label: &str| match &spectrum.unit {
+        Some(unit) => Axis::log(format!("{label} [{unit}]")),
+        None => Axis::log(label),
+    };
     let charts = match spectrum.kind {
-        Kind::Density => vec![("_psd", log("power spectral density"))],
-        Kind::Amplitude => vec![("_amplitude", log("amplitude"))],
+        Kind::Density => {
+            let label = "power spectral density";
+            let unit = spectrum.unit.as_ref().map(|unit| format!("({unit})²"));
+            let per = units.system().map(|system| system.unit("frequency"));
+            let label =
+                unit.zip(per).map_or(label.to_string(), |(unit, per)| format!("{label} [{unit}/{per}]"));
+            vec![("_psd", Axis::log(label))]
+        }
+        Kind::Amplitude => vec![("_amplitude", of_columns("amplitude"))],
         Kind::Response => vec![
-            ("_amplitude", log("amplitude")),
+            ("_amplitude", Axis::log("amplitude")),
             ("_phase", linear("phase [rad]")),
             ("_coherence", linear("coherence")),
         ],
         Kind::Transmissibility => {
-            vec![("_transmissibility", log("transmissibility")), ("_coherence", linear("coherence"))]
+            vec![("_transmissibility", Axis::log("transmissibility")), ("_coherence", linear("coherence"))]
         }
         Kind::Shock => vec![
-            ("_acceleration_maximax", log("absolute acceleration")),
-            ("_displacement_maximax", log("relative displacement")),
+            ("_acceleration_maximax", of_columns("absolute acceleration")),
+            ("_displacement_maximax", Axis::log(units.label("relative displacement", "length"))),
         ],
     };
     let chart = over_frequency(&spectrum.frequencies, spectrum.units, spectrum.kind == Kind::Shock);

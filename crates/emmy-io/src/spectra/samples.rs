@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::{SpectrumError, positive};
 use crate::comparison;
 use crate::history::History;
 use crate::input::suggest::nearest;
+use crate::whole_file;
 
 /// Relative difference of step sizes that counts as none.
 const SAME_STEP: f64 = 1e-6;
@@ -71,6 +74,17 @@ pub(super) fn read(
         }
     }
     Ok(series)
+}
+
+/// The unit of some columns of a run, if it has units and they have the same.
+pub(super) fn common_unit(directory: &Path, columns: &[String]) -> Option<String> {
+    let text = whole_file::read_text(&directory.join("columns.json")).ok()?;
+    let known: Vec<Value> = serde_json::from_str(&text).ok()?;
+    let unit = |name: &String| {
+        known.iter().find(|own| own["column"] == **name)?["unit"].as_str().filter(|unit| !unit.is_empty())
+    };
+    let first = unit(columns.first()?)?;
+    columns.iter().all(|name| unit(name) == Some(first)).then(|| first.to_string())
 }
 
 impl Series {

@@ -36,6 +36,17 @@ impl Kind {
         ("srs", Kind::Shock),
     ];
 
+    /// Heading of its page.
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Kind::Density => "Power spectral density",
+            Kind::Amplitude => "Amplitudes",
+            Kind::Response => "Frequency response",
+            Kind::Transmissibility => "Transmissibility",
+            Kind::Shock => "Shock response spectrum",
+        }
+    }
+
     /// Whether it needs an input.
     pub fn has_input(self) -> bool {
         matches!(self, Kind::Response | Kind::Transmissibility)
@@ -102,6 +113,8 @@ pub struct Spectrum {
     pub notes: Vec<String>,
     /// Units of the run.
     pub units: Units,
+    /// Unit of the columns and of their derivatives, if the run has units and all have the same.
+    pub unit: Option<String>,
 }
 
 impl Settings {
@@ -120,7 +133,19 @@ impl Settings {
         let series = samples::read(directory, &names, between)?;
         // A run whose summary cannot be read has no units.
         let units = comparison::units_of(&comparison::summary(directory).unwrap_or_default());
-        Ok(Spectrum { units, ..self.of_series(&series, columns)? })
+        let unit = samples::common_unit(directory, columns).map(|unit| self.of_derivative(unit, units));
+        Ok(Spectrum { units, unit, ..self.of_series(&series, columns)? })
+    }
+
+    /// The unit of derivatives of columns with a unit.
+    fn of_derivative(&self, unit: String, units: Units) -> String {
+        let time = units.system().map_or(String::new(), |system| system.unit("time"));
+        match self.derivative {
+            0 => unit,
+            1 => format!("{unit}/{time}"),
+            2 => format!("{unit}/{time}²"),
+            n => format!("{unit}/{time}^{n}"),
+        }
     }
 
     /// The spectrum of series with names; a further series without a name is the input.
@@ -157,6 +182,7 @@ impl Settings {
             has_power: Vec::new(),
             notes,
             units: Units::default(),
+            unit: None,
         };
         match self.kind {
             Kind::Shock => self.shock(step, names, &values, &mut spectrum)?,
@@ -201,6 +227,7 @@ impl Settings {
                         add("transmissibility", found.amplitudes());
                     }
                     add("coherence", found.coherence);
+                    spectrum.has_power = found.power.iter().map(|own| *own >= POWER).collect();
                     found.frequencies
                 }
                 Kind::Density | Kind::Shock => {
@@ -209,11 +236,6 @@ impl Settings {
                     frequencies
                 }
             };
-        }
-        if self.kind.has_input() {
-            let (_, density) = power_spectral_density(&values[values.len() - 1], step, &segments)?;
-            let largest = density.iter().fold(0f64, |largest, own| largest.max(*own));
-            spectrum.has_power = density.iter().map(|own| *own >= POWER * largest).collect();
         }
         if self.kind.has_input() && segments.length == values[0].len() {
             let note = "one segment alone: its coherence is 1 everywhere, and says nothing";

@@ -231,6 +231,8 @@ pub struct FrequencyResponse {
     /// Coherence, `|S_xy|^2/(S_xx S_yy)`, from 0 to 1; NaN where the input has no power but rounding, or the response
     /// none.
     pub coherence: Vec<f64>,
+    /// Power of the input over the largest; NaN where it is rounding.
+    pub power: Vec<f64>,
 }
 
 impl FrequencyResponse {
@@ -267,11 +269,13 @@ pub fn frequency_response(
 ) -> Result<FrequencyResponse, SpectrumError> {
     positive("the distance of the samples", step)?;
     let mut products = segments.products(input, response)?;
-    let floor = ROUNDING * products.own.iter().fold(0.0, |largest: f64, power| largest.max(*power));
+    let largest = products.own.iter().fold(0.0, |largest: f64, power| largest.max(*power));
+    let floor = ROUNDING * largest;
     products.own.iter_mut().filter(|power| **power <= floor).for_each(|power| *power = f64::NAN);
     let own = products.cross.iter().zip(&products.own);
     let gain = own.map(|(cross, own)| [cross.re / own, cross.im / own]).collect();
     let all = products.cross.iter().zip(products.own.iter().zip(&products.response));
     let coherence = all.map(|(cross, (own, response))| cross.norm_sqr() / own / response).collect();
-    Ok(FrequencyResponse { frequencies: products.frequencies(step), gain, coherence })
+    let power = products.own.iter().map(|own| own / largest).collect();
+    Ok(FrequencyResponse { frequencies: products.frequencies(step), gain, coherence, power })
 }

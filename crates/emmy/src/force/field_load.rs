@@ -187,7 +187,7 @@ impl FieldLoad {
         let FieldMemory { of_stages, values } = memory;
         let mut acts = Ok(false);
         let quadrature = rule.smooth_quadrature();
-        for [from, to] in self.time_function.segments(time, h) {
+        for [from, to] in self.time_function.long_segments(time, h) {
             let factors =
                 self.time_function.for_each_value(time, h, [from, to], quadrature, |alpha, w, factor| {
                     let Ok(acted) = acts else { return };
@@ -304,7 +304,7 @@ impl OverTime for FieldLoad {
         let points: Vec<[f64; 3]> =
             of_ranks.as_chunks().0.iter().copied().filter(|X: &[f64; 3]| X[0].is_finite()).collect();
         let (n_components, components) = self.components(samples(&points));
-        let kinks = self.time_function.kinks();
+        let kinks = self.time_function.corners_after(f64::NEG_INFINITY).collect();
         let signal = Signal::of_field(&self.field, self.number, kinks, n_components, components);
         (n_components > 0).then_some(signal)
     }

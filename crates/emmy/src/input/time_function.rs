@@ -53,6 +53,16 @@ pub struct NotFinite {
 /// Times at which a function is evaluated at once.
 const AT_ONCE: usize = 32;
 
+/// The parts of a step between some times, as parts of [0, 1].
+fn between(times: impl Iterator<Item = f64>, time: f64, h: f64) -> impl Iterator<Item = [f64; 2]> {
+    let ends = times.map(move |end| (end - time) / h).take_while(|&alpha| alpha < 1.0);
+    let mut from = 0.0;
+    ends.chain([1.0]).filter_map(move |to| match to > from {
+        true => Some([std::mem::replace(&mut from, to), to]),
+        false => None,
+    })
+}
+
 impl TimeFunction {
     /// The factor 1 at all times.
     pub fn constant() -> Self {
@@ -313,23 +323,27 @@ impl TimeFunction {
 
     /// The parts of a step between kinks, as parts of [0, 1].
     pub(crate) fn segments(&self, time: f64, h: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let ends = self.kinks_after(time).map(move |kink| (kink - time) / h).take_while(|&alpha| alpha < 1.0);
-        let mut from = 0.0;
-        ends.chain([1.0]).filter_map(move |to| match to > from {
-            true => Some([std::mem::replace(&mut from, to), to]),
-            false => None,
-        })
+        between(self.kinks_after(time), time, h)
+    }
+
+    /// The same between corners ([`TimeFunction::next_corner`]), for what costs too much at each row of a record.
+    pub(crate) fn long_segments(&self, time: f64, h: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
+        between(self.corners_after(time), time, h)
+    }
+
+    /// The times after another at which adaptive steps end, ascending.
+    pub(crate) fn corners_after(&self, after: f64) -> impl Iterator<Item = f64> + '_ {
+        let (corners, kinks) = match &self.acceleration().unwrap_or(self).law {
+            Law::Table(Table { corners: Some(corners), .. }) => (&**corners, None),
+            _ => (&[][..], Some(self.kinks_after(after))),
+        };
+        let corners = &corners[corners.partition_point(|&t| t <= after)..];
+        corners.iter().copied().chain(kinks.into_iter().flatten())
     }
 
     /// The first time after another at which adaptive steps end: a kink, but of a measured table only a corner.
     pub(crate) fn next_corner(&self, after: f64) -> Option<f64> {
-        match &self.law {
-            Law::Table(Table { corners: Some(corners), .. }) => {
-                corners.get(corners.partition_point(|&t| t <= after)).copied()
-            }
-            Law::Integrated(integrated) => integrated.acceleration().next_corner(after),
-            Law::Table(Table { corners: None, .. }) | Law::Smooth(_) => self.next_kink(after),
-        }
+        self.corners_after(after).next()
     }
 
     /// Time of the first jump of a table, or of a smooth function with kinks.

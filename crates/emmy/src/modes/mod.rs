@@ -6,7 +6,7 @@ mod rigid;
 mod turning;
 
 use pencil::{BodyPencil, Linearised, n_dependent, n_free};
-pub use response::{Excitation, HarmonicResponse, ModalDamping, Quantity};
+pub use response::{Excitation, HarmonicResponse, ModalDamping, Quantity, StressChange};
 
 use crate::body::Body;
 use crate::error::{Error, Result};

@@ -2,7 +2,7 @@
 
 use super::pencil::{BodyPencil, Linearised};
 use super::{Mode, solved, translations};
-use crate::body::Body;
+use crate::body::{Body, FieldName, Fields, Selection};
 use crate::error::{Error, Result};
 use crate::sparse::Pencil;
 use crate::sparse::reduce::dot;
@@ -76,10 +76,25 @@ pub struct HarmonicResponse {
     modal_forces: Vec<f64>,
     correction: Vec<f64>,
     base: [f64; 3],
+    /// Displacement of the state.
+    rest: Vec<f64>,
+    /// Largest displacement for derivatives of fields \[length\].
+    small: f64,
+}
+
+/// First-order changes of a stress at some nodes, with each mode and with the static correction:
+/// [`HarmonicResponse::stress`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StressChange {
+    of_modes: Vec<Vec<f64>>,
+    of_correction: Vec<f64>,
 }
 
 /// Shift of the static correction over the lowest elastic omega^2.
 const SHIFT: f64 = 1e-3;
+
+/// Largest displacement by which a stress is differentiated, over the diagonal of the body: errors are its square.
+const SMALL: f64 = 1e-6;
 
 /// Largest displacement of the mode whose damping is evaluated, over the diagonal of the body: its forces are linear in
 /// it, and no cell is inverted.
@@ -138,7 +153,9 @@ impl HarmonicResponse {
             ModalDamping::OfBody => rates_of_body(body, state, &modes)?,
         };
         let correction = correction(body, &mut linearised, force, (&modes, &modal_forces))?;
-        Ok(HarmonicResponse { modes, damping_rates, modal_forces, correction, base })
+        let rest = state.map_or_else(|| vec![0.0; body.n_dofs()], |state| state.displacement.clone());
+        let small = SMALL * body.mesh().diagonal();
+        Ok(HarmonicResponse { modes, damping_rates, modal_forces, correction, base, rest, small })
     }
 
     /// The modes, the lowest first.
@@ -169,19 +186,26 @@ impl HarmonicResponse {
     /// undamped mode at its own frequency.
     pub fn relative(&self, angular_frequency: f64, node: usize, quantity: Quantity) -> [Complex; 3] {
         let omega = angular_frequency;
-        let mut u: [Complex; 3] = std::array::from_fn(|axis| [self.correction[3 * node + axis], 0.0]);
+        let own = 3 * node..3 * node + 3;
+        let mut u: [Complex; 3] = std::array::from_fn(|axis| [self.correction[own.start + axis], 0.0]);
+        let shapes = self.modes.iter().map(|mode| &mode.shape[own.clone()]);
+        self.superpose(omega, shapes, &mut u);
+        u.map(|u| differentiated(u, omega, quantity))
+    }
+
+    /// Adds the parts of all modes. `values`: of each mode, with the amplitude 1.
+    fn superpose<'a>(&self, omega: f64, values: impl Iterator<Item = &'a [f64]>, sums: &mut [Complex]) {
         let rates = self.modes.iter().zip(&self.damping_rates).zip(&self.modal_forces);
-        for ((mode, rate), force) in rates {
+        for (((mode, rate), force), values) in rates.zip(values) {
             let difference = mode.angular_frequency.powi(2) - omega * omega;
             let [re, im] = quotient(*force, [difference, omega * rate]);
-            for (u, v) in u.iter_mut().zip(&mode.shape[3 * node..]) {
+            for (sum, value) in sums.iter_mut().zip(values) {
                 // No mode moves a node in which it has no part, not even without limit.
-                if *v != 0.0 {
-                    *u = [u[0] + v * re, u[1] + v * im];
+                if *value != 0.0 {
+                    *sum = [sum[0] + value * re, sum[1] + value * im];
                 }
             }
         }
-        u.map(|u| differentiated(u, omega, quantity))
     }
 
     /// Complex amplitudes of a node with the motion of the supports, as [`HarmonicResponse::relative`].
@@ -195,6 +219,67 @@ impl HarmonicResponse {
             }
         }
         amplitudes
+    }
+
+    /// First-order changes of a stress about the state, of its elastic part alone: the Cauchy stress or the second
+    /// Piola-Kirchhoff stress at some nodes. Equivalent and principal values are not linear and do not vibrate
+    /// harmonically.
+    ///
+    /// # Errors
+    /// [`Error::Response`] for other fields, and where the body has no stress.
+    ///
+    /// ```
+    /// use emmy::body::{FieldName, Fields};
+    /// use emmy::modes::{Excitation, HarmonicResponse, ModalDamping};
+    /// use emmy::prelude::*;
+    /// let slab = mesh::block([1.0, 1.0, 0.1], [1, 1, 2])?;
+    /// let body = Body::builder(slab)
+    ///     .region(Region::new(NeoHooke::new(0.0, 500.0)?, 2.0))
+    ///     .support(Support::fixed("z-min"))
+    ///     .load(Load::nodal_force("z-max", [0.0, 0.0, 0.25]))
+    ///     .build()?;
+    /// let damping = ModalDamping::Ratios(vec![0.02]);
+    /// let response = HarmonicResponse::new(&body, None, 6, &damping, &Excitation::Loads(vec![0]))?;
+    /// let fields = Fields::new(&body);
+    /// let middle = body.mesh().nearest_node([0.0, 0.0, 0.05]) as u32;
+    /// let change = response.stress(&fields, &fields.select_nodes(&[middle]), FieldName::CauchyStress)?;
+    /// // Slowly, the four forces of 0.25 on an area of 1 make a stress of 1 along z.
+    /// let slow = 1e-3 * response.modes()[0].angular_frequency;
+    /// let [re, _] = response.stress_amplitudes(slow, &change)[2];
+    /// assert!((re - 1.0).abs() < 1e-5);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn stress(&self, fields: &Fields, nodes: &Selection, field: FieldName) -> Result<StressChange> {
+        if ![FieldName::CauchyStress, FieldName::SecondPiolaKirchhoffStress].contains(&field) {
+            return Err(rejected(format!("{field} does not vibrate harmonically: it is not linear")));
+        }
+        let change = |shape: &[f64]| -> Result<Vec<f64>> {
+            let largest = shape.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+            let factor = if largest > 0.0 { self.small / largest } else { 0.0 };
+            let [plus, minus] = [factor, -factor].map(|factor| {
+                let moved: Vec<f64> = self.rest.iter().zip(shape).map(|(u, v)| u + factor * v).collect();
+                fields.on(nodes, [&moved, &self.rest], field)
+            });
+            let quotient = |(plus, minus): (&f64, &f64)| match factor {
+                0.0 => 0.0,
+                factor => 0.5 * (plus - minus) / factor,
+            };
+            let change: Vec<f64> = plus.iter().zip(&minus).map(quotient).collect();
+            match change.iter().all(|x| x.is_finite()) {
+                true => Ok(change),
+                false => Err(rejected(format!("there is no {field} at one of the nodes"))),
+            }
+        };
+        let of_modes = self.modes.iter().map(|mode| change(&mode.shape)).collect::<Result<_>>()?;
+        Ok(StressChange { of_modes, of_correction: change(&self.correction)? })
+    }
+
+    /// Complex amplitudes of a stress at an angular frequency \[1/time\]: xx, yy, zz, xy, yz, xz at each node
+    /// \[force/length²\].
+    pub fn stress_amplitudes(&self, angular_frequency: f64, change: &StressChange) -> Vec<[f64; 2]> {
+        let mut sums: Vec<Complex> = change.of_correction.iter().map(|part| [*part, 0.0]).collect();
+        self.superpose(angular_frequency, change.of_modes.iter().map(Vec::as_slice), &mut sums);
+        sums
     }
 }
 

@@ -1,7 +1,9 @@
 //! Harmonic response by modes against closed forms.
 
+use std::f64::consts::{PI, TAU};
+
 use emmy::Error;
-use emmy::body::{Body, Load, PointTerms, Region, Support, Viscosity};
+use emmy::body::{Body, FieldName, Fields, Load, PointTerms, Region, Support, Viscosity};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, CellKind};
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
@@ -171,7 +173,7 @@ fn the_static_correction_stands_for_the_modes_that_are_left_out() {
         .zip(few.modal_forces())
         .map(|(mode, f)| mode.shape[3 * tip] * f / mode.angular_frequency.powi(2))
         .sum();
-    let lacking = 1.0 - 8.0 / std::f64::consts::PI.powi(2) * (1.0 + 1.0 / 9.0);
+    let lacking = 1.0 - 8.0 / PI.powi(2) * (1.0 + 1.0 / 9.0);
     assert!((1.0 - alone / static_part - lacking).abs() < 1e-3, "{alone}");
 }
 
@@ -211,6 +213,11 @@ fn impossible_responses_are_rejected() {
     assert!(message(&[], base()).contains("no damping ratio"));
     assert!(message(&[0.1], Excitation::Loads(vec![])).contains("no load to excite"));
     assert!(message(&[0.1], Excitation::Loads(vec![1])).contains("no load with the number 1"));
+    let found = response(&body, &ModalDamping::Ratios(vec![0.1]), &base());
+    let fields = Fields::new(&body);
+    let stress = |field| found.stress(&fields, &fields.select_nodes(&[1]), field).unwrap_err().to_string();
+    assert!(stress(FieldName::VonMisesStress).contains("von_mises_stress does not vibrate harmonically"));
+    assert!(stress(FieldName::CauchyStress).contains("no cauchy_stress at one of the nodes"));
     let damping = ModalDamping::OfBody;
     let error = HarmonicResponse::new(&body, None, 9, &damping, &base()).unwrap_err();
     assert!(matches!(error, Error::TooManyModes { count: 9, free: 1 }), "{error}");
@@ -222,25 +229,27 @@ fn steel() -> Region {
 }
 
 /// Frequency and size of the largest amplitude of a node along z, near the lowest mode that the load excites, with a
-/// damping ratio of 2 %.
-fn peak(body: &Body, count: usize, place: [f64; 3]) -> (f64, f64) {
+/// damping ratio of 2 %; and the amplitude of the stress xx at another node there.
+fn peak(body: &Body, count: usize, places: [[f64; 3]; 2]) -> (f64, f64, f64) {
     let damping = ModalDamping::Ratios(vec![0.02]);
     let found = HarmonicResponse::new(body, None, count, &damping, &Excitation::Loads(vec![0])).unwrap();
     let excited = found.modal_forces().iter().map(|force| force.abs());
     let (at, _) = excited.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap();
     let natural = found.modes()[at].frequency();
-    let node = body.mesh().nearest_node(place);
-    let amplitude = |f: f64| {
-        let [re, im] = found.relative(std::f64::consts::TAU * f, node, Quantity::Displacement)[2];
-        re.hypot(im)
-    };
+    let [node, stressed] = places.map(|place| body.mesh().nearest_node(place));
+    let size = |[re, im]: [f64; 2]| re.hypot(im);
+    let amplitude = |f: f64| size(found.relative(TAU * f, node, Quantity::Displacement)[2]);
     let frequencies = (0..=2000).map(|i| natural * (0.95 + 5e-5 * f64::from(i)));
     let all = frequencies.map(|f| (f, amplitude(f)));
-    all.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap()
+    let (frequency, largest) = all.max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap();
+    let fields = Fields::new(body);
+    let nodes = fields.select_nodes(&[stressed as u32]);
+    let change = found.stress(&fields, &nodes, FieldName::CauchyStress).unwrap();
+    (frequency, largest, size(found.stress_amplitudes(TAU * frequency, &change)[0]))
 }
 
 /// Tests 5H and 5R: a deep beam, 10 x 2 x 2 m, under 1 MN/m: 13.45 mm at 42.65 Hz; under a force with a density of
-/// (1 MN/m)^2/Hz a displacement with 180.9 mm^2/Hz there. Supports hold the end faces across the beam.
+/// (1 MN/m)^2/Hz a displacement with 180.9 mm^2/Hz there; 241.9 MPa, and a density of 58516 MPa^2/Hz. Supports hold the end faces across the beam.
 #[test]
 fn a_deep_beam_has_the_response_of_nafems_5h_and_5r() {
     let body = Body::builder(brick(CellKind::Hex20, [10.0, 2.0, 2.0], [10, 2, 2]))
@@ -251,14 +260,17 @@ fn a_deep_beam_has_the_response_of_nafems_5h_and_5r() {
         .load(Load::acceleration([0.0, 0.0, 1e6 / (8000.0 * 4.0)]))
         .build()
         .unwrap();
-    let (frequency, amplitude) = peak(&body, 12, [5.0, 1.0, 1.0]);
+    let (frequency, amplitude, stress) = peak(&body, 12, [[5.0, 1.0, 1.0], [5.0, 1.0, 2.0]]);
     assert!((frequency / 42.65 - 1.0).abs() < 0.01, "{frequency} Hz");
     assert!((1e3 * amplitude / 13.45 - 1.0).abs() < 0.02, "{amplitude} m");
     assert!((1e6 * amplitude * amplitude / 180.9 - 1.0).abs() < 0.04, "{amplitude} m");
+    assert!((1e-6 * stress / 241.9 - 1.0).abs() < 0.02, "{stress} Pa");
+    assert!((1e-12 * stress * stress / 58516.0 - 1.0).abs() < 0.04, "{stress} Pa");
 }
 
 /// Tests 13H and 13R: a thin square plate, 10 x 10 x 0.05 m, with simply supported edges under 100 N/m^2: 45.42 mm at
-/// 2.377 Hz; under a pressure with a density of (100 N/m^2)^2/Hz a displacement with 2063.2 mm^2/Hz there.
+/// 2.377 Hz; under a pressure with a density of (100 N/m^2)^2/Hz a displacement with 2063.2 mm^2/Hz there. The mode w
+/// of a thin plate has the stress `E t/(2 (1 - nu)) w pi^2/a^2` in the middle.
 #[test]
 fn a_thin_plate_has_the_response_of_nafems_13h_and_13r() {
     let body = Body::builder(brick(CellKind::Hex27, [10.0, 10.0, 0.05], [10, 10, 1]))
@@ -270,8 +282,10 @@ fn a_thin_plate_has_the_response_of_nafems_13h_and_13r() {
         .load(Load::acceleration([0.0, 0.0, 100.0 / (8000.0 * 0.05)]))
         .build()
         .unwrap();
-    let (frequency, amplitude) = peak(&body, 12, [5.0, 5.0, 0.025]);
+    let (frequency, amplitude, stress) = peak(&body, 12, [[5.0, 5.0, 0.025], [5.0, 5.0, 0.05]]);
     assert!((frequency / 2.377 - 1.0).abs() < 0.01, "{frequency} Hz");
     assert!((1e3 * amplitude / 45.42 - 1.0).abs() < 0.02, "{amplitude} m");
     assert!((1e6 * amplitude * amplitude / 2063.2 - 1.0).abs() < 0.04, "{amplitude} m");
+    let expected = 200e9 * 0.05 / (2.0 * 0.7) * amplitude * (PI / 10.0).powi(2);
+    assert!((stress / expected - 1.0).abs() < 0.02, "{stress} Pa is not {expected}");
 }

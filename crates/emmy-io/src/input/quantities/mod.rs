@@ -3,7 +3,7 @@
 mod read;
 mod resolve;
 
-use emmy::body::FieldName;
+use emmy::body::{Body, FieldName, Fields, Selection};
 use emmy::motion::ReferenceMotion;
 
 pub(super) use read::{PROBE, RELATIVE_TO, Requested, VALUE, field, of_extremes, read};
@@ -106,6 +106,16 @@ impl Probe {
             ProbeQuantity::Position => None,
             ProbeQuantity::Field(field) => Some(*field),
         })
+    }
+
+    /// Its node, for fields that are recovered from the cells of its group alone; `node`: the index in the mesh of the
+    /// body.
+    pub(crate) fn selection(&self, body: &Body, fields: &Fields, node: usize) -> Selection {
+        let cells = self.group.as_deref().and_then(|group| body.mesh().groups().cells(group).ok());
+        match cells {
+            Some(cells) => fields.select_nodes_in(&[node as u32], cells.to_vec()),
+            None => fields.select_nodes(&[node as u32]),
+        }
     }
 
     /// Its columns; `relative_to`: of all quantities.

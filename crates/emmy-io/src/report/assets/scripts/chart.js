@@ -95,10 +95,16 @@ class Chart {
       y.values = (_, ticks) => ticks.map(logLabel);
     }
     if (spec.whole) y.incrs = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+    const x = { ...axis, size: 24, gap: 3, values: tickLabels, space: 70 };
+    if (spec.logAbscissa) {
+      x.splits = decades;
+      x.filter = (_, ticks) => ticks;
+      x.values = (_, ticks) => ticks.map((tick) => number(tick));
+    }
     const options = {
       ...this.size(), legend: { show: false }, padding: [8, 20, 0, 0],
-      scales: { x: { time: false }, y: spec.log ? { distr: 3, range: logRange } : { range: spec.range ?? roomyRange } },
-      series: [{}, ...lines], axes: [{ ...axis, size: 24, gap: 3, values: tickLabels, space: 70 }, y],
+      scales: { x: { time: false, ...(spec.logAbscissa ? { distr: 3 } : {}) }, y: spec.log ? { distr: 3, range: logRange } : { range: spec.range ?? roomyRange } },
+      series: [{}, ...lines], axes: [x, y],
       cursor: { y: false, points: { show: false }, drag: { x: true, y: false, setScale: true }, bind: this.bindings() },
       hooks: {
         drawClear: [(plot) => this.shade(plot)], draw: spec.draw ? [(plot) => spec.draw(plot)] : [],

@@ -39,6 +39,7 @@ const FILES = {
   "history.csv": "one row a step, 17 digits", "columns.json": "the columns of history.csv with their units", "newton.csv": "residuals of the Newton iteration", "events.csv": "cuts, rejections, releases and other events",
   "summary.json": "the verdict", "input.toml": "the input", "report.html": "the report",
   "modes.csv": "frequencies, periods and effective masses, 17 digits", "modes.toml": "the input",
+  "spectrum.csv": "all columns, 17 digits", "spectrum.svg": "the charts", "response.csv": "amplitudes and phases, 17 digits", "response_modes.csv": "the modes with their damping", "response.svg": "the charts", "response.toml": "the input",
 };
 
 function fileList(run) {

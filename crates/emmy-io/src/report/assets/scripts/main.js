@@ -82,7 +82,8 @@ async function showRuns(manifest) {
 }
 
 try {
-  await (manifest.runs[0].modes ? showModes(manifest) : showRuns(manifest));
+  const [{ modes, curves }] = manifest.runs;
+  await (modes ? showModes(manifest) : curves ? showCurves(manifest) : showRuns(manifest));
   document.documentElement.dataset.ready = "true";
 } catch (error) {
   const fault = document.getElementById("fault");

@@ -118,7 +118,7 @@ function facts(run) {
     fact("scheme", ofSummary(run, "scheme", s.scheme), isStatic(run) ? null : small(`, degree ${s.degree}`)),
     fact(`${stepName(run)}s`, ofSummary(run, "steps", grouped(s.steps)), small(` to ${timeText(run, s.time)}`)),
     stepLimits(s) ? fact("step size limited by", small(stepLimits(s))) : null,
-    fact("Corrections", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
+    fact("corrections", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
     fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
