@@ -1,5 +1,6 @@
 //! The whole program in its quick set: every item runs, and the block has the energies of the other programs.
 
+use std::f64::consts::PI;
 use std::process::{Command, Output};
 
 fn bench(arguments: &[&str]) -> Output {
@@ -53,6 +54,20 @@ fn a_case_prints_one_line_of_json() {
     let total = line["kinetic_energy"].as_f64().unwrap() + line["strain_energy"].as_f64().unwrap();
     assert!((total - 464.5311).abs() < 0.05, "{total}");
     assert!(line["cpu_seconds_per_step"].as_f64().unwrap() >= 0.0);
+}
+
+#[test]
+fn a_bushing_of_steel_and_rubber_is_a_case() {
+    let input = concat!(env!("CARGO_MANIFEST_DIR"), "/bushing.toml");
+    let output = bench(&["case", input, "--set", "time.steps=[{ until = 8e-4, size = 2e-4 }]"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((line["cells"].as_u64(), line["dofs"].as_u64()), (Some(1702), Some(8445)));
+    let energy = |name: &str| line[name].as_f64().unwrap();
+    // The pin of 0.0266 kg takes the impulse of half a sine, 600 N and 5 ms; rubber only slows it.
+    let impulse = 600.0 * 0.005 / PI * (1.0 - (PI * 0.16).cos());
+    let total = energy("kinetic_energy") + energy("strain_energy");
+    assert!(total > 0.0 && total < impulse * impulse / (2.0 * 2.66135e-5), "{total}");
 }
 
 #[test]

@@ -119,8 +119,9 @@ class Response:
         Frequencies in cycles per time.
     nodes : array (n,)
         Nodes.
-    amplitudes : array (m, n, 3), complex
-        Complex amplitudes u of the nodes: the vibration is the real part of u exp(2 pi i f t).
+    amplitudes : array (m, n, 3) or (m, n, 6), complex
+        Complex amplitudes u of the nodes: the vibration is the real part of u exp(2 pi i f t). A stress has the
+        components xx, yy, zz, xy, yz, xz.
     natural_frequencies : array (count,)
         Frequencies of the modes.
     damping_ratios : array (count,)
@@ -175,7 +176,8 @@ def response(
         Damping ratio of every mode, or of each, the last of which holds for all later ones; if not given, viscosity and
         drag of the body.
     quantity : str, optional
-        ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
+        ``"displacement"``, ``"velocity"`` or ``"acceleration"``; ``"cauchy_stress"`` or
+        ``"second_piola_kirchhoff_stress"``, to first order about the state and without their viscous part.
     relative : bool, optional
         Whether amplitudes are relative to the base.
     nodes : array of int (n,) or of bool, optional

@@ -304,7 +304,10 @@ def members(value: Any, n: int, place: str) -> NDArray[np.int64]:
     """Numbers of some of n nodes or cells; a mask with a truth value for each of them chooses those that are true."""
     given = regular(value, place)
     if given.dtype.kind != "b":
-        return integers(given, place)
+        numbers = integers(given, place)
+        if n > 2 and numbers.shape == (n,) and np.isin(numbers, (0, 1)).all():
+            raise fault(place, "are 0 and 1 over and over, as in a mask, whose values are of type bool: mask.astype(bool)")
+        return numbers
     if given.shape != (n,):
         raise fault(place, f"expected a mask of shape ({n},), found {given.shape}")
     return np.flatnonzero(given).astype(np.int64)

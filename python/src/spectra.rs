@@ -1,5 +1,6 @@
 //! Spectra of series, and harmonic responses.
 
+use emmy::body::{FieldName, Fields};
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity};
 use emmy::motion::State;
 use emmy_io::spectra::{Series, Settings, Spectrum};
@@ -82,6 +83,22 @@ pub(crate) struct Request {
     count: usize,
 }
 
+/// The quantity of a harmonic response.
+#[derive(Clone, Copy)]
+enum Wanted {
+    Motion(Quantity),
+    Stress(FieldName),
+}
+
+/// All quantities with their names.
+const WANTED: [(&str, Wanted); 5] = [
+    ("displacement", Wanted::Motion(Quantity::Displacement)),
+    ("velocity", Wanted::Motion(Quantity::Velocity)),
+    ("acceleration", Wanted::Motion(Quantity::Acceleration)),
+    ("cauchy_stress", Wanted::Stress(FieldName::CauchyStress)),
+    ("second_piola_kirchhoff_stress", Wanted::Stress(FieldName::SecondPiolaKirchhoffStress)),
+];
+
 /// A harmonic response about a state: `amplitudes`, `natural_frequencies`, `damping_ratios`, `modal_forces`.
 pub(crate) fn response<'py>(
     py: Python<'py>,
@@ -89,7 +106,7 @@ pub(crate) fn response<'py>(
     state: Option<&State>,
     request: Request,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let quantity = word(py, "quantity", &request.quantity, &Quantity::ALL)?;
+    let quantity = word(py, "quantity", &request.quantity, &WANTED)?;
     let excitation = match (request.base, request.loads) {
         (Some(base), _) => Excitation::Base(base),
         (None, Some(loads)) => Excitation::Loads(loads),
@@ -99,15 +116,23 @@ pub(crate) fn response<'py>(
     let (nodes, frequencies) = (&request.nodes, &request.frequencies);
     let found = pool::work(py, || -> emmy::Result<_> {
         let found = HarmonicResponse::new(body, state, request.count, &damping, &excitation)?;
-        let at = |f: &f64, node: usize| {
-            let omega = std::f64::consts::TAU * f;
-            match request.relative {
-                true => found.relative(omega, node, quantity),
-                false => found.absolute(omega, node, quantity),
+        let omegas = || frequencies.iter().map(|f| std::f64::consts::TAU * f);
+        let all: Vec<[f64; 2]> = match quantity {
+            Wanted::Motion(quantity) => {
+                let at = |omega: f64, node: usize| match request.relative {
+                    true => found.relative(omega, node, quantity),
+                    false => found.absolute(omega, node, quantity),
+                };
+                omegas().flat_map(|omega| nodes.iter().flat_map(move |&node| at(omega, node))).collect()
+            }
+            Wanted::Stress(field) => {
+                let fields = Fields::new(body);
+                let nodes: Vec<u32> = nodes.iter().map(|&node| node as u32).collect();
+                let change = found.stress(&fields, &fields.select_nodes(&nodes), field)?;
+                omegas().flat_map(|omega| found.stress_amplitudes(omega, &change)).collect()
             }
         };
-        let all = frequencies.iter().flat_map(|f| nodes.iter().flat_map(move |&node| at(f, node)));
-        let amplitudes: Vec<Complex64> = all.map(|[re, im]| Complex64::new(re, im)).collect();
+        let amplitudes: Vec<Complex64> = all.into_iter().map(|[re, im]| Complex64::new(re, im)).collect();
         Ok((found, amplitudes))
     })?;
     let (found, amplitudes) = found.map_err(|error| match error {
@@ -115,7 +140,9 @@ pub(crate) fn response<'py>(
         error => errors::library(py, &error),
     })?;
     let table = PyDict::new(py);
-    let amplitudes = PyArray1::from_vec(py, amplitudes).reshape([frequencies.len(), nodes.len(), 3])?;
+    let n_components = if matches!(quantity, Wanted::Stress(_)) { 6 } else { 3 };
+    let amplitudes =
+        PyArray1::from_vec(py, amplitudes).reshape([frequencies.len(), nodes.len(), n_components])?;
     table.set_item("amplitudes", amplitudes)?;
     let natural = found.modes().iter().map(|mode| mode.frequency());
     table.set_item("natural_frequencies", PyArray1::from_iter(py, natural))?;

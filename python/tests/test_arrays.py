@@ -202,6 +202,8 @@ def test_masks_are_groups():
         expected = rf"^{groups}.{place}: expected a mask of shape \({n},\), found \(3,\)$"
         with pytest.raises(emmy.InputError, match=expected):
             emmy.Mesh(box.points, box.cells, **{groups: {place: [True, False, True]}})
+    with pytest.raises(emmy.InputError, match=r"^node_groups.right: are 0 and 1 over and over.*astype\(bool\)$"):
+        emmy.Mesh(box.points, box.cells, node_groups={"right": (box.points[:, 0] > 1.5).astype(int)})
     spring = emmy.Body(
         emmy.Mesh.network([(0, 0, 0), (1, 0, 0)], [(0, 1)], {"foot": [0], "head": [1]}),
         emmy.Region(emmy.Spring(stiffness=18.0)),

@@ -70,6 +70,21 @@ def test_an_oscillator_responds_in_closed_form():
     assert np.allclose(relative, transmitted - 1.0, rtol=1e-9)
 
 
+def test_stresses_of_a_pillar():
+    """The stress at the foot of a pillar under a slow tension p is p / cos(k L), k L = pi f / (2 f_1)."""
+    rubber = emmy.Region(emmy.NeoHooke(lambda_=0.0, mu=500.0), density=0.1)
+    supports = [emmy.Support(f"{axis}-min", fix=axis) for axis in "xyz"]
+    load = emmy.Load("z-max", traction=(0.0, 0.0, 3.0))
+    body = emmy.Body(emmy.Mesh.box((1, 1, 2), (1, 1, 8)), rubber, supports, loads=load)
+    f = np.array([2.0, 8.0])
+    foot = int(np.argmin(np.linalg.norm(body.mesh.points, axis=1)))
+    given = {"damping": 1e-4, "count": 40, "nodes": [foot]}
+    found = emmy.response(body, f, quantity="cauchy_stress", **given).amplitudes
+    assert found.shape == (2, 1, 6)
+    assert np.abs(found[:, 0, 2]) == pytest.approx(3.0 / np.cos(0.5 * np.pi * f / 12.5), rel=0.01)
+    assert np.abs(found[:, 0, [0, 1, 3, 4, 5]]).max() < 1e-6
+
+
 @pytest.mark.parametrize(
     ("given", "part"),
     [
@@ -95,6 +110,7 @@ def test_impossible_spectra_are_rejected(given, part):
         ({"loads": [1]}, "no load with the number 1"),
         ({"nodes": [2]}, "nodes"),
         ({"quantity": "speed"}, "there is displacement"),
+        ({"quantity": "cauchy_stress"}, "the body has no cauchy_stress"),
         ({"count": 2}, "2 modes"),
     ],
 )

@@ -633,6 +633,32 @@ def check_differences(page, summaries):
         assert abs(float(percent.removesuffix(" %")) - exact) < 0.0051, (column, percent, exact)
 
 
+def check_curves(browser, emmy, place):
+    """Pages of a harmonic response and of a shock response spectrum read the numbers of their tables at the cursor."""
+    mount = ["response", "examples/shock-mount.toml", "--base", "z", "--frequencies", "20:2000:100", "--output", f"{place}/response"]
+    spectrum = ["spectrum", f"{place}/l-block", "--column", "total_energy", "--kind", "srs", "--output", f"{place}/srs"]
+    for command, table, ending in [(mount, "response.csv", "_amplitude"), (spectrum, "spectrum.csv", "_acceleration_maximax")]:
+        subprocess.run([emmy, *command, "--quiet"], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        directory = command[-1]
+        head, *rows = [line.split(",") for line in open(f"{directory}/{table}").read().splitlines()]
+        page = browser.page(f"{directory}/report.html", width=1300)
+        keys = "[...document.querySelector('section.chart').querySelectorAll('.key')].map(e => [e.childNodes[1].textContent, e.querySelector('.value').textContent])"
+        for key, row in [("Home", rows[0]), ("ArrowRight", rows[1]), ("End", rows[-1])]:
+            page.press(key)
+            readings = page.value(keys)
+            assert readings, directory
+            for label, text in readings:
+                value, half = shown(text)
+                expected = float(row[head.index(label + ending)])
+                assert abs(value - expected) <= half * (1 + 1e-9), (directory, key, label, text, expected)
+        frequency, half = shown(re.search(r": ([0-9.e+-]+)", page.value("document.getElementById('status').textContent"))[1])
+        assert abs(frequency - float(rows[-1][0])) <= half * (1 + 1e-9), frequency
+        page.settle()
+        assert colours(page.picture("section.chart")) > 20, directory
+        check_silence(page)
+        page.close()
+
+
 def check_adaptive(browser, adaptive, planned):
     """Adaptive steps have a chart of their errors, planned ones have none."""
     for directory, expected in [(adaptive, True), (planned, False)]:
@@ -821,6 +847,7 @@ def main():
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
         check_modes(browser, emmy, f"{place}/modes")
+        check_curves(browser, emmy, place)
         check_static(browser, emmy, f"{place}/static")
         check_schemes(browser, f"{place}/l-block")
         compared = ["l-block", "newmark"]

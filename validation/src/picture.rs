@@ -121,8 +121,8 @@ fn chart(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Chart {
 const SCHEMES: [&str; 8] =
     ["DGM", "AS(", "Newmark", "FE(", "HHT", "generalized-alpha", "Bathe", "central-differences"];
 
-/// Colours of curves: a scheme has the same one in all pictures, but for further ones of its family in the same picture,
-/// which take colours that are left.
+/// Colours of curves: a scheme has the same one in all pictures. Further ones of its family in the same picture take
+/// colours that are left.
 fn colours(series: &[Series]) -> Vec<usize> {
     let family = |series: &Series| {
         let label = series.label.strip_prefix("Emmy, ").unwrap_or(&series.label);

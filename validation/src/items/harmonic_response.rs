@@ -15,12 +15,15 @@ use crate::case::Case;
 use crate::claim::Item;
 use crate::picture::{Pictures, Series};
 
+/// Real and imaginary part.
+type Complex = [f64; 2];
+
 /// Number of modes of the deck.
 const N_MODES: usize = 40;
 
 /// Frequency, and complex displacements of the tip along z by the forces and by the base, of CalculiX 2.20 with
 /// `inputs/spectra/beam.inp`, the seven digits that it prints.
-const CALCULIX: [(f64, [f64; 2], [f64; 2]); 8] = [
+const CALCULIX: [(f64, Complex, Complex); 8] = [
     (5.0, [7.755323e-05, -1.397896e-06], [-1.293212e-03, 3.239149e-05]),
     (10.19532, [1.761126e-04, -1.521438e-05], [-8.920533e-04, 8.910017e-05]),
     (12.79298, [2.103297e-06, -1.5996e-03], [8.958716e-05, 6.017881e-03]),
@@ -89,7 +92,8 @@ pub(super) fn harmonic_response(effort: Effort, pictures: &Pictures) -> Result<I
         "Steady vibrations by superposition of modes. J. Maguire, D. J. Dawswell, L. Gould, Selected Benchmarks for Forced Vibration, NAFEMS \
         R0016 (1989): solid cells beside beams and plates of steel, damping 2 %, the largest amplitudes near the first resonance. Noise with \
         a density of S_0 has the response |H|^2 S_0. CalculiX 2.20: a beam of steel, clamped, of 16 cells of type C3D20, 40 modes with a \
-        damping of 2 %.",
+        damping of 2 %. Its dampers hold the modes to a place at rest even if the base moves, those of Emmy to the base; and it has no \
+        static correction for the modes that are left out.",
     );
     let mut table = vec![
         ["", "frequency [Hz]", "", "displacement [mm]", "", "stress [N/mm²]", ""].map(String::from).to_vec(),
@@ -105,7 +109,7 @@ pub(super) fn harmonic_response(effort: Effort, pictures: &Pictures) -> Result<I
     );
     if let Some(program) = effort.ccx {
         let all = calculix(program, &pictures.folder)?;
-        beside(&mut item, &found, all, "CalculiX on this machine");
+        beside(&mut item, &found, &all, "CalculiX on this machine");
     }
     show(&mut item, &found, pictures)?;
     item.commands.push("cargo run --release -p emmy-validation -- --only harmonic-response --ccx ccx".into());
@@ -116,7 +120,7 @@ fn text(error: emmy::Error) -> String {
     error.to_string()
 }
 
-fn size([re, im]: [f64; 2]) -> f64 {
+fn size([re, im]: Complex) -> f64 {
     re.hypot(im)
 }
 
@@ -195,31 +199,59 @@ impl Beam {
     }
 
     /// Displacements of the tip along z, with the motion of the base.
-    fn at(&self, f: f64) -> [[f64; 2]; 2] {
+    fn at(&self, f: f64) -> [Complex; 2] {
         [0, 1].map(|of| self.responses[of].absolute(TAU * f, self.tip, Quantity::Displacement)[2])
+    }
+
+    /// The same as CalculiX has them: without the static correction, and with dampers between the modes and a place at
+    /// rest, which a base that moves with the velocity a/(i omega) feels.
+    fn as_calculix(&self, f: f64) -> [Complex; 2] {
+        let omega = TAU * f;
+        [(0, 0.0, 0.0), (1, 1.0, -1.0 / (omega * omega))].map(|(of, of_base, base)| {
+            let response = &self.responses[of];
+            let modes = response.modes().iter().zip(response.damping_rates()).zip(response.modal_forces());
+            modes.fold([base, 0.0], |sum, ((mode, c), force)| {
+                let v = mode.shape[3 * self.tip + 2] * force;
+                let [re, im] = [mode.angular_frequency.powi(2) - omega * omega, omega * c];
+                let damped = of_base * c / omega;
+                let square = re * re + im * im;
+                [sum[0] + v * (re - damped * im) / square, sum[1] - v * (im + damped * re) / square]
+            })
+        })
     }
 }
 
-/// The beam beside displacements of another program.
-fn beside(item: &mut Item, own: &Beam, all: Vec<(f64, [[f64; 2]; 2])>, program: &str) {
-    let mut largest = [0f64; 2];
-    for (f, expected) in &all {
-        for (of, (found, expected)) in own.at(*f).into_iter().zip(expected).enumerate() {
-            let difference = size([found[0] - expected[0], found[1] - expected[1]]) / size(*expected);
-            largest[of] = largest[of].max(difference);
+/// The beam beside displacements of CalculiX, whose digits these are.
+fn beside(item: &mut Item, own: &Beam, all: &[(f64, [Complex; 2])], program: &str) {
+    let mut largest = [[0f64; 2]; 2];
+    for (f, expected) in all {
+        let (as_there, whole) = (own.as_calculix(*f), own.at(*f));
+        for of in 0..2 {
+            let peak = all.iter().map(|(_, own)| size(own[of])).fold(0.0, f64::max);
+            let difference = |found: Complex| size([found[0] - expected[of][0], found[1] - expected[of][1]]);
+            largest[of][0] = largest[of][0].max(difference(as_there[of]) / size(expected[of]));
+            largest[of][1] = largest[of][1].max(difference(whole[of]) / peak);
         }
     }
-    for (what, largest) in ["under forces at its end", "on a base that shakes"].into_iter().zip(largest) {
+    for (what, [as_there, whole]) in
+        ["under forces at its end", "on a base that shakes"].into_iter().zip(largest)
+    {
         item.claim(
-            format!("a beam {what}: the complex displacements of {program}"),
-            format!("largest difference {:.1e} of the amplitude, at {} frequencies", largest, all.len()),
-            largest < 0.01,
+            format!("a beam {what}: the complex displacements of {program}, with its damping and without a static correction"),
+            format!("largest difference {as_there:.1e} of the amplitude at {} frequencies", all.len()),
+            as_there < 1e-4,
+        );
+        // The damping that acts on the base, too, changes the response by up to 2 zeta.
+        item.claim(
+            format!("a beam {what}: Emmy's own response is near to it"),
+            format!("largest difference {whole:.1e} of the largest amplitude"),
+            whole < 0.05,
         );
     }
 }
 
 /// Runs the deck: displacements of the tip along z by forces and by the base, at the frequencies of the program.
-fn calculix(program: &Path, folder: &Path) -> Result<Vec<(f64, [[f64; 2]; 2])>, String> {
+fn calculix(program: &Path, folder: &Path) -> Result<Vec<(f64, [Complex; 2])>, String> {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs/spectra/beam.inp");
     let folder = folder.join("calculix");
     let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
@@ -235,7 +267,7 @@ fn calculix(program: &Path, folder: &Path) -> Result<Vec<(f64, [[f64; 2]; 2])>, 
 }
 
 /// The printed displacements along z: of each frequency the real part, then the imaginary one, first by forces.
-fn read(text: &str) -> Option<Vec<(f64, [[f64; 2]; 2])>> {
+fn read(text: &str) -> Option<Vec<(f64, [Complex; 2])>> {
     let lines: Vec<&str> = text.lines().collect();
     let mut parts = Vec::new();
     for (i, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with(" displacements")) {
@@ -243,7 +275,7 @@ fn read(text: &str) -> Option<Vec<(f64, [[f64; 2]; 2])>> {
         let number: f64 = lines.get(i + 2)?.split_whitespace().last()?.parse().ok()?;
         parts.push((frequency, number));
     }
-    let numbers: Vec<(f64, [f64; 2])> =
+    let numbers: Vec<(f64, Complex)> =
         parts.as_chunks().0.iter().map(|[re, im]| (re.0, [re.1, im.1])).collect();
     let (forces, base) = numbers.split_at(numbers.len() / 2);
     (!forces.is_empty())

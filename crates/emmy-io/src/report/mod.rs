@@ -1,4 +1,5 @@
-//! `report.html`: one run, several side by side, natural modes, spectra or responses, as a page that opens from disk and loads nothing.
+//! `report.html`: one run, several side by side, natural modes, spectra or responses, as a page that opens from disk and
+//! loads nothing.
 //!
 //! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
 //! `input.toml` and the frames. The page is replaced as a whole, also during a run.
