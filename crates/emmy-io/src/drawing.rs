@@ -62,7 +62,7 @@ impl Default for Viewpoint {
 
 impl Viewpoint {
     /// Unit vectors to the right, up and to the observer.
-    fn axes(&self) -> [[f64; 3]; 3] {
+    pub(crate) fn axes(&self) -> [[f64; 3]; 3] {
         let depth = unit(self.from);
         let right = unit(cross(self.up, depth));
         [right, cross(depth, right), depth]

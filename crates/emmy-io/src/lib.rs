@@ -8,7 +8,7 @@
 //! | [`directory`] | the output directory, its lock, and which files in it are Emmy's |
 //! | [`history`] | `history.csv` |
 //! | [`newton`] | `newton.csv` |
-//! | [`report`] | `report.html` |
+//! | [`report`] | `report.html`, `pictures/` |
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or all frames in one file (`.vtkhdf`) |
 //! | [`checkpoint`] | `checkpoint/`: everything that a run needs to resume |
 //! | [`mod@shares`] | shares of a mesh for the ranks of a team |

@@ -10,7 +10,7 @@ use std::sync::{Arc, LazyLock};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{IntSize, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
 use crate::directory::MARK;
@@ -19,7 +19,7 @@ use crate::whole_file::replace;
 /// Units of the canvas per point. plotters has integer coordinates, and curves need finer ones than points.
 const UNITS: f64 = 10.0;
 /// Pixels per point in PNG.
-const PIXELS: f32 = 2.5;
+pub(crate) const PIXELS: f32 = 2.5;
 const FAMILY: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 /// plotters writes text smaller than requested by this factor.
 const SHRINKING: f64 = 1.24;
@@ -65,12 +65,17 @@ pub(crate) fn width(text: &str, style: &TextStyle<'_>) -> i32 {
 }
 
 /// A picture of a size in points, as SVG.
-pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
+pub(crate) fn svg(size: (f64, f64), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
+    overlay(size, |area| area.fill(&WHITE).and_then(|()| draw(area)))
+}
+
+/// A picture of a size in points without ground, as SVG.
+pub(crate) fn overlay((width, height): (f64, f64), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
     let mut svg = String::new();
     let area =
         SVGBackend::with_string(&mut svg, (units(width) as u32, units(height) as u32)).into_drawing_area();
     // Writing to a string cannot fail.
-    let _ = area.fill(&WHITE).and_then(|()| draw(&area)).and_then(|()| area.present());
+    let _ = draw(&area).and_then(|()| area.present());
     drop(area);
     let header = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
@@ -96,16 +101,36 @@ pub(crate) fn write(svg: &str, stem: &Path) -> io::Result<()> {
 }
 
 fn png(svg: &str) -> io::Result<Vec<u8>> {
+    let tree = tree(svg)?;
+    let [width, height] = size(&tree);
+    drawn(&tree, Pixmap::new(width, height))
+}
+
+/// A picture over others, as PNG. `pixels`: red, green, blue and 255 of each pixel, of which a point has [`PIXELS`].
+pub(crate) fn png_over(svg: &str, pixels: Vec<u8>) -> io::Result<Vec<u8>> {
+    let tree = tree(svg)?;
+    let [width, height] = size(&tree);
+    drawn(&tree, IntSize::from_wh(width, height).and_then(|size| Pixmap::from_vec(pixels, size)))
+}
+
+fn tree(svg: &str) -> io::Result<Tree> {
     static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
         let mut fonts = fontdb::Database::new();
         fonts.load_font_data(dejavu::sans::regular().to_vec());
         Arc::new(fonts)
     });
     let options = Options { fontdb: FONTS.clone(), ..Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(io::Error::other)?;
+    Tree::from_str(svg, &options).map_err(io::Error::other)
+}
+
+/// Width and height in pixels.
+fn size(tree: &Tree) -> [u32; 2] {
     let size = tree.size().to_int_size().scale_by(PIXELS);
-    let pixmap = size.and_then(|size| Pixmap::new(size.width(), size.height()));
+    size.map_or([0; 2], |size| [size.width(), size.height()])
+}
+
+fn drawn(tree: &Tree, pixmap: Option<Pixmap>) -> io::Result<Vec<u8>> {
     let mut pixmap = pixmap.ok_or_else(|| io::Error::other("the picture is too large to be drawn"))?;
-    resvg::render(&tree, Transform::from_scale(PIXELS, PIXELS), &mut pixmap.as_mut());
+    resvg::render(tree, Transform::from_scale(PIXELS, PIXELS), &mut pixmap.as_mut());
     pixmap.encode_png().map_err(io::Error::other)
 }

@@ -58,7 +58,8 @@ pub(crate) enum Verb {
     /// Write report.html of a run again
     ///
     /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion
-    /// in three dimensions, energies, momenta, balances, and the verdict.
+    /// in three dimensions, energies, momenta, balances, and the verdict. Pictures (PNG) are for documents; they need
+    /// neither a browser nor a graphics card.
     Report(report::Arguments),
     /// Resume a run that was stopped or has failed, or extend it
     ///

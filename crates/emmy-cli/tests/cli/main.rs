@@ -25,6 +25,7 @@ mod mistakes;
 mod modes;
 mod pages;
 mod parts;
+mod pictures;
 mod quantities;
 mod records;
 mod reference;

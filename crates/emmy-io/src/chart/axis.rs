@@ -155,7 +155,7 @@ fn log_label(coordinate: f64) -> String {
 }
 
 /// A whole number in superscript digits.
-pub(super) fn superscript(number: i32) -> String {
+pub(crate) fn superscript(number: i32) -> String {
     let raised = |c: char| match c.to_digit(10) {
         Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
         None => '⁻',

@@ -10,6 +10,7 @@ use std::io;
 use std::path::Path;
 
 use crate::picture::{self, Area, Drawn, units};
+pub(crate) use axis::superscript;
 use panel::Legend;
 
 /// Size of a single chart, in points.

@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use super::lock;
+use crate::report::pictures;
 use crate::vtk::{self, COLLECTION_MARK};
 use crate::whole_file::{self, names, remove};
 use crate::{checkpoint, vtk::is_series};
@@ -46,8 +47,9 @@ pub(super) fn remove_run(path: &Path) -> io::Result<()> {
     remove_frames(path)
 }
 
-/// Removes the frames of all collections, the series, and unfinished files.
+/// Removes the frames of all collections, the series, and unfinished files; and the pictures, which show frames.
 pub(crate) fn remove_frames(path: &Path) -> io::Result<()> {
+    remove_pictures(path)?;
     for name in collections(path)? {
         vtk::remove_frames(&path.join("frames"), &name)?;
         remove(&path.join(format!("{name}.pvd")))?;
@@ -56,6 +58,11 @@ pub(crate) fn remove_frames(path: &Path) -> io::Result<()> {
         remove(&path.join(&name))?;
     }
     Ok(())
+}
+
+/// Removes the pictures of a run or of natural modes.
+pub(crate) fn remove_pictures(path: &Path) -> io::Result<()> {
+    pictures::remove_all(&path.join(pictures::DIRECTORY))
 }
 
 /// Names of the collections of frames in a directory.

@@ -2,8 +2,8 @@
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
 //! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames
-//! of its collections and its series of frames (`.vtkhdf`) are removed, all other files stay. Any other directory is
-//! rejected.
+//! of its collections, its series of frames (`.vtkhdf`) and its pictures are removed, all other files stay. Any other
+//! directory is rejected.
 //!
 //! Studies and comparisons have directories of their own kind, recognized by one of their files ([`check_kind`]).
 
@@ -17,7 +17,7 @@ use std::{fs, io};
 
 use contents::{BEGINNINGS, is_run, remove_run};
 pub use contents::{FILES, MARK};
-pub(crate) use contents::{remove_frames, remove_unfinished};
+pub(crate) use contents::{remove_frames, remove_pictures, remove_unfinished};
 pub use error::DirectoryError;
 pub use lock::Lock;
 pub(crate) use sources::check as check_sources;
@@ -198,9 +198,16 @@ mod tests {
             "run.log",
             "events.csv",
             "checkpoint/a.checkpoint",
+            "pictures/start.png",
+            "pictures/von_mises_stress.png",
+            "pictures/largest_stretch.png.part",
+            "pictures/extremes.csv",
+            "pictures/mode-2.png",
         ];
         let foreign = [
             "checkpoint/mine.txt",
+            "pictures/mine.png",
+            "pictures/mode-2b.png",
             "notes.txt",
             "notes.part",
             "other.pvd",

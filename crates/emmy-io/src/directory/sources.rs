@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::contents::{FILES, collections, is_removed};
 use super::{DirectoryError, lock};
 use crate::checkpoint;
+use crate::report::pictures;
 use crate::vtk::{is_of_frame, name_of};
 use crate::whole_file::PART;
 
@@ -55,6 +56,7 @@ fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
             FILES.contains(file) || *file == lock::FILE || is_own || is_removed(directory, file)
         }
         Some([checkpoint::DIRECTORY, file]) => checkpoint::FILES.contains(&file.trim_end_matches(PART)),
+        Some([pictures::DIRECTORY, file]) => pictures::is_own(file),
         Some(["frames", path @ ..]) => {
             let collections = collections(directory).unwrap_or_default();
             collections.iter().chain([&own]).any(|name| is_of_frame(path, name))
@@ -90,6 +92,8 @@ mod tests {
             "frames/old_000001.pvtu",
             "frames/out_000001/0000.vtu",
             "checkpoint/a.checkpoint",
+            "pictures/speed.png",
+            "pictures/mode-12.png.part",
         ] {
             assert!(is_taken(file), "{file}");
         }
@@ -97,6 +101,7 @@ mod tests {
             "input.toml",
             "mesh.msh",
             "other.pvd",
+            "pictures/mine.png",
             "frames/mesh.vtu",
             "frames/other_000001.vtu",
             "frames/out_000001/mesh.vtu",

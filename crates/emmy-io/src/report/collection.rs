@@ -8,7 +8,7 @@ use roxmltree::Document;
 
 use super::ReportError;
 use crate::mesh::{MeshError, vtu};
-use crate::vtk::{COLLECTION_MARK, SeriesReader};
+use crate::vtk::{COLLECTION_MARK, SeriesReader, is_series};
 use crate::whole_file;
 
 /// The frames of a run, read one by one.
@@ -118,6 +118,11 @@ fn series(directory: &Path) -> Option<(String, FrameSource)> {
     // The file has times only, which are the same numbers as in the history.
     let steps = vec![0; series.times().len()];
     Some((path.file_name()?.to_string_lossy().into_owned(), FrameSource::Series(series, steps)))
+}
+
+/// Whether a directory has a series, with displacements or without.
+pub(super) fn has_series(directory: &Path) -> bool {
+    in_order(directory, "vtkhdf").iter().any(|path| is_series(path))
 }
 
 /// Files of a directory with an extension; the one named after the directory is first.

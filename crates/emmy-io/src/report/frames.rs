@@ -4,80 +4,12 @@ use serde_json::{Value, json};
 
 use super::coarse::coarsened;
 use super::collection::FrameSource;
+use super::fields::{ColourField, FIELDS, MOTION};
 use super::pack::{Pack, quantised};
 use super::run::tables;
 use super::surface::{RegionNodes, Surface};
 use super::{MAX_NODES, ReportError};
 use crate::mesh::{MeshError, vtu};
-
-/// A nodal quantity for colouring.
-struct ColourField {
-    name: &'static str,
-    label: &'static str,
-    /// Array in the frames, and its number of components.
-    array: (&'static str, usize),
-    value: fn(&[f64]) -> f64,
-    /// Whether zero has the middle colour.
-    is_signed: bool,
-}
-
-/// Quantities for colouring besides the displacement.
-const FIELDS: [ColourField; 8] = [
-    ColourField {
-        name: "von_mises_stress",
-        label: "von Mises stress",
-        array: ("von_mises_stress", 1),
-        value: |numbers| numbers[0],
-        is_signed: false,
-    },
-    ColourField {
-        name: "strain_energy_density",
-        label: "strain energy density",
-        array: ("strain_energy_density", 1),
-        value: |numbers| numbers[0],
-        is_signed: false,
-    },
-    ColourField { name: "speed", label: "speed |v|", array: ("velocity", 3), value: norm, is_signed: false },
-    ColourField {
-        name: "mean_stress",
-        label: "mean stress tr \u{3c3} / 3",
-        array: ("cauchy_stress", 6),
-        value: |numbers| (numbers[0] + numbers[1] + numbers[2]) / 3.0,
-        is_signed: true,
-    },
-    ColourField {
-        name: "largest_stretch",
-        label: "largest principal stretch",
-        array: ("principal_stretches", 3),
-        value: |numbers| numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        is_signed: false,
-    },
-    ColourField {
-        name: "largest_stretch",
-        label: "largest principal stretch",
-        array: ("largest_stretch", 1),
-        value: |numbers| numbers[0],
-        is_signed: false,
-    },
-    ColourField {
-        name: "smallest_stretch",
-        label: "smallest principal stretch",
-        array: ("principal_stretches", 3),
-        value: |numbers| numbers.iter().copied().fold(f64::INFINITY, f64::min),
-        is_signed: false,
-    },
-    ColourField {
-        name: "contact_pressure",
-        label: "contact pressure",
-        array: ("contact_pressure", 1),
-        value: |numbers| numbers[0],
-        is_signed: false,
-    },
-];
-
-fn norm(vector: &[f64]) -> f64 {
-    vector.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
 
 /// Bytes for the displacement of a node in a frame.
 const DISPLACEMENT: usize = 6;
@@ -94,26 +26,18 @@ pub(super) fn gather(
     if n_frames == 0 {
         return Ok(None);
     }
-    let mut frame = match frames.first() {
-        // Rigid bodies alone have no surface.
-        Err(ReportError::Frame(MeshError::NoCells { .. })) => return Ok(None),
-        frame => frame?,
-    };
-    let whole = Surface::of_regions(std::mem::take(&mut frame.cells), &frame.regions);
-    let n_whole = whole.nodes.len();
     // Without displacements there is no motion to show.
-    if n_whole == 0 || !frame.fields.contains(&("displacement".to_string(), 3)) {
-        return Ok(None);
-    }
+    let shown = shown(frames)?.filter(|(frame, _)| has_displacement(frame));
+    let Some((frame, whole)) = shown else { return Ok(None) };
+    let n_whole = whole.nodes.len();
     let surface = coarsened(whole, &frame.points, MAX_NODES);
     let fields = present(frames, &frame)?;
     let kept = kept(n_frames, room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
     pack_mesh(&surface, &frame.points, pack);
     pack_frames((frames, &kept), &surface, frame.points.len(), &fields, pack)?;
-    let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false, "array": "displacement" });
     // The array has the unit of the quantity; stretches have none.
-    let of_field = |field: &&ColourField| json!({ "name": field.name, "label": field.label, "signed": field.is_signed, "array": field.array.0 });
-    let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
+    let of_field = |field: &ColourField| json!({ "name": field.name, "label": field.label, "signed": field.is_signed(), "array": field.array.0 });
+    let offered: Vec<Value> = [&MOTION].into_iter().chain(fields.iter().copied()).map(of_field).collect();
     Ok(Some(json!({
         "written": n_frames,
         "kept": kept.len(),
@@ -122,6 +46,22 @@ pub(super) fn gather(
         "fields": offered,
         "notes": notes(n_whole, surface.nodes.len(), n_frames, kept.len()),
     })))
+}
+
+/// The first frame without its cells, and its surface; `None` if there is nothing to draw.
+pub(super) fn shown(frames: &FrameSource) -> Result<Option<(vtu::Frame, Surface)>, ReportError> {
+    let mut frame = match frames.first() {
+        // Rigid bodies alone have no surface.
+        Err(ReportError::Frame(MeshError::NoCells { .. })) => return Ok(None),
+        frame => frame?,
+    };
+    let surface = Surface::of_regions(std::mem::take(&mut frame.cells), &frame.regions);
+    Ok((!surface.nodes.is_empty()).then_some((frame, surface)))
+}
+
+/// Whether a frame has the displacement.
+pub(super) fn has_displacement(frame: &vtu::Frame) -> bool {
+    frame.fields.iter().any(|(name, components)| (name.as_str(), *components) == MOTION.array)
 }
 
 /// A region with its nodes.
@@ -137,7 +77,10 @@ fn region(own: &RegionNodes, input: &toml::Table) -> Value {
 }
 
 /// Quantities in the frames with at least one finite value.
-fn present(frames: &FrameSource, frame: &vtu::Frame) -> Result<Vec<&'static ColourField>, ReportError> {
+pub(super) fn present(
+    frames: &FrameSource,
+    frame: &vtu::Frame,
+) -> Result<Vec<&'static ColourField>, ReportError> {
     let has = |field: &&ColourField| {
         frame.fields.iter().any(|(name, components)| (name.as_str(), *components) == field.array)
     };

@@ -13,9 +13,11 @@
 //! | `loads` | time intervals in which loads act |
 //! | `events` | `events.csv` |
 //! | `collection`, `frames` | frames, and the selection of frames |
+//! | `fields` | the quantities for colouring |
 //! | `surface`, `coarse` | the visible surface of a mesh, coarsened if it is too large |
 //! | `pack` | typed arrays, compressed, as base64 |
 //! | `page` | the template |
+//! | `pictures` | pictures of the extremes, in files of their own |
 //!
 //! Sizes are bounded ([`MAX_ROWS`], [`MAX_FRAME_BYTES`], [`MAX_NODES`]), so that a page has at most a few MB.
 
@@ -23,12 +25,14 @@ mod coarse;
 mod collection;
 mod curves;
 mod events;
+mod fields;
 mod frames;
 mod history;
 mod loads;
 mod modes;
 mod pack;
 mod page;
+pub(crate) mod pictures;
 mod run;
 mod surface;
 mod thinning;
@@ -36,13 +40,14 @@ mod thinning;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::comparison::{Run, RunError};
+use crate::comparison::{self, Run, RunError};
 use crate::differences::Differences;
 use crate::directory::MARK;
 use crate::link::relative;
 use crate::mesh::MeshError;
 use crate::whole_file::{self, replace};
 pub(crate) use curves::Curves;
+pub use pictures::Pictures;
 use run::{RunData, RunLink};
 
 /// Largest number of rows in a page; longer histories keep the rows with the extremes of every column.
@@ -75,7 +80,17 @@ pub enum ReportError {
         /// The directory.
         path: PathBuf,
     },
-    /// The page cannot be written; the error has its path.
+    /// There is nothing of which pictures could be drawn.
+    #[error("no pictures of {path} can be drawn: {cause}")]
+    NoPictures {
+        /// The directory.
+        path: PathBuf,
+        /// The missing part.
+        cause: &'static str,
+        /// A way to get pictures.
+        remedy: &'static str,
+    },
+    /// A page or a picture cannot be written; the error has its path.
     #[error(transparent)]
     Page(io::Error),
     /// An error of the system.
@@ -97,12 +112,18 @@ pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     if modes::are_in(directory) {
         return written(directory, &[modes::gather(directory)?], None);
     }
+    check(directory)?;
+    let run = RunData::gather(directory, RunLink::default(), Room::shared_by(1))?;
+    written(directory, &[run], None)
+}
+
+/// Checks that a directory holds a run.
+fn check(directory: &Path) -> Result<(), ReportError> {
     let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
-    let run = RunData::gather(directory, RunLink::default(), Room::shared_by(1))?;
-    written(directory, &[run], None)
+    Ok(comparison::check(directory)?)
 }
 
 /// Writes `report.html` of several runs into a directory, and returns its path. `directories`: those of the runs.

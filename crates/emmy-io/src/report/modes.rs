@@ -20,11 +20,7 @@ pub(super) fn are_in(directory: &Path) -> bool {
 
 /// Gathers the natural modes of a directory. Frame 0 is the body at rest, frame i adds mode i to it.
 pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
-    let path = directory.join(TABLE);
-    let system = |error| ReportError::System { path: path.clone(), error };
-    let modes = table(&whole_file::read_text(&path).map_err(system)?).ok_or_else(|| {
-        system(io::Error::new(io::ErrorKind::InvalidData, "is not a table of natural modes"))
-    })?;
+    let modes = rows(directory)?;
     let input = whole_file::read_text(&directory.join(WITNESS)).unwrap_or_default();
     let tree: toml::Table = input.parse().unwrap_or_default();
     let mut source = FrameSource::find(directory);
@@ -51,6 +47,20 @@ pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
         "arrays": places,
     });
     Ok(RunData { name, manifest, arrays })
+}
+
+/// Frequencies of the natural modes of a directory; NaN for one that is missing.
+pub(super) fn frequencies(directory: &Path) -> Result<Vec<f64>, ReportError> {
+    let rows = rows(directory)?;
+    Ok(rows.iter().map(|row| row["frequency"].as_f64().unwrap_or(f64::NAN)).collect())
+}
+
+/// The rows of the table in a directory.
+fn rows(directory: &Path) -> Result<Vec<Value>, ReportError> {
+    let path = directory.join(TABLE);
+    let system = |error| ReportError::System { path: path.clone(), error };
+    table(&whole_file::read_text(&path).map_err(system)?)
+        .ok_or_else(|| system(io::Error::new(io::ErrorKind::InvalidData, "is not a table of natural modes")))
 }
 
 /// The rows of the table, as objects by the names of the columns; numbers that are not finite are null.

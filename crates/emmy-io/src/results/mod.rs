@@ -151,7 +151,9 @@ impl Results {
         let cleaned = match (start, &mut files) {
             (Some(start), Some(files)) => {
                 let has_series = recording.is_some() && output.format == Format::Vtkhdf;
+                // Pictures show extremes of the frames, which a resumed run changes.
                 directory::remove_unfinished(directory, has_series)
+                    .and_then(|()| directory::remove_pictures(directory))
                     .and_then(|()| files.write_lost_frames(start, &notes))
             }
             _ => Ok(()),
