@@ -66,9 +66,9 @@ book:
 listings:
     UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings
 
-# The results in the book: the full set, computed on this machine.
+# The results in the book: the full set, computed on this machine (half an hour; needs CalculiX, `apt-get install calculix-ccx`).
 book-results:
-    cargo run --release -p emmy-validation -- --output book/src/paper
+    cargo run --release -p emmy-validation -- --output book/src/paper --ccx ccx
     EMMY_UPDATE_DOCS=1 cargo test -p emmy-validation --test book
 
 # Reports in a browser (needs Chromium: `apt-get install chromium`), and the picture of the README.

@@ -10,7 +10,8 @@ use emmy::motion::ReferenceMotion;
 
 use crate::chart::{Axis, Figure};
 use crate::directory::{self, DirectoryError, Lock, MARK};
-use crate::input::Problem;
+use crate::input::{ProbeQuantity, Problem};
+use crate::message::shown;
 use crate::report::{Curves, write_curves};
 use crate::spectra::{over_frequency, table};
 use crate::units::Units;
@@ -42,6 +43,19 @@ pub struct ProbeResponse {
     pub motion: Vec<Component>,
     /// The stresses that probes ask for.
     pub stresses: Vec<Component>,
+    /// Names of the probes whose motion is relative to the base.
+    pub relative: Vec<String>,
+}
+
+/// Components of one dimension.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part<'a> {
+    /// The quantity, in words.
+    pub name: String,
+    /// Its dimension.
+    pub dimension: &'static str,
+    /// Components, without those that are rounding beside the others.
+    pub components: Vec<&'a Component>,
 }
 
 /// A component over the frequency.
@@ -53,6 +67,14 @@ pub struct Component {
     pub amplitudes: Vec<f64>,
     /// Phases before the excitation \[rad\].
     pub phases: Vec<f64>,
+}
+
+impl<'a> Part<'a> {
+    fn new(name: &str, dimension: &'static str, all: &'a [Component]) -> Self {
+        let least = SMALLEST * all.iter().map(Component::largest).fold(0.0, f64::max);
+        let components = all.iter().filter(|own| own.largest() >= least).collect();
+        Part { name: name.to_string(), dimension, components }
+    }
 }
 
 impl Component {
@@ -80,13 +102,16 @@ impl ProbeResponse {
         frequencies: Vec<f64>,
         (quantity, is_relative): (Quantity, bool),
     ) -> emmy::Result<Self> {
-        let (mut motion, mut stresses) = (Vec::new(), Vec::new());
+        let (mut motion, mut stresses, mut relative) = (Vec::new(), Vec::new(), Vec::new());
         let omegas: Vec<f64> = frequencies.iter().map(|f| std::f64::consts::TAU * f).collect();
         let base = ReferenceMotion::of_base(&problem.body).ok();
         let fields = LazyCell::new(|| Fields::new(&problem.body));
         for probe in &problem.quantities.probes {
             let own = problem.quantities.reference_of_probe(probe);
             let is_relative = is_relative || own.is_some() && own == base.as_ref();
+            if is_relative {
+                relative.push(probe.name.clone());
+            }
             let at = |omega: &f64| match is_relative {
                 true => response.relative(*omega, probe.node, quantity),
                 false => response.absolute(*omega, probe.node, quantity),
@@ -107,7 +132,7 @@ impl ProbeResponse {
                 }
             }
         }
-        Ok(ProbeResponse { frequencies, quantity, motion, stresses })
+        Ok(ProbeResponse { frequencies, quantity, motion, stresses, relative })
     }
 
     /// All components.
@@ -133,31 +158,47 @@ impl ProbeResponse {
         table(&columns)
     }
 
+    /// The motion, and the stresses if there are any.
+    pub fn parts(&self) -> Vec<Part<'_>> {
+        let (name, dimension) = match self.quantity {
+            Quantity::Displacement => ("displacement", "length"),
+            Quantity::Velocity => ("velocity", "length/time"),
+            Quantity::Acceleration => ("acceleration", "length/time²"),
+        };
+        let all = [(name, dimension, &self.motion[..]), ("stress", "stress", &self.stresses[..])];
+        let all = all.into_iter().filter(|(.., components)| !components.is_empty());
+        all.map(|(name, dimension, components)| Part::new(name, dimension, components)).collect()
+    }
+
     /// The charts: amplitudes of the motion and of stresses, and their phases.
     pub fn figure(&self, units: Units) -> Figure {
-        let label = match self.quantity {
-            Quantity::Displacement => units.label("amplitude of the displacement", "length"),
-            Quantity::Velocity => units.label("amplitude of the velocity", "length/time"),
-            Quantity::Acceleration => units.label("amplitude of the acceleration", "length/time²"),
-        };
         let chart = over_frequency(&self.frequencies, units, false);
-        let of_stress = units.label("amplitude of the stress", "stress");
-        let charts =
-            [(label, "phase [rad]", &self.motion), (of_stress, "phase of the stress [rad]", &self.stresses)]
-                .into_iter()
-                .filter(|(.., components)| !components.is_empty())
-                .flat_map(|(label, of_phase, components)| {
-                    let least = SMALLEST * components.iter().map(Component::largest).fold(0.0, f64::max);
-                    let shown = || components.iter().filter(|own| own.largest() > least);
-                    let amplitudes = shown().map(|own| (own.name.clone(), &own.amplitudes[..]));
-                    let phases = shown().map(|own| (own.name.clone(), &own.phases[..]));
-                    [
-                        chart(Axis::log(label), &amplitudes.collect::<Vec<_>>()),
-                        chart(Axis::linear(of_phase), &phases.collect::<Vec<_>>()),
-                    ]
-                });
+        let charts = self.parts().into_iter().flat_map(|Part { name, dimension, components }| {
+            let label = units.label(&format!("amplitude of the {name}"), dimension);
+            let amplitudes = components.iter().map(|own| (own.name.clone(), &own.amplitudes[..]));
+            let phases = components.iter().map(|own| (own.name.clone(), &own.phases[..]));
+            [
+                chart(Axis::log(label), &amplitudes.collect::<Vec<_>>()),
+                chart(Axis::linear(format!("phase of the {name} [rad]")), &phases.collect::<Vec<_>>()),
+            ]
+        });
         Figure { charts: charts.collect(), columns: 1 }
     }
+}
+
+/// The quantity of the motion that all probes ask for, if it is the only one; else the displacement.
+pub fn quantity_of_probes(problem: &Problem) -> Quantity {
+    let of = |quantity: &ProbeQuantity| match quantity {
+        ProbeQuantity::Field(FieldName::Velocity) => Some(Quantity::Velocity),
+        ProbeQuantity::Field(FieldName::Acceleration) => Some(Quantity::Acceleration),
+        ProbeQuantity::Field(FieldName::Displacement) | ProbeQuantity::Position => {
+            Some(Quantity::Displacement)
+        }
+        ProbeQuantity::Field(_) => None,
+    };
+    let mut all = problem.quantities.probes.iter().flat_map(|probe| &probe.quantities).filter_map(of);
+    let first = all.next().unwrap_or_default();
+    if all.all(|quantity| quantity == first) { first } else { Quantity::default() }
 }
 
 /// Whether a field is linear in the motion, so that it has an amplitude and a phase.
@@ -172,7 +213,8 @@ pub fn notes(problem: &Problem) -> Vec<String> {
     let left_out = all.filter(|(_, field)| !field.is_of_motion() && !is_harmonic(*field));
     left_out
         .map(|(probe, field)| {
-            format!("{field} of the probe {} is not harmonic, and is left out: cauchy_stress is", probe.name)
+            let name = &probe.name;
+            format!("{field} of the probe {name} is left out, as it is not harmonic: ask for cauchy_stress instead")
         })
         .collect()
 }
@@ -186,7 +228,7 @@ pub fn check(directory: &Path, problem: &Problem) -> Result<(), DirectoryError> 
     directory::check_sources(directory, &problem.files)
 }
 
-/// Writes a response into a directory, in place of an earlier one.
+/// Writes a response into a directory, in place of an earlier one. `caption`: excitation and damping, in words.
 ///
 /// # Errors
 /// [`DirectoryError`].
@@ -195,19 +237,26 @@ pub fn write(
     problem: &Problem,
     response: &HarmonicResponse,
     probes: &ProbeResponse,
+    caption: &str,
 ) -> Result<(), DirectoryError> {
     check(directory, problem)?;
     directory::prepare_kind(directory, KIND, WITNESS)?;
     let _lock = Lock::take(directory)?;
     let written = || -> io::Result<()> {
         let version = env!("CARGO_PKG_VERSION");
-        let input = format!("{MARK} {version}: the input of this harmonic response.\n\n{}", problem.resolved);
+        let about = shown(caption);
+        let input = format!(
+            "{MARK} {version}: the input of this harmonic response.\n# {about}.\n\n{}",
+            problem.resolved
+        );
         replace(&directory.join(WITNESS), input.as_bytes())?;
-        let figure = probes.figure(problem.units);
+        let mut figure = probes.figure(problem.units);
+        figure.charts.iter_mut().take(1).for_each(|chart| chart.title = about.to_string());
         figure.write(&directory.join("response"))?;
         let name = problem.title.as_deref().unwrap_or("Harmonic response");
         let curves = Curves {
             heading: name,
+            caption,
             figure: &figure,
             input: Some(&input),
             files: &[TABLE, MODES, "response.svg", WITNESS],

@@ -212,9 +212,9 @@ impl Beam {
         [0, 1].map(|of| self.responses[of].absolute(TAU * f, self.tip, Quantity::Displacement)[2])
     }
 
-    /// The same as CalculiX has them: without the static correction, with dampers between the modes and a place at rest,
-    /// which a base that moves with the velocity a/(i omega) feels, and without the inertia that a consistent mass
-    /// couples to the base.
+    /// The same as CalculiX has them: without the static correction, with dampers between the modes and a place at
+    /// rest, which a base that moves with the velocity a/(i omega) feels, and without the inertia that a consistent
+    /// mass couples to the base.
     fn as_calculix(&self, f: f64) -> [Complex; 2] {
         let omega = TAU * f;
         [(0, 0.0, 0.0), (1, 1.0, -1.0 / (omega * omega))].map(|(of, of_base, base)| {

@@ -7,7 +7,7 @@ use emmy::body::{Body, RegionSummary};
 use emmy::equilibrium::unbalanced_force;
 use emmy::modes::{Mode, modes, modes_about, n_modes};
 use emmy::motion::State;
-use emmy_io::input::{self, Overrides, Problem, Start};
+use emmy_io::input::{self, NOTHING_MOVES, Overrides, Problem, Start};
 
 use super::{with_ending, with_threads};
 use crate::failure::Failure;
@@ -53,7 +53,8 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let overrides = Overrides { set: arguments.set.clone(), ..Overrides::default() };
     let problem = input::read(&arguments.file, &overrides)?;
     if !arguments.quiet {
-        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
+        let notes = problem.notes.iter().filter(|note| *note != NOTHING_MOVES);
+        notes.for_each(|note| message!(host, "note: {note}"));
     }
     let directory = arguments.directory(&problem);
     emmy_io::modes::check(&directory, &problem)?;

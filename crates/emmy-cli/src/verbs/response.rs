@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::modes::{Excitation, HarmonicResponse, ModalDamping, Quantity, n_modes};
-use emmy_io::input::{self, Overrides, Problem};
-use emmy_io::response::{self, Component, ProbeResponse};
+use emmy_io::input::{self, NOTHING_MOVES, Overrides, Problem};
+use emmy_io::report::PAGE;
+use emmy_io::response::{self, Component, Part, ProbeResponse};
 use emmy_io::spectra::Frequencies;
 
 use super::{modes, named, with_ending, with_threads};
@@ -19,7 +20,7 @@ pub(crate) struct Arguments {
     /// Input file (TOML)
     file: PathBuf,
     /// Frequencies in cycles per time: A:B:N at equal distances, A:B:N:log in equal ratios
-    #[arg(long, value_name = "A:B:N")]
+    #[arg(long, value_name = "A:B:N", allow_hyphen_values = true)]
     frequencies: Frequencies,
     /// Shake the supports along an axis with an acceleration of amplitude 1, instead of the loads
     #[arg(long, value_name = "AXIS", value_parser = named(&AXES))]
@@ -29,11 +30,11 @@ pub(crate) struct Arguments {
     load: Vec<usize>,
     /// Damping ratio of every mode, or one for each mode with commas, the last of which holds for all later ones
     /// [default: viscosity and drag of the input]
-    #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true, value_parser = ratio)]
     damping: Vec<f64>,
-    /// Quantity of the amplitudes
-    #[arg(long, value_name = "NAME", default_value = "displacement", value_parser = named(&Quantity::ALL))]
-    quantity: Quantity,
+    /// Quantity of the motion [default: that of all probes, or the displacement if they differ]
+    #[arg(long, value_name = "NAME", value_parser = named(&Quantity::ALL))]
+    quantity: Option<Quantity>,
     /// With --base: motion relative to the base
     #[arg(long, requires = "base")]
     relative: bool,
@@ -83,7 +84,8 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let found = HarmonicResponse::new(&problem.body, state.as_ref(), count, &damping, &excitation);
     let found = found.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
     let frequencies = arguments.frequencies.values(false);
-    let probes = ProbeResponse::new(&problem, &found, frequencies, (arguments.quantity, arguments.relative));
+    let quantity = arguments.quantity.unwrap_or_else(|| response::quantity_of_probes(&problem));
+    let probes = ProbeResponse::new(&problem, &found, frequencies, (quantity, arguments.relative));
     let probes = probes.map_err(|error| modes::failure(error, arguments.count.is_some()))?;
     if let Some((f, name)) = probes.infinite() {
         let message = format!("the amplitude of `{name}` is infinite at the frequency {}", number(f));
@@ -91,18 +93,47 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
             "a mode without damping is excited at its own frequency: give --damping, or other frequencies";
         return Err(Failure::Usage { message, help: Some(help.to_string()) });
     }
-    response::write(&output, &problem, &found, &probes)?;
+    let caption = arguments.caption(&problem, &found, &probes);
+    response::write(&output, &problem, &found, &probes, &caption)?;
     print::result(host, &table(&problem, &probes))?;
     if !arguments.quiet {
         let notes = response::notes(&problem);
-        problem.notes.iter().chain(&notes).for_each(|note| message!(host, "note: {note}"));
+        let of_input = problem.notes.iter().filter(|note| *note != NOTHING_MOVES);
+        of_input.chain(&notes).for_each(|note| message!(host, "note: {note}"));
         remarks(&problem, &found, &probes, host);
+        if let Some(ratio) = arguments.damping.iter().find(|ratio| **ratio >= 1.0) {
+            message!(host, "note: a damping ratio of {ratio} is not below the critical one, 1; 2 % is 0.02");
+        }
+        message!(host, "{caption}");
         message!(host, "written: {}", output.join(response::TABLE).display());
+        message!(host, "to look at: {}", output.join(PAGE).display());
     }
     Ok(())
 }
 
 impl Arguments {
+    /// Excitation, modes and damping, in words.
+    fn caption(&self, problem: &Problem, found: &HarmonicResponse, probes: &ProbeResponse) -> String {
+        let excitation = match (self.base, &self.load[..]) {
+            (Some(direction), _) => {
+                let axis = AXES.iter().find(|(_, own)| *own == direction).map_or("", |(name, _)| name);
+                format!("base along {axis}, {}", problem.units.number(1.0, "length/time²"))
+            }
+            (None, []) => "all loads at factor 1".to_string(),
+            (None, numbers) => format!("loads {} at factor 1", listed(numbers)),
+        };
+        let damping = match &self.damping[..] {
+            [] => "damping of the input".to_string(),
+            ratios => format!("damping ratio {}", listed(ratios)),
+        };
+        let relative = match &probes.relative[..] {
+            [] => String::new(),
+            names => format!("; relative to the base: {}", names.join(", ")),
+        };
+        let n = found.modes().len();
+        format!("{excitation}; {n} mode{}, {damping}{relative}", if n == 1 { "" } else { "s" })
+    }
+
     fn excitation(&self, problem: &Problem) -> Result<Excitation, Failure> {
         let n_loads = problem.body.load_resultants().len();
         let missing =
@@ -126,17 +157,30 @@ impl Arguments {
     }
 }
 
+/// A damping ratio.
+fn ratio(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| format!("`{text}` is not a number: a ratio of 2 % is written 0.02"))
+}
+
 /// The largest amplitude of each component, with its frequency.
 fn table(problem: &Problem, probes: &ProbeResponse) -> String {
-    let head = ["largest amplitude of".to_string(), "value".to_string()];
-    let head = head.into_iter().chain([problem.units.label("frequency", "frequency")]).collect();
-    let row = |own: &Component| {
-        let numbers = own.amplitudes.iter().zip(&probes.frequencies);
-        let largest = numbers.max_by(|(a, _), (b, _)| a.total_cmp(b));
-        let cells = largest.map(|(value, f)| [number(*value), number(*f)]).into_iter().flatten();
-        std::iter::once(own.name.clone()).chain(cells).collect()
-    };
-    columns(std::iter::once(head).chain(probes.components().map(row)).collect())
+    let units = problem.units;
+    let frequency = units.label("frequency", "frequency");
+    let rows = probes.parts().into_iter().flat_map(|Part { name, dimension, components }| {
+        let head = vec![format!("largest {name} of"), units.label("amplitude", dimension), frequency.clone()];
+        let row = |own: &Component| {
+            let numbers = own.amplitudes.iter().zip(&probes.frequencies);
+            let largest = numbers.max_by(|(a, _), (b, _)| a.total_cmp(b));
+            let cells = largest.map(|(value, f)| [number(*value), number(*f)]).into_iter().flatten();
+            std::iter::once(own.name.clone()).chain(cells).collect()
+        };
+        std::iter::once(head).chain(components.into_iter().map(row)).collect::<Vec<_>>()
+    });
+    columns(rows.collect())
+}
+
+fn listed(values: &[impl ToString]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Remarks on the modes.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use emmy_io::report;
 use emmy_io::spectra::{self, Detrend, Frequencies, Kind, Settings, Spectrum, SpectrumError, Window};
 
 use super::{named, with_ending};
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "constant", value_parser = named(&Detrend::ALL))]
     detrend: Detrend,
     /// Frequencies of `srs`, A:B:N in equal ratios, A:B:N:linear at equal distances
-    #[arg(long, value_name = "A:B:N")]
+    #[arg(long, value_name = "A:B:N", allow_hyphen_values = true)]
     frequencies: Option<Frequencies>,
     /// Quality factor 1/(2 zeta) of the oscillators of `srs`
     #[arg(long, value_name = "Q", default_value_t = 10.0, allow_negative_numbers = true)]
@@ -65,7 +66,7 @@ pub(crate) struct Arguments {
 
 /// Computes and writes the spectrum.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    let Arguments { directory, column, kind, input, .. } = arguments;
+    let Arguments { directory, column, input, .. } = arguments;
     check(arguments)?;
     let output =
         arguments.output.clone().unwrap_or_else(|| match (directory.file_name(), directory.canonicalize()) {
@@ -76,17 +77,14 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
     spectra::check(&output)?;
     let between = [arguments.from, arguments.to];
     let spectrum = arguments.settings().of_run(directory, column, input.as_deref(), between)?;
-    spectra::write(&output, &spectrum)?;
+    let run = directory.canonicalize().unwrap_or_else(|_| directory.clone());
+    let run = run.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    spectra::write(&output, &run, &spectrum)?;
     print::result(host, &table(&spectrum))?;
     if !arguments.quiet {
         spectrum.notes.iter().for_each(|note| message!(host, "note: {note}"));
-        if *kind == Kind::Shock && arguments.derivative == 0 {
-            message!(
-                host,
-                "note: the columns are taken as accelerations; --derivative takes those of others"
-            );
-        }
         message!(host, "written: {}", output.join(spectra::TABLE).display());
+        message!(host, "to look at: {}", output.join(report::PAGE).display());
     }
     Ok(())
 }

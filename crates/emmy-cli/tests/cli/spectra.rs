@@ -301,19 +301,20 @@ fn stresses_of_probes_have_amplitudes() {
     let place = Place::with(PILLAR);
     let flags = ["--frequencies", "2:8:2", "--damping", "0.0001", "--count", "40"];
     let outcome = place.succeed(&[&["response", "box.toml"][..], &flags].concat());
-    assert!(
-        outcome.stderr.contains("von_mises_stress of the probe foot is not harmonic"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.contains("von_mises_stress of the probe foot is left out"), "{}", outcome.stderr);
     let (head, rows) = table(&place, "out-response/response.csv");
     let at = head.split(',').position(|name| name == "foot_cauchy_stress_zz_amplitude").unwrap();
     for row in &rows {
         let expected = 3.0 / (0.25 * TAU * row[0] / 12.5).cos();
         assert!((row[at] / expected - 1.0).abs() < 0.01, "{row:?} {expected}");
     }
-    // The stress drawn, and the page.
+    // The stress drawn, with the excitation, and the page.
+    let caption = "all loads at factor 1; 40 modes, damping ratio 0.0001";
+    assert!(outcome.stderr.contains(caption) && place.read("out-response/response.toml").contains(caption));
+    let drawn = place.read("out-response/response.svg");
+    assert!(drawn.contains("foot_cauchy_stress_zz") && drawn.contains("all loads"), "{drawn}");
     let page = place.read("out-response/report.html");
+    assert!(page.contains(caption));
     assert!(page.contains("amplitude of the stress [Pa]") && page.contains("foot_cauchy_stress_zz"));
 }
 
@@ -324,12 +325,14 @@ fn impossible_responses_change_nothing() {
     let resonance = format!("1:{}:2", 6.0 / TAU);
     let no_probe = ["--frequencies", "1:2:3", "--set", "output.probes=[]"];
     for (flags, part) in [
-        (&["--frequencies", "1:2"][..], "START:STOP:N"),
+        (&["--frequencies", "1:2"][..], "A:B:N"),
         (&["--frequencies", "0:2:3"], "frequencies must be positive"),
         (&["--frequencies", "1:2:3", "--base", "w"], "invalid value 'w'"),
         (&["--frequencies", "1:2:3", "--relative"], "--base"),
         (&["--frequencies", "1:2:3", "--load", "1"], "no load with the number 1"),
         (&["--frequencies", "1:2:3", "--damping", "-0.1"], "a damping ratio is -0.1"),
+        (&["--frequencies", "1:2:3", "--damping", "2%"], "a ratio of 2 % is written 0.02"),
+        (&["--frequencies", "-5:2:3"], "frequencies must be positive"),
         (&["--frequencies", "1:2:3", "--count", "2"], "2 modes were requested"),
         (&["--frequencies", "1:2:3", "--output", "taken"], "no harmonic response of Emmy"),
         (&["--frequencies", "1:2:3", "--output", "taken"], "mine.txt"),
@@ -339,6 +342,15 @@ fn impossible_responses_change_nothing() {
         assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{flags:?}\n{}", outcome.stderr);
         assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
     }
+    let flags = ["response", "box.toml", "--frequencies", "1:2:3", "--damping", "2"];
+    let told = place.succeed(&[&flags[..], &["--base", "x"]].concat()).stderr;
+    assert!(told.contains("a damping ratio of 2 is not below the critical one"), "{told}");
+    assert!(
+        told.contains("base along x, 1; 1 mode, damping ratio 2") && !told.contains("nothing moves"),
+        "{told}"
+    );
+    let told = place.emmy(&["report", "out-response"]);
+    assert!(told.code == 2 && told.stderr.contains("was written by `emmy response`"), "{}", told.stderr);
     // Without damping, resonance is finite only because the frequency has rounding.
     let outcome = place.emmy(&["response", "box.toml", "--frequencies", &resonance]);
     assert!(outcome.code == 2 || outcome.stderr.contains("there is no damping"), "{}", outcome.stderr);

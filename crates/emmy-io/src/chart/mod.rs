@@ -140,7 +140,7 @@ pub struct Chart {
     pub guides: Vec<Guide>,
 }
 
-/// Charts side by side under the legend of the first one.
+/// Charts side by side, under a legend of the first one in a row; a row with the series of the one above has none.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
     /// The charts, row by row.
@@ -194,27 +194,44 @@ pub(crate) struct Sheet<'a> {
     grid: (usize, usize),
     /// Size of a chart.
     size: (f64, f64),
-    legend: Legend<'a>,
+    /// Of each row; `None` for the series of the row above.
+    legends: Vec<Option<Legend<'a>>>,
 }
 
 impl<'a> Sheet<'a> {
     fn new(charts: &'a [Chart], columns: usize, size: (f64, f64)) -> Self {
         let columns = columns.clamp(1, charts.len().max(1));
-        let series = charts.first().map_or(&[][..], |chart| &chart.series);
-        let legend = Legend::new(series, size.0 * columns as f64);
-        Sheet { charts, grid: (charts.len().div_ceil(columns), columns), size, legend }
+        let rows: Vec<&[Series]> = charts.chunks(columns).map(|row| &row[0].series[..]).collect();
+        let keys = |series: &'a [Series]| series.iter().map(|own| (&own.label, own.colour, own.style));
+        let legend = |row: usize| {
+            let is_new = row == 0 || !keys(rows[row]).eq(keys(rows[row - 1]));
+            is_new.then(|| Legend::new(rows[row], size.0 * columns as f64))
+        };
+        let legends = (0..rows.len()).map(legend).collect();
+        Sheet { charts, grid: (rows.len(), columns), size, legends }
     }
 
     /// Width and height in points.
     pub(crate) fn size(&self) -> (f64, f64) {
         let (rows, columns) = self.grid;
-        (self.size.0 * columns as f64, self.legend.height() + self.size.1 * rows as f64)
+        let legends: f64 = self.legends.iter().flatten().map(Legend::height).sum();
+        (self.size.0 * columns as f64, legends + self.size.1 * rows as f64)
     }
 
     pub(crate) fn draw(&self, area: &Area<'_>) -> Drawn {
-        self.legend.draw(area)?;
-        let panels = area.split_vertically(units(self.legend.height())).1.split_evenly(self.grid);
-        panels.iter().zip(self.charts).try_for_each(|(area, chart)| panel::draw(area, chart))
+        let mut rest = area.clone();
+        for (row, legend) in self.charts.chunks(self.grid.1).zip(&self.legends) {
+            if let Some(legend) = legend {
+                let (above, below) = rest.split_vertically(units(legend.height()));
+                legend.draw(&above)?;
+                rest = below;
+            }
+            let (own, below) = rest.split_vertically(units(self.size.1));
+            let panels = own.split_evenly((1, self.grid.1));
+            panels.iter().zip(row).try_for_each(|(area, chart)| panel::draw(area, chart))?;
+            rest = below;
+        }
+        Ok(())
     }
 }
 

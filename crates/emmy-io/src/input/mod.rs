@@ -79,6 +79,7 @@ pub use material::materials;
 pub(crate) use memory::resolved;
 pub use memory::{Tree, build, check, material_region};
 pub use problem::{Overrides, Problem};
+pub(crate) use quantities::relation;
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 pub use reading::{read, read_mesh, read_on_team};
 pub use schema::schema;

@@ -12,6 +12,8 @@ use crate::chart::{Axis, Chart, Figure, Scale, Series};
 pub(crate) struct Curves<'a> {
     /// Heading of the page.
     pub(crate) heading: &'a str,
+    /// The settings from which they follow.
+    pub(crate) caption: &'a str,
     /// The charts, whose series have the abscissae of the first one.
     pub(crate) figure: &'a Figure,
     /// The input, if it is part of the page.
@@ -29,6 +31,7 @@ pub(super) fn gather(directory: &Path, curves: &Curves<'_>) -> RunData {
         "name": name,
         "href": "",
         "title": curves.heading,
+        "caption": curves.caption,
         "input": curves.input.map(|input| shortened(input.to_string())),
         "files": curves.files,
         "abscissa": first.map(|chart| axis(&chart.x)),
@@ -62,7 +65,7 @@ mod tests {
         let (x, y) = (Axis::linear("f [Hz]"), Axis::log("amplitude [m]"));
         let figure =
             Figure { charts: vec![Chart { x, y, series: vec![series], ..Chart::default() }], columns: 1 };
-        let curves = Curves { heading: "h", figure: &figure, input: None, files: &["a.csv"] };
+        let curves = Curves { heading: "h", caption: "c", figure: &figure, input: None, files: &["a.csv"] };
         let page = gather(Path::new("."), &curves).manifest;
         assert_eq!(page["frequencies"], json!([1.0, 2.0]));
         assert_eq!(page["abscissa"], json!({ "label": "f [Hz]", "log": false }));

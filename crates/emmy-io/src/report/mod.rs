@@ -1,5 +1,5 @@
-//! `report.html`: one run, several side by side, natural modes, spectra or responses, as a page that opens from disk and
-//! loads nothing.
+//! `report.html`: one run, several side by side, natural modes, spectra or responses, as a page that opens from disk
+//! and loads nothing.
 //!
 //! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
 //! `input.toml` and the frames. The page is replaced as a whole, also during a run.
@@ -46,6 +46,7 @@ use crate::directory::MARK;
 use crate::link::relative;
 use crate::mesh::MeshError;
 use crate::whole_file::{self, replace};
+use crate::{response, spectra};
 pub(crate) use curves::Curves;
 pub use pictures::Pictures;
 use run::{RunData, RunLink};
@@ -63,7 +64,7 @@ const MIN_ROWS: usize = 2_000;
 pub const MAX_NODES: usize = 20_000;
 
 /// Name of the page.
-const PAGE: &str = "report.html";
+pub const PAGE: &str = "report.html";
 
 /// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +80,14 @@ pub enum ReportError {
     NoRun {
         /// The directory.
         path: PathBuf,
+    },
+    /// A directory of another verb, which writes its page.
+    #[error("{path} was written by `{verb}`, which writes its own {PAGE}")]
+    OfAnotherVerb {
+        /// The directory.
+        path: PathBuf,
+        /// The command.
+        verb: &'static str,
     },
     /// There is nothing of which pictures could be drawn.
     #[error("no pictures of {path} can be drawn: {cause}")]
@@ -121,7 +130,13 @@ pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
 fn check(directory: &Path) -> Result<(), ReportError> {
     let input = whole_file::read_text(&directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
-        return Err(ReportError::NoRun { path: directory.to_path_buf() });
+        let path = directory.to_path_buf();
+        let of = [(response::TABLE, "emmy response"), (spectra::TABLE, "emmy spectrum")];
+        let verb = of.iter().find(|(table, _)| directory.join(table).is_file());
+        return Err(match verb {
+            Some((_, verb)) => ReportError::OfAnotherVerb { path, verb },
+            None => ReportError::NoRun { path },
+        });
     }
     Ok(comparison::check(directory)?)
 }
@@ -186,6 +201,8 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         std::fs::write(temp.path().join("input.toml"), "title = 1").unwrap();
         assert!(matches!(write(temp.path()), Err(ReportError::NoRun { .. })));
+        std::fs::write(temp.path().join("spectrum.csv"), "").unwrap();
+        assert!(write(temp.path()).unwrap_err().to_string().contains("was written by `emmy spectrum`"));
         let missing = write(&temp.path().join("nothing")).unwrap_err().to_string();
         assert!(missing.contains("not a directory"), "{missing}");
     }

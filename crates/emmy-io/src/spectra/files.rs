@@ -27,18 +27,27 @@ pub fn check(directory: &Path) -> Result<(), DirectoryError> {
     directory::check_kind(directory, KIND, WITNESS)
 }
 
-/// Writes table and plot of a spectrum of a run into a directory, in place of an earlier one.
+/// Writes table, plot and page of a spectrum of a run into a directory, in place of an earlier one. `run`: its name.
 ///
 /// # Errors
 /// [`DirectoryError`].
-pub fn write(directory: &Path, spectrum: &Spectrum) -> Result<(), DirectoryError> {
+pub fn write(directory: &Path, run: &str, spectrum: &Spectrum) -> Result<(), DirectoryError> {
     directory::prepare_kind(directory, KIND, WITNESS)?;
     let _lock = Lock::take(directory)?;
     let system = |error| DirectoryError::System { path: directory.to_path_buf(), error };
-    let figure = figure(spectrum);
+    let caption = format!("{run}, {}", spectrum.caption);
+    let mut figure = figure(spectrum);
+    if let Some(first) = figure.charts.first_mut() {
+        first.title = shown(&caption).into_owned();
+    }
     figure.write(&directory.join("spectrum")).map_err(system)?;
-    let curves =
-        Curves { heading: spectrum.kind.title(), figure: &figure, input: None, files: &[TABLE, WITNESS] };
+    let curves = Curves {
+        heading: spectrum.kind.title(),
+        caption: &caption,
+        figure: &figure,
+        input: None,
+        files: &[TABLE, WITNESS],
+    };
     write_curves(directory, &curves).map_err(system)?;
     let columns = spectrum.columns.iter().map(|(name, numbers)| (name.as_str(), &numbers[..]));
     let columns = std::iter::once(("frequency", &spectrum.frequencies[..])).chain(columns);

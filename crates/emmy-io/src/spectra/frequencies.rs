@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Frequencies from `start` to `stop`, written `START:STOP:N`, `START:STOP:N:log` or `START:STOP:N:linear`.
+/// Frequencies from `start` to `stop`, written `A:B:N`, `A:B:N:log` or `A:B:N:linear`.
 ///
 /// ```
 /// use emmy_io::spectra::Frequencies;
@@ -48,7 +48,7 @@ impl FromStr for Frequencies {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let parts: Vec<&str> = text.split(':').map(str::trim).collect();
-        let form = "frequencies are written START:STOP:N, with :log or :linear behind if wanted";
+        let form = "frequencies are written A:B:N, with :log or :linear behind if wanted";
         let (numbers, is_log) = match parts[..] {
             [_, _, _] => (&parts[..], None),
             [_, _, _, "log"] => (&parts[..3], Some(true)),

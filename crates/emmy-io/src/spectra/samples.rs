@@ -76,15 +76,19 @@ pub(super) fn read(
     Ok(series)
 }
 
-/// The unit of some columns of a run, if it has units and they have the same.
-pub(super) fn common_unit(directory: &Path, columns: &[String]) -> Option<String> {
-    let text = whole_file::read_text(&directory.join("columns.json")).ok()?;
-    let known: Vec<Value> = serde_json::from_str(&text).ok()?;
-    let unit = |name: &String| {
-        known.iter().find(|own| own["column"] == **name)?["unit"].as_str().filter(|unit| !unit.is_empty())
+/// Unit, dimension and meaning of the columns of a run; empty without units.
+pub(super) fn known_columns(directory: &Path) -> Vec<Value> {
+    let text = whole_file::read_text(&directory.join("columns.json")).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// A property that some columns have in common.
+pub(super) fn common(known: &[Value], columns: &[String], property: &str) -> Option<String> {
+    let own = |name: &String| {
+        known.iter().find(|own| own["column"] == **name)?[property].as_str().filter(|text| !text.is_empty())
     };
-    let first = unit(columns.first()?)?;
-    columns.iter().all(|name| unit(name) == Some(first)).then(|| first.to_string())
+    let first = own(columns.first()?)?;
+    columns.iter().all(|name| own(name) == Some(first)).then(|| first.to_string())
 }
 
 impl Series {

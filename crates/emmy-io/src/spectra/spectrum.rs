@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use emmy::internals::number::short;
+use serde_json::Value;
 
 use super::samples::{self, Samples, Series};
 use super::{Detrend, Frequencies, Segments, SpectrumError, Window};
@@ -113,6 +114,8 @@ pub struct Spectrum {
     pub notes: Vec<String>,
     /// Units of the run.
     pub units: Units,
+    /// The settings, in words.
+    pub caption: String,
     /// Unit of the columns and of their derivatives, if the run has units and all have the same.
     pub unit: Option<String>,
 }
@@ -133,8 +136,49 @@ impl Settings {
         let series = samples::read(directory, &names, between)?;
         // A run whose summary cannot be read has no units.
         let units = comparison::units_of(&comparison::summary(directory).unwrap_or_default());
-        let unit = samples::common_unit(directory, columns).map(|unit| self.of_derivative(unit, units));
-        Ok(Spectrum { units, unit, ..self.of_series(&series, columns)? })
+        let known = samples::known_columns(directory);
+        let unit = samples::common(&known, columns, "unit").map(|unit| self.of_derivative(unit, units));
+        let mut spectrum = Spectrum { units, unit, ..self.of_series(&series, columns)? };
+        if self.kind == Kind::Shock {
+            spectrum.notes.extend(self.on_accelerations(&known, columns));
+        }
+        Ok(spectrum)
+    }
+
+    /// Remarks on columns that are no accelerations, as far as their dimensions are known.
+    fn on_accelerations(&self, known: &[Value], columns: &[String]) -> Vec<String> {
+        if known.is_empty() {
+            let note = "the columns are taken as accelerations; --derivative takes those of others";
+            return if self.derivative == 0 { vec![note.to_string()] } else { Vec::new() };
+        }
+        let note = |column: &String| {
+            let dimension = known.iter().find(|own| own["column"] == **column)?["dimension"].as_str()?;
+            let needed = ["length/time²", "length/time", "length"].iter().position(|own| *own == dimension);
+            match needed {
+                Some(n) if n == self.derivative => None,
+                Some(n) => Some(format!("`{column}` is no acceleration: it needs --derivative {n}")),
+                None => {
+                    Some(format!("`{column}` is no motion: its shock response is that of no acceleration"))
+                }
+            }
+        };
+        columns.iter().filter_map(note).collect()
+    }
+
+    /// The settings for a record of n samples, in words.
+    fn caption(&self, n: usize) -> String {
+        let derivative = match self.derivative {
+            0 => String::new(),
+            n => format!("derivative {n}, "),
+        };
+        let name = Window::ALL.iter().find(|(_, window)| *window == self.window).map_or("", |own| own.0);
+        match (self.kind, self.segments(n)) {
+            (Kind::Shock, _) => format!("{derivative}maximax of oscillators with Q = {}", short(self.q)),
+            (_, Ok(Segments { length, .. })) => {
+                format!("{derivative}window {name}, segments of {length} of {n} samples")
+            }
+            (_, Err(_)) => derivative,
+        }
     }
 
     /// The unit of derivatives of columns with a unit.
@@ -182,6 +226,7 @@ impl Settings {
             has_power: Vec::new(),
             notes,
             units: Units::default(),
+            caption: self.caption(values[0].len()),
             unit: None,
         };
         match self.kind {

@@ -281,8 +281,8 @@ fn peak(body: &Body, count: usize, places: [[f64; 3]; 2]) -> (f64, f64, f64) {
 }
 
 /// Tests 5H and 5R: a deep beam, 10 x 2 x 2 m, under 1 MN/m: 13.45 mm and 241.9 MPa at 42.65 Hz; under a force with a
-/// density of (1 MN/m)^2/Hz a displacement with 180.9 mm^2/Hz there, and a stress with 58516 MPa^2/Hz. Supports hold the
-/// end faces across the beam.
+/// density of (1 MN/m)^2/Hz a displacement with 180.9 mm^2/Hz there, and a stress with 58516 MPa^2/Hz. Supports hold
+/// the end faces across the beam.
 #[test]
 fn a_deep_beam_has_the_response_of_nafems_5h_and_5r() {
     let body = Body::builder(brick(CellKind::Hex20, [10.0, 2.0, 2.0], [10, 2, 2]))

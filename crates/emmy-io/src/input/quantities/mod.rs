@@ -184,7 +184,7 @@ fn extreme_column(field: FieldName, relative_to: Option<&str>) -> ColumnInfo {
 }
 
 /// Words for a frame of reference after the name of a quantity.
-pub(super) fn relation(relative_to: Option<&str>) -> String {
+pub(crate) fn relation(relative_to: Option<&str>) -> String {
     let other = relative_to.filter(|name| *name != GROUND);
     other.map_or_else(String::new, |name| format!(", relative to {name}"))
 }

@@ -72,9 +72,17 @@ pub(super) struct Words<'a> {
     pub(super) units: &'a Value,
     /// Whether the frames are those of a static analysis.
     pub(super) is_static: bool,
+    /// Words for the frame of reference of the motion, if it is not at rest.
+    pub(super) relation: String,
 }
 
 impl Words<'_> {
+    /// The quantity of a picture.
+    fn quantity(&self, field: &ColourField) -> String {
+        let is_of_motion = ["displacement", "velocity"].contains(&field.array.0);
+        format!("{}{}", field.label, if is_of_motion { &self.relation } else { "" })
+    }
+
     fn time(&self, time: f64) -> String {
         let unit = self.units["system"]["time"].as_str().unwrap_or_default();
         match self.is_static {
@@ -116,7 +124,7 @@ pub(super) fn of_run(
         shots.push(Shot {
             name: field.name.into(),
             frame: found.frame,
-            caption: format!("{}, {}", field.label, words.time(time)),
+            caption: format!("{}, {}", words.quantity(field), words.time(time)),
             colours: Colours::Field(field),
             extreme: Some(Marked {
                 name: field.extreme.name(),
@@ -202,8 +210,13 @@ mod tests {
     #[test]
     fn captions_have_the_time_or_the_load() {
         let units = serde_json::json!({ "system": { "time": "ms" } });
-        let text = |units: &Value, is_static: bool| Words { units, is_static }.time(0.1 + 0.2);
-        assert_eq!(text(&units, false), "t = 0.3 ms");
-        assert_eq!([text(&Value::Null, false), text(&units, true)], ["t = 0.3", "load fraction = 0.3"]);
+        let text = |units: &Value, is_static: bool| {
+            let words = Words { units, is_static, relation: ", relative to base".into() };
+            format!("{}; {}", words.quantity(&MOTION), words.time(0.1 + 0.2))
+        };
+        let displaced = |time: &str| format!("displacement |u|, relative to base; {time}");
+        assert_eq!(text(&units, false), displaced("t = 0.3 ms"));
+        assert_eq!(text(&Value::Null, false), displaced("t = 0.3"));
+        assert_eq!(text(&units, true), displaced("load fraction = 0.3"));
     }
 }

@@ -31,6 +31,7 @@ use super::frames;
 use super::run::units;
 use super::{ReportError, check, modes};
 use crate::comparison;
+use crate::input::relation;
 use crate::modes::WITNESS;
 use crate::picture;
 use crate::whole_file::{self, PART, names, remove, replace};
@@ -109,7 +110,9 @@ impl Pictures {
         } else {
             let is_static = comparison::summary(directory)?["scheme"] == "static";
             let fields = frames::present(&frames, &frame)?;
-            extremes::of_run(&frames, &fields, &nodal, &extremes::Words { units: &units, is_static })?
+            let relative_to = input.get("output").and_then(|output| output.get("relative_to")?.as_str());
+            let words = extremes::Words { units: &units, is_static, relation: relation(relative_to) };
+            extremes::of_run(&frames, &fields, &nodal, &words)?
         };
         let title = input.get("title").and_then(toml::Value::as_str).unwrap_or_default().to_string();
         let skin = Skin::new(surface, nodal.points());

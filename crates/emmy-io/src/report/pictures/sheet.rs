@@ -80,7 +80,13 @@ pub(super) fn window(height: f64) -> Window {
 
 /// A number with four digits.
 pub(super) fn four_digits(value: f64) -> String {
-    format!("{value:.3e}").parse().map_or_else(|_| value.to_string(), |value: f64| short(value))
+    resolved(value, f64::INFINITY)
+}
+
+/// A number with as many digits as tell it from another one at a distance, at least four.
+fn resolved(value: f64, distance: f64) -> String {
+    let digits = (value.abs() / distance).log10().ceil().clamp(3.0, 15.0) as usize;
+    format!("{value:.digits$e}").parse().map_or_else(|_| value.to_string(), |value: f64| short(value))
 }
 
 impl Sheet<'_> {
@@ -145,14 +151,15 @@ impl Key<'_> {
             let y = at(self.scale.part(tick));
             let line = [left + BAR, left + BAR + 4.0].map(|x| (units(x), y));
             area.draw(&PathElement::new(line, stroke(INK, 0.6)))?;
-            let number = four_digits(tick / 10f64.powi(power)).replace('-', "\u{2212}");
+            let scale = 10f64.powi(power);
+            let number = resolved(tick / scale, step / scale).replace('-', "\u{2212}");
             text(area, &number, &writing(TEXT), HPos::Left, (units(left + BAR + 7.0), y))?;
         }
-        self.draw_extreme(area, [left, bottom + 24.0])
+        self.draw_extreme(area, step, [left, bottom + 24.0])
     }
 
     /// The extreme value below the bar, and its mark on the body.
-    fn draw_extreme(&self, area: &Area<'_>, [left, top]: [f64; 2]) -> Drawn {
+    fn draw_extreme(&self, area: &Area<'_>, step: f64, [left, top]: [f64; 2]) -> Drawn {
         let (name, value) = self.extreme;
         let (place, is_hidden) = self.mark;
         let points = place.map(|samples| samples / (f64::from(PIXELS) * SAMPLES as f64));
@@ -163,7 +170,7 @@ impl Key<'_> {
                 area.draw(&Circle::new((units(x), units(y)), units(4.6), stroke(colour, 1.5)))?;
             }
         }
-        let value = format!("{} {}", four_digits(value).replace('-', "\u{2212}"), self.unit);
+        let value = format!("{} {}", resolved(value, 0.05 * step).replace('-', "\u{2212}"), self.unit);
         let rows = [name, value.trim_end(), if is_hidden { "out of sight" } else { "" }];
         for (i, row) in rows.into_iter().enumerate() {
             let at = (units(left + 14.0), units(top + 15.0 * i as f64));
@@ -216,7 +223,8 @@ mod tests {
     fn ticks_are_round_and_large_numbers_leave_a_power_out() {
         let labels = |low: f64, high: f64| {
             let (power, step) = divisions(low, high);
-            let labels = ticks(low, high, step).into_iter().map(|tick| four_digits(tick / 10f64.powi(power)));
+            let scale = 10f64.powi(power);
+            let labels = ticks(low, high, step).into_iter().map(|tick| resolved(tick / scale, step / scale));
             (power, labels.collect::<Vec<_>>().join(" "))
         };
         assert_eq!(labels(0.0, 1.0), (0, "0 0.2 0.4 0.6 0.8 1".into()));
@@ -224,7 +232,8 @@ mod tests {
         assert_eq!(labels(1.2e6, 4.9e6), (6, "2 3 4".into()));
         assert_eq!(labels(0.98, 1.021), (0, "0.98 0.99 1 1.01 1.02".into()));
         assert_eq!(labels(-3e-5, 0.0), (-5, "-3 -2.5 -2 -1.5 -1 -0.5 0".into()));
-        assert_eq!(labels(1.0, 1.0 + 1e-14).1, "1 1");
+        assert_eq!(labels(1.0, 1.00035).1, "1 1.0001 1.0002 1.0003");
+        assert_eq!(labels(1.0, 1.0 + 1e-14).1, "1 1.00000000000001");
     }
 
     #[test]

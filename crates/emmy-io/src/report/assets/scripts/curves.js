@@ -13,8 +13,8 @@ function chartOfCurves(run, { axis, lines }) {
 function showCurves({ runs: [run], version }) {
   const id = (name) => document.getElementById(name);
   id("title").textContent = run.title;
-  id("subtitle").textContent = `${run.name}, computed by Emmy ${version}`;
-  document.title = run.title;
+  id("subtitle").textContent = `${run.name}: ${run.caption}`;
+  document.title = `${run.name}: ${run.title}`;
   document.body.classList.add("of-modes");
   const { frequencies } = run;
   const clock = new Clock(frequencies[0], frequencies[frequencies.length - 1]);
