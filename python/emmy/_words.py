@@ -306,7 +306,7 @@ def members(value: Any, n: int, place: str) -> NDArray[np.int64]:
     if given.dtype.kind != "b":
         numbers = integers(given, place)
         if n > 2 and numbers.shape == (n,) and np.isin(numbers, (0, 1)).all():
-            raise fault(place, "are 0 and 1 over and over, as in a mask, whose values are of type bool: mask.astype(bool)")
+            raise fault(place, "are 0 and 1 over and over, as in a mask, which has values of type bool: astype(bool)")
         return numbers
     if given.shape != (n,):
         raise fault(place, f"expected a mask of shape ({n},), found {given.shape}")
