@@ -114,11 +114,12 @@ pub(super) fn of_run(
     let start = format!("start, {}", words.time(frames.at(0).1));
     let mut shots =
         vec![Shot { name: START.into(), frame: 0, caption: start, colours: Colours::None, extreme: None }];
-    let mut table = "picture,field,extreme,time,value,x,y,z\n".to_string();
+    let mut table = "picture,field,extreme,time,value,x,y,z,X,Y,Z\n".to_string();
     for (field, found) in all.into_iter().zip(found).filter_map(|(field, found)| Some((field, found?))) {
         let time = frames.at(found.frame).1;
-        let Found { value, at: [x, y, z], .. } = found;
-        let numbers = [time, value, x, y, z].map(|number| format!("{number:.16e}")).join(",");
+        let Found { value, at, node, .. } = found;
+        let numbers = [time, value].into_iter().chain(at).chain(nodal.points()[node]);
+        let numbers = numbers.map(|number| format!("{number:.16e}")).collect::<Vec<_>>().join(",");
         table += &format!("{0}.png,{0},{1},{numbers}\n", field.name, field.extreme.name());
         let unit = words.units["fields"][field.array.0].as_str().unwrap_or_default();
         shots.push(Shot {
